@@ -1,0 +1,110 @@
+// The kernel as YADE sees it: grains by index, vectors in three dimensions, the dimension of the scene
+// hidden. No YADE header, no physics.
+#pragma once
+
+#include "step/System.hpp"
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace softgrain {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+using Rotation = Eigen::Quaterniond;
+
+/// One grain to be assembled. Throughout, 2D grains lie in the xy-plane.
+struct GrainDescription {
+	int id = -1; ///< of the YADE body
+	int dim = 2;
+	TemplateRecipe recipe;
+	Law law = Law::neoHookean;
+	Condition condition = Condition::planeStrain;
+	ElasticConstants constants;
+	double radius = 0;             ///< m
+	Vec3 position = Vec3::Zero();        ///< of the centre, m
+	Vec3 velocity = Vec3::Zero();        ///< m/s
+	Vec3 angularVelocity = Vec3::Zero(); ///< 1/s
+	Rotation orientation = Rotation::Identity();
+	Vec3 origin = Vec3::Zero();          ///< of the nodal positions, m; used with a nodal state
+	std::vector<double> x, v;      ///< nodal state to go on from; empty: undeformed
+};
+
+/// A rigid plane wall with prescribed motion.
+struct WallDescription {
+	int id; ///< of the YADE body
+	Vec3 point, normal, velocity;
+};
+
+/// One grain as a rigid body would show.
+struct GrainMotion {
+	double mass, inertia; ///< inertia about z in 2D, mean principal one in 3D
+	Vec3 position, velocity, angularVelocity;
+	Rotation orientation;
+};
+
+struct ContactRecord {
+	ContactKey key;
+	Vec3 point, normal, impulse; ///< normal and impulse act on the node's grain
+	double gap;
+};
+
+/// Contacts of one pair; its first grain has the lower index.
+class PairContacts {
+public:
+	virtual ~PairContacts() = default;
+	virtual bool empty() const = 0;
+	virtual double deepest() const = 0; ///< largest overlap, in dr
+	virtual void setFriction(double coefficient) = 0;
+	virtual std::vector<ContactRecord> records() const = 0;
+	/// Puts saved impulses back; the next search carries them over to the contacts it finds.
+	virtual void restore(const std::vector<ContactRecord>& saved) = 0;
+};
+
+/// Fields at the material points of a grain.
+struct PointFields {
+	std::vector<Vec3> position;
+	std::vector<Mat3> F, cauchy; ///< cauchy in Pa, with the out-of-plane stress in 2D
+	std::vector<double> volume;  ///< present one, m^2 (m^3)
+};
+
+class GrainAssembly {
+public:
+	virtual ~GrainAssembly() = default;
+	/// Builds the system of all grains; throws std::invalid_argument naming the grain, the parameter and
+	/// the admissible range.
+	static std::shared_ptr<GrainAssembly> create(const std::vector<GrainDescription>& grains);
+
+	virtual int grains() const = 0;
+	virtual int idOf(int g) const = 0;
+	virtual double criticalTimeStep() const = 0;  ///< of the undeformed grains, s
+	virtual double slowestWave() const = 0;       ///< smallest speed of pressure waves, m/s
+	virtual double pointSpacing(int g) const = 0; ///< dr, m
+	virtual void updateForces(int threads) = 0;   ///< throws StepError
+	virtual double stiffening() const = 0;        ///< see PointLanes::stiffening
+
+	virtual std::unique_ptr<PairContacts> newPair() const = 0;
+	virtual void search(PairContacts& pair, int first, int second, double dt) const = 0;
+	virtual void search(PairContacts& pair, int g, const WallDescription& wall, double dt) const = 0;
+	virtual StepReport step(const StepSettings& settings, const std::vector<PairContacts*>& pairs) = 0;
+
+	virtual void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) = 0;
+	virtual GrainMotion motion(int g) const = 0;
+	/// Adds a rigid motion: turns by `turn` about the centre of mass, shifts, adds velocities.
+	virtual void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity, const Vec3& angularVelocity)
+	        = 0;
+
+	virtual EnergyBalance energy() const = 0;
+	virtual EnergyBalance workSums() const = 0;
+	virtual void continueWorkSums(const EnergyBalance& sums) = 0;
+
+	virtual Box<3> box(int g) const = 0;
+	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes
+	virtual PointFields points(int g) const = 0;
+	/// Nodal positions and velocities (present ones, `dim` numbers a node) as GrainDescription takes them.
+	virtual void nodalState(int g, Vec3& origin, std::vector<double>& x, std::vector<double>& v) const = 0;
+};
+
+} // namespace softgrain

@@ -1,0 +1,112 @@
+#include "SceneAssembly.hpp"
+#include "SoftGrain.hpp"
+#include "SoftMat.hpp"
+
+#include <mutex>
+
+namespace yade {
+
+namespace {
+
+std::mutex assemblyMutex;
+
+std::string name(const Body& body) { return "body #" + std::to_string(body.getId()); }
+
+void checkBody(const Body& body)
+{
+	const bool softShape = bool(YADE_PTR_DYN_CAST<SoftGrain>(body.shape));
+	const bool softMaterial = bool(YADE_PTR_DYN_CAST<SoftMat>(body.material));
+	if (softShape && !softMaterial)
+		throw std::invalid_argument(name(body) + " has the soft shape SoftGrain but the material "
+		                            + (body.material ? body.material->getClassName() : string("None"))
+		                            + "; soft grains need a SoftMat");
+	if (softMaterial && !softShape)
+		throw std::invalid_argument(name(body) + " has the material SoftMat but the rigid shape "
+		                            + (body.shape ? body.shape->getClassName() : string("None"))
+		                            + "; use sg.soften() or give it a rigid material such as FrictMat");
+	if (softShape && (body.isClumpMember() || body.isClump()))
+		throw std::invalid_argument(name(body) + " is a soft grain in a clump, which is not supported");
+}
+
+std::vector<shared_ptr<Body>> softBodies(Scene& scene)
+{
+	if (scene.isPeriodic) throw std::invalid_argument("O.periodic = True: soft grains in a periodic cell are not supported yet");
+	std::vector<shared_ptr<Body>> bodies;
+	for (const shared_ptr<Body>& body : *scene.bodies) {
+		if (!body || !body->shape) continue;
+		checkBody(*body);
+		if (YADE_PTR_DYN_CAST<SoftGrain>(body->shape)) bodies.push_back(body);
+	}
+	return bodies;
+}
+
+bool sameConstants(const softgrain::ElasticConstants& a, const softgrain::ElasticConstants& b)
+{
+	return a.young == b.young && a.poisson == b.poisson && a.density == b.density;
+}
+
+bool isCurrent(const std::vector<shared_ptr<Body>>& bodies)
+{
+	const auto& assembly = static_cast<SoftGrain&>(*bodies.front()->shape).assembly;
+	if (!assembly || assembly->grains() != static_cast<int>(bodies.size())) return false;
+	for (const shared_ptr<Body>& body : bodies) {
+		const SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
+		const SoftMat& material = static_cast<SoftMat&>(*body->material);
+		const auto d = grain.describe(*body);
+		if (grain.assembly != assembly || assembly->idOf(grain.index) != body->getId()
+		    || !sameConstants(grain.assembledConstants, material.constants()) || grain.assembledLaw != d.law
+		    || grain.assembledCondition != d.condition)
+			return false;
+	}
+	return true;
+}
+
+} // namespace
+
+std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
+{
+	const std::lock_guard<std::mutex> lock(assemblyMutex);
+	const auto bodies = softBodies(scene);
+	if (bodies.empty()) return nullptr;
+	if (isCurrent(bodies)) return static_cast<SoftGrain&>(*bodies.front()->shape).assembly;
+
+	std::vector<softgrain::GrainDescription> grains;
+	softgrain::EnergyBalance sums;
+	for (const shared_ptr<Body>& body : bodies) {
+		SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
+		if (grain.assembly) sums = grain.assembly->workSums();
+		grain.fetchState();
+		grains.push_back(grain.describe(*body));
+	}
+	const auto assembly = softgrain::GrainAssembly::create(grains);
+	assembly->continueWorkSums(sums);
+	for (int g = 0; g < assembly->grains(); ++g) {
+		SoftGrain& grain = static_cast<SoftGrain&>(*(*scene.bodies)[assembly->idOf(g)]->shape);
+		const Body& body = *(*scene.bodies)[assembly->idOf(g)];
+		const auto d = grain.describe(body);
+		grain.assembly = assembly;
+		grain.index = g;
+		grain.assembledConstants = d.constants;
+		grain.assembledLaw = d.law;
+		grain.assembledCondition = d.condition;
+		grain.written = assembly->motion(g);
+	}
+	return assembly;
+}
+
+bool tryAssemble(const SoftGrain& shape, Scene& scene) noexcept
+{
+	try {
+		{
+			const std::lock_guard<std::mutex> lock(assemblyMutex);
+			if (shape.assembly) return true;
+		}
+		assembleScene(scene);
+		const std::lock_guard<std::mutex> lock(assemblyMutex);
+		return bool(shape.assembly);
+	} catch (...) {
+		return false; // assembleScene throws the same again where SoftGrainIntegrator can report it
+	}
+}
+
+} // namespace yade

@@ -1,0 +1,176 @@
+#include "SoftContact.hpp"
+#include "PythonArrays.hpp"
+
+namespace yade {
+
+YADE_PLUGIN((SoftGeom)(SoftPhys)(Ig2_SoftGrain_SoftGrain_SoftGeom)(Ig2_Wall_SoftGrain_SoftGeom)(Ip2_SoftMat_SoftMat_SoftPhys)(
+        Ip2_FrictMat_SoftMat_SoftPhys)(Law2_SoftGeom_SoftPhys_Nonsmooth));
+
+using softgrain::ContactRecord;
+using softgrain::Vec3;
+
+void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present)
+{
+	if (pair && assembly == present) return;
+	std::vector<ContactRecord> records;
+	if (pair)
+		records = pair->records();
+	else
+		for (std::size_t k = 0; k < savedImpulses.size(); ++k)
+			records.push_back({ { savedKeys[3 * k], savedKeys[3 * k + 1], savedKeys[3 * k + 2] }, Vec3::Zero(), Vec3::Zero(),
+			                    savedImpulses[k], 0 });
+	assembly = present;
+	pair = present->newPair();
+	pair->restore(records);
+}
+
+void SoftGeom::aggregate(const Vec3& fromFirstToSecond)
+{
+	Vec3 meanPoint = Vec3::Zero();
+	int count = 0;
+	for (const ContactRecord& c : pair->records()) {
+		meanPoint += c.point;
+		++count;
+	}
+	if (count > 0) contactPoint = meanPoint / count;
+	normal = fromFirstToSecond.normalized();
+}
+
+void SoftGeom::preSave(SoftGeom&)
+{
+	if (!pair) return;
+	savedKeys.clear();
+	savedImpulses.clear();
+	for (const ContactRecord& c : pair->records()) {
+		savedKeys.insert(savedKeys.end(), { c.key.side, c.key.node, c.key.other });
+		savedImpulses.push_back(c.impulse);
+	}
+}
+
+py::dict SoftGeom::contactArrays() const
+{
+	std::vector<Vec3> point, normals, impulse;
+	std::vector<double> gap;
+	std::vector<int> side, node;
+	if (pair)
+		for (const ContactRecord& c : pair->records()) {
+			point.push_back(c.point);
+			normals.push_back(c.normal);
+			impulse.push_back(c.impulse);
+			gap.push_back(c.gap);
+			side.push_back(c.key.side);
+			node.push_back(c.key.node);
+		}
+	py::dict arrays;
+	arrays["point"] = softgrain::numpyArray(point);
+	arrays["normal"] = softgrain::numpyArray(normals);
+	arrays["impulse"] = softgrain::numpyArray(impulse);
+	arrays["gap"] = softgrain::numpyArray(gap, py::make_tuple(-1));
+	arrays["side"] = softgrain::numpyArray(side, py::make_tuple(-1));
+	arrays["node"] = softgrain::numpyArray(node, py::make_tuple(-1));
+	return arrays;
+}
+
+namespace {
+
+/// The SoftGeom of the interaction bound to the assembly, or null if there is nothing to search in: the
+/// grains are not assembled (SoftGrainIntegrator will say why).
+shared_ptr<SoftGeom> geometryOf(const Interaction& I, const std::shared_ptr<softgrain::GrainAssembly>& assembly)
+{
+	shared_ptr<SoftGeom> geom = I.geom ? YADE_PTR_CAST<SoftGeom>(I.geom) : shared_ptr<SoftGeom>(new SoftGeom);
+	geom->bind(assembly);
+	return geom;
+}
+
+/// YADE's rules for Ig2: an interaction stays potential until there is a contact; once real it is
+/// Law2 that ends it.
+bool conclude(const shared_ptr<SoftGeom>& geom, bool force, const shared_ptr<Interaction>& I)
+{
+	if (geom->pair->empty() && !I->isReal() && !force) return false;
+	I->geom = geom;
+	return true;
+}
+
+} // namespace
+
+bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2, const State& state1,
+                                          const State& state2, const Vector3r&, const bool& force, const shared_ptr<Interaction>& I)
+{
+	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
+	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
+	if (!grain1.assembly || grain1.assembly != grain2.assembly) return I->isReal();
+	const auto geom = geometryOf(*I, grain1.assembly);
+	grain1.assembly->search(*geom->pair, std::min(grain1.index, grain2.index), std::max(grain1.index, grain2.index), scene->dt);
+	geom->refR1 = grain1.radius;
+	geom->refR2 = grain2.radius;
+	geom->aggregate(state2.pos - state1.pos);
+	return conclude(geom, force, I);
+}
+
+bool Ig2_SoftGrain_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2, const State& state1,
+                                                 const State& state2, const Vector3r& shift2, const bool& force,
+                                                 const shared_ptr<Interaction>& I)
+{
+	return go(shape1, shape2, state1, state2, shift2, force, I);
+}
+
+bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2, const State& state1,
+                                     const State& state2, const Vector3r&, const bool& force, const shared_ptr<Interaction>& I)
+{
+	const Wall& wall = static_cast<Wall&>(*shape1);
+	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
+	if (!grain.assembly) return I->isReal();
+	const auto geom = geometryOf(*I, grain.assembly);
+	softgrain::WallDescription plane{ I->getId1(), state1.pos, Vec3::Zero(), state1.vel };
+	const double side = state2.pos[wall.axis] > state1.pos[wall.axis] ? 1 : -1;
+	plane.normal[wall.axis] = side;
+	if (wall.sense == 0 || wall.sense == side)
+		grain.assembly->search(*geom->pair, grain.index, plane, scene->dt);
+	else
+		geom->pair->restore({}); // the grain is on the side that does not interact
+	geom->refR1 = geom->refR2 = grain.radius;
+	geom->aggregate(plane.normal);
+	return conclude(geom, force, I);
+}
+
+bool Ig2_Wall_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2, const State& state1,
+                                            const State& state2, const Vector3r& shift2, const bool& force,
+                                            const shared_ptr<Interaction>& I)
+{
+	return go(shape2, shape1, state2, state1, -shift2, force, I);
+}
+
+namespace {
+
+void makePhys(const shared_ptr<Interaction>& I, Real frictionAngle1, Real frictionAngle2, Real stiffness)
+{
+	const auto phys = shared_ptr<SoftPhys>(new SoftPhys);
+	phys->tangensOfFrictionAngle = std::tan(std::min(frictionAngle1, frictionAngle2));
+	phys->kn = phys->ks = stiffness;
+	I->phys = phys;
+}
+
+} // namespace
+
+void Ip2_SoftMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1, const shared_ptr<Material>& m2, const shared_ptr<Interaction>& I)
+{
+	if (I->phys) return;
+	const SoftMat &soft1 = static_cast<SoftMat&>(*m1), &soft2 = static_cast<SoftMat&>(*m2);
+	makePhys(I, soft1.frictionAngle, soft2.frictionAngle, 2 * soft1.young * soft2.young / (soft1.young + soft2.young));
+}
+
+void Ip2_FrictMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1, const shared_ptr<Material>& m2, const shared_ptr<Interaction>& I)
+{
+	if (I->phys) return;
+	const SoftMat& soft = static_cast<SoftMat&>(*m2);
+	makePhys(I, static_cast<FrictMat&>(*m1).frictionAngle, soft.frictionAngle, soft.young);
+}
+
+bool Law2_SoftGeom_SoftPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IPhys>& phys, Interaction*)
+{
+	SoftGeom& g = static_cast<SoftGeom&>(*geom);
+	g.pair->setFriction(static_cast<SoftPhys&>(*phys).tangensOfFrictionAngle);
+	return !g.pair->empty();
+}
+
+} // namespace yade

@@ -1,0 +1,103 @@
+// Contacts of soft grains as YADE sees them: one interaction per pair of bodies, its many contact points
+// in one SoftGeom, solved together by SoftGrainIntegrator.
+#pragma once
+
+#include "GrainAssembly.hpp"
+#include "SoftGrain.hpp"
+#include "SoftMat.hpp"
+#include "Yade.hpp"
+
+namespace yade {
+
+class SoftGeom : public GenericSpheresContact {
+public:
+	/// Contacts of the pair in `assembly`; its first grain has the lower index.
+	std::shared_ptr<softgrain::GrainAssembly> assembly;
+	std::unique_ptr<softgrain::PairContacts> pair;
+
+	/// Makes `pair` one of `present`, its impulses taken over from the last assembly or the saved ones.
+	void bind(const std::shared_ptr<softgrain::GrainAssembly>& present);
+	/// Fills the attributes of the base class with means over the contact points.
+	void aggregate(const softgrain::Vec3& fromFirstToSecond);
+	void preSave(SoftGeom&);
+	py::dict contactArrays() const;
+
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGeom, GenericSpheresContact,
+		"Contact points of a pair of bodies of which at least one is a :yref:`SoftGrain`. The attributes of the base class hold means: *normal* from #1 to #2, *contactPoint*.",
+		((vector<int>, savedKeys, , Attr::hidden, "side, node, other of each contact point when saved."))
+		((vector<Vector3r>, savedImpulses, , Attr::hidden, "Impulses when saved.")),
+		createIndex();,
+		.def("contacts", &SoftGeom::contactArrays, "Contact points within reach, a dict of arrays: point (n, 3) [m], normal (n, 3) on the grain that owns the node, gap (n,) [m], impulse (n, 3) of the last step on that grain [N s], side (n,) 0 if the node belongs to the grain with the lower index, 1 otherwise, node (n,).")
+	);
+	// clang-format on
+	REGISTER_CLASS_INDEX(SoftGeom, GenericSpheresContact);
+};
+REGISTER_SERIALIZABLE(SoftGeom);
+
+class SoftPhys : public NormShearPhys {
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SoftPhys, NormShearPhys,
+		"Friction of a pair, and the sum of its contact forces. *kn* and *ks* are no parameters of the method, which has none: they hold the harmonic mean of the Young's moduli times 1 m, for :yref:`GlobalStiffnessTimeStepper` only.",
+		((Real, tangensOfFrictionAngle, 0, , "Coefficient of Coulomb friction μ, ≥ 0 [-]."))
+		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
+		((int, activeContacts, 0, Attr::readonly, "Contact points that carry force. |yupdate|")),
+		createIndex();
+	);
+	// clang-format on
+	REGISTER_CLASS_INDEX(SoftPhys, NormShearPhys);
+};
+REGISTER_SERIALIZABLE(SoftPhys);
+
+class Ig2_SoftGrain_SoftGrain_SoftGeom : public IGeomFunctor {
+public:
+	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&, const Vector3r& shift2, const bool& force,
+	        const shared_ptr<Interaction>&) override;
+	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&, const Vector3r& shift2,
+	               const bool& force, const shared_ptr<Interaction>&) override;
+	FUNCTOR2D(SoftGrain, SoftGrain);
+	DEFINE_FUNCTOR_ORDER_2D(SoftGrain, SoftGrain);
+	YADE_CLASS_BASE_DOC(Ig2_SoftGrain_SoftGrain_SoftGeom, IGeomFunctor, "Finds the contact points of two :yref:`SoftGrains<SoftGrain>`.");
+};
+REGISTER_SERIALIZABLE(Ig2_SoftGrain_SoftGrain_SoftGeom);
+
+class Ig2_Wall_SoftGrain_SoftGeom : public IGeomFunctor {
+public:
+	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&, const Vector3r& shift2, const bool& force,
+	        const shared_ptr<Interaction>&) override;
+	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&, const Vector3r& shift2,
+	               const bool& force, const shared_ptr<Interaction>&) override;
+	FUNCTOR2D(Wall, SoftGrain);
+	DEFINE_FUNCTOR_ORDER_2D(Wall, SoftGrain);
+	YADE_CLASS_BASE_DOC(Ig2_Wall_SoftGrain_SoftGeom, IGeomFunctor,
+	                    "Finds the contact points of a :yref:`SoftGrain` on a :yref:`Wall`, which moves as its :yref:`State.vel` says.");
+};
+REGISTER_SERIALIZABLE(Ig2_Wall_SoftGrain_SoftGeom);
+
+class Ip2_SoftMat_SoftMat_SoftPhys : public IPhysFunctor {
+public:
+	void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
+	FUNCTOR2D(SoftMat, SoftMat);
+	YADE_CLASS_BASE_DOC(Ip2_SoftMat_SoftMat_SoftPhys, IPhysFunctor, "Friction of two soft grains: μ = tan(min(φ₁, φ₂)).");
+};
+REGISTER_SERIALIZABLE(Ip2_SoftMat_SoftMat_SoftPhys);
+
+class Ip2_FrictMat_SoftMat_SoftPhys : public IPhysFunctor {
+public:
+	void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
+	FUNCTOR2D(FrictMat, SoftMat);
+	YADE_CLASS_BASE_DOC(Ip2_FrictMat_SoftMat_SoftPhys, IPhysFunctor, "Friction of a rigid body and a soft grain: μ = tan(min(φ₁, φ₂)).");
+};
+REGISTER_SERIALIZABLE(Ip2_FrictMat_SoftMat_SoftPhys);
+
+class Law2_SoftGeom_SoftPhys_Nonsmooth : public LawFunctor {
+public:
+	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
+	FUNCTOR2D(SoftGeom, SoftPhys);
+	YADE_CLASS_BASE_DOC(Law2_SoftGeom_SoftPhys_Nonsmooth, LawFunctor,
+	                    "Unilateral contact with Coulomb friction, without stiffness. It keeps the books of the pair; all contacts of the step are solved together by :yref:`SoftGrainIntegrator`.");
+};
+REGISTER_SERIALIZABLE(Law2_SoftGeom_SoftPhys_Nonsmooth);
+
+} // namespace yade

@@ -1,0 +1,130 @@
+#include "SoftGrain.hpp"
+#include "PythonArrays.hpp"
+#include "SceneAssembly.hpp"
+#include "SoftMat.hpp"
+
+namespace yade {
+
+YADE_PLUGIN((SoftGrain)(Bo1_SoftGrain_Aabb));
+
+namespace {
+
+template <class Choice>
+Choice choose(const char* parameter, const string& value, const string& first, Choice firstChoice, const string& second, Choice secondChoice)
+{
+	if (value == first) return firstChoice;
+	if (value == second) return secondChoice;
+	throw std::invalid_argument(string(parameter) + " = '" + value + "' is unknown; known: '" + first + "', '" + second + "'");
+}
+
+} // namespace
+
+softgrain::TemplateRecipe SoftGrain::recipe() const
+{
+	using softgrain::ContactGeometry;
+	using softgrain::QuadratureRule;
+	softgrain::TemplateRecipe r;
+	r.zeta = zeta;
+	r.order = order;
+	r.nodeSpacing = nodeSpacing;
+	r.surfaceSpacing = surfaceSpacing;
+	r.quadrature
+	        = choose("quadrature", quadrature, "cutCell", QuadratureRule::cutCell, "lattice", QuadratureRule::lattice);
+	r.contact = choose("contact", contact, "surface", ContactGeometry::surface, "points", ContactGeometry::points);
+	return r;
+}
+
+softgrain::GrainDescription SoftGrain::describe(const Body& body) const
+{
+	const SoftMat& material = static_cast<const SoftMat&>(*body.material);
+	softgrain::GrainDescription d;
+	d.id = body.getId();
+	d.dim = dim;
+	d.recipe = recipe();
+	d.law = material.constitutiveLaw();
+	d.condition = dim == 3 ? softgrain::Condition::solid : softgrain::conditionByName(material.condition);
+	d.constants = material.constants();
+	d.radius = radius;
+	d.position = body.state->pos;
+	d.velocity = body.state->vel;
+	d.angularVelocity = body.state->angVel;
+	d.orientation = body.state->ori;
+	d.origin = stateOrigin;
+	d.x = nodePositions;
+	d.v = nodeVelocities;
+	return d;
+}
+
+void SoftGrain::fetchState()
+{
+	if (assembly) assembly->nodalState(index, stateOrigin, nodePositions, nodeVelocities);
+}
+
+void SoftGrain::postLoad(SoftGrain&)
+{
+	recipe().validate();
+	if (!(radius > 0) || !math::isfinite(radius))
+		throw std::invalid_argument("radius = " + std::to_string(radius) + " is outside the admissible range (0, inf) m");
+	if (dim != 2 && dim != 3) throw std::invalid_argument("dim = " + std::to_string(dim) + " is outside the admissible range 2, 3");
+}
+
+softgrain::GrainAssembly& SoftGrain::assembled()
+{
+	if (!assembly) assembleScene(*Omega::instance().getScene());
+	if (!assembly) throw std::runtime_error("this SoftGrain belongs to no body of the scene; add it with O.bodies.append first");
+	return *assembly;
+}
+
+py::object SoftGrain::outlineArray() { return softgrain::numpyArray(assembled().outline(index)); }
+
+py::object SoftGrain::nodesArray()
+{
+	assembled();
+	fetchState();
+	vector<Real> x = nodePositions;
+	for (std::size_t k = 0; k < x.size(); ++k)
+		x[k] += stateOrigin[int(k) % dim];
+	return softgrain::numpyArray(x, py::make_tuple(-1, dim));
+}
+
+py::object SoftGrain::nodalVelocitiesArray()
+{
+	assembled();
+	fetchState();
+	return softgrain::numpyArray(nodeVelocities, py::make_tuple(-1, dim));
+}
+
+py::dict SoftGrain::pointArrays()
+{
+	const auto fields = assembled().points(index);
+	py::dict arrays;
+	arrays["position"] = softgrain::numpyArray(fields.position);
+	arrays["F"] = softgrain::numpyArray(fields.F);
+	arrays["cauchy"] = softgrain::numpyArray(fields.cauchy);
+	arrays["volume"] = softgrain::numpyArray(fields.volume, py::make_tuple(-1));
+	return arrays;
+}
+
+Real SoftGrain::presentVolume()
+{
+	const auto fields = assembled().points(index);
+	Real sum = 0;
+	for (Real v : fields.volume)
+		sum += v;
+	return sum;
+}
+
+void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body*)
+{
+	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
+	if (!bound) bound = shared_ptr<Bound>(new Aabb);
+	softgrain::Box<3> box{ se3.position, se3.position };
+	if (tryAssemble(grain, *scene))
+		box = grain.assembly->box(grain.index).grown(margin * grain.radius);
+	else
+		box = box.grown(grain.radius);
+	bound->min = box.low;
+	bound->max = box.high;
+}
+
+} // namespace yade

@@ -1,0 +1,76 @@
+#pragma once
+
+#include "GrainAssembly.hpp"
+#include "Yade.hpp"
+
+namespace yade {
+
+class SoftGrain : public Shape {
+public:
+	/// The system this grain computes in, and its index there; null until the scene is assembled.
+	std::shared_ptr<softgrain::GrainAssembly> assembly;
+	int index = -1;
+	/// What the assembly was built with, to notice changes of the material.
+	softgrain::ElasticConstants assembledConstants;
+	softgrain::Law assembledLaw = softgrain::Law::neoHookean;
+	softgrain::Condition assembledCondition = softgrain::Condition::planeStrain;
+	/// Motion of the whole grain as last written to State, to notice what the user changes.
+	softgrain::GrainMotion written;
+
+	softgrain::TemplateRecipe recipe() const;
+	softgrain::GrainDescription describe(const Body& body) const;
+	/// Copies the nodal state from the assembly to the saved attributes.
+	void fetchState();
+
+	void postLoad(SoftGrain&); ///< checks all attributes, throws std::invalid_argument
+	void preSave(SoftGrain&) { fetchState(); }
+
+	py::object outlineArray();
+	py::object nodesArray();
+	py::object nodalVelocitiesArray();
+	py::dict pointArrays();
+	Real presentVolume();
+
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGrain, Shape,
+		"Deformable grain: a disk (dim = 2, in the xy-plane, all quantities per unit thickness) or a ball (dim = 3) solved by the total-Lagrangian material point method on its own background grid. One grain is one :yref:`Body`; its :yref:`State` holds the motion of the grain as a whole. The attributes are set when the grain is made and do not change.",
+		((Real, radius, 1, Attr::readonly, "Radius of the undeformed grain, > 0 [m]."))
+		((int, dim, 2, Attr::readonly, "2 or 3."))
+		((Real, zeta, 0.11, Attr::readonly, "Relative resolution ζ = 2 dr/D = dr/radius with dr the spacing of material points, in [0.001, 0.5] [-]. Cost grows as ζ⁻³ in 2D, contact forces err by some ζ²."))
+		((int, order, 3, Attr::readonly, "Order of the B-splines: 1, 2 or 3."))
+		((Real, nodeSpacing, 2, Attr::readonly, "Spacing of background nodes h/dr, in [1.5, 4] [-]; 2 gives four points a cell in 2D."))
+		((Real, surfaceSpacing, 1, Attr::readonly, "Spacing of surface nodes over dr, in [0.5, 4] [-]; above 1.5 outlines sink into each other between nodes."))
+		((string, quadrature, "cutCell", Attr::readonly, "Where the material points lie: 'cutCell' (lattice cells cut with the outline, weights exact) or 'lattice' (uniform weights)."))
+		((string, contact, "surface", Attr::readonly, "What touches: 'surface' (nodes on the outline against the other outline) or 'points' (boundary points as disks of diameter dr)."))
+		((Vector3r, stateOrigin, Vector3r::Zero(), Attr::hidden, "Origin of nodePositions."))
+		((vector<Real>, nodePositions, , Attr::hidden, "Nodal positions relative to stateOrigin as last fetched."))
+		((vector<Real>, nodeVelocities, , Attr::hidden, "Nodal velocities as last fetched.")),
+		createIndex();,
+		.def("outline", &SoftGrain::outlineArray, "Present positions of the contact nodes, in 2D counter-clockwise: array (n, 3) [m].")
+		.def("nodes", &SoftGrain::nodesArray, "Present positions of the background nodes: array (n, dim) [m].")
+		.def("nodeVelocities", &SoftGrain::nodalVelocitiesArray, "Velocities of the background nodes half a step ago: array (n, dim) [m/s].")
+		.def("points", &SoftGrain::pointArrays, "Fields at the material points, a dict of arrays: position (n, 3) [m], F (n, 3, 3) deformation gradient [-], cauchy (n, 3, 3) Cauchy stress [Pa], volume (n,) present volume [m³, 2D m²].")
+		.def("volume", &SoftGrain::presentVolume, "Present volume [m³] (2D: area [m²]), Σ Vp0 J.")
+	);
+	// clang-format on
+	REGISTER_CLASS_INDEX(SoftGrain, Shape);
+
+private:
+	softgrain::GrainAssembly& assembled();
+};
+REGISTER_SERIALIZABLE(SoftGrain);
+
+class Bo1_SoftGrain_Aabb : public BoundFunctor {
+public:
+	void go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body) override;
+	FUNCTOR1D(SoftGrain);
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(Bo1_SoftGrain_Aabb, BoundFunctor,
+		"Box about the present outline of a :yref:`SoftGrain`, enlarged by *margin*. :yref:`SoftGrainIntegrator` calls for a new run of the collider when the outline of a grain leaves its box.",
+		((Real, margin, 0.05, , "Enlargement of the box over the radius of the grain, > 0 [-]; larger: fewer runs of the collider, more candidate pairs."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(Bo1_SoftGrain_Aabb);
+
+} // namespace yade

@@ -1,0 +1,336 @@
+#include "SoftGrainIntegrator.hpp"
+#include "SceneAssembly.hpp"
+#include "SoftContact.hpp"
+
+#include <sstream>
+
+namespace yade {
+
+YADE_PLUGIN((SoftGrainIntegrator));
+
+using softgrain::Rotation;
+using softgrain::Vec3;
+
+namespace {
+
+void require(bool holds, const char* name, Real value, const char* range)
+{
+	if (holds) return;
+	std::ostringstream message;
+	message << name << " = " << value << " is outside the admissible range " << range;
+	throw std::invalid_argument(message.str());
+}
+
+SoftGrain& grainOf(const Scene& scene, int id) { return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape); }
+
+} // namespace
+
+void SoftGrainIntegrator::postLoad(SoftGrainIntegrator&)
+{
+	require(timeStepFraction > 0 && timeStepFraction <= 1, "timeStepFraction", timeStepFraction, "(0, 1]");
+	require(tolerance > 0, "tolerance", tolerance, "(0, inf)");
+	require(maxSweeps >= 1, "maxSweeps", maxSweeps, "1, 2, ...");
+	require(overlapRelaxation >= 0 && overlapRelaxation <= 1, "overlapRelaxation", overlapRelaxation, "[0, 1]");
+	require(overlapSpeed >= 0, "overlapSpeed", overlapSpeed, "[0, inf)");
+	require(maxOverlap > 0, "maxOverlap", maxOverlap, "(0, inf)");
+}
+
+void SoftGrainIntegrator::action()
+{
+	try {
+		lastError = "";
+		advance();
+	} catch (const softgrain::StepError& e) {
+		std::ostringstream message;
+		message << "SoftGrainIntegrator, step " << scene->iter << ": soft grain #" << assembly_->idOf(e.grain);
+		if (e.point >= 0) message << ", material point " << e.point;
+		message << ": " << e.what()
+		        << ". Hint: load more slowly, reduce timeStepFraction (now " << timeStepFraction
+		        << "), or refine the grain (smaller zeta).";
+		lastError = message.str();
+		throw std::runtime_error(lastError);
+	} catch (const std::exception& e) {
+		lastError = "SoftGrainIntegrator, step " + std::to_string(scene->iter) + ": " + e.what();
+		throw std::runtime_error(lastError);
+	}
+}
+
+/// One step. Whatever may be wrong is found before anything is changed.
+void SoftGrainIntegrator::advance()
+{
+	assembly_ = assembleScene(*scene);
+	if (!assembly_) return;
+	checkEngines();
+	if (continued_.lock() != assembly_) {
+		if (workSums.size() == 4) {
+			softgrain::EnergyBalance sums;
+			sums.friction = workSums[0];
+			sums.impact = workSums[1];
+			sums.planes = workSums[2];
+			sums.loads = workSums[3];
+			assembly_->continueWorkSums(sums);
+		}
+		continued_ = assembly_;
+	}
+	applyUserMotions();
+	assembly_->updateForces(threads());
+	chooseTimeStep(assembly_->stiffening());
+	const auto interactions = softInteractions();
+	stopOnOverlap(interactions);
+	applyLoads();
+
+	std::vector<softgrain::PairContacts*> pairs;
+	for (const Interaction* I : interactions)
+		pairs.push_back(static_cast<SoftGeom&>(*I->geom).pair.get());
+	const auto report = assembly_->step(settings(), pairs);
+
+	publishForces(interactions);
+	publishMotions();
+	publishReport(report);
+	if (scene->trackEnergy) publishEnergy();
+	callColliderIfNeeded();
+}
+
+void SoftGrainIntegrator::checkEngines() const
+{
+	bool seenThis = false;
+	for (const auto& engine : scene->engines) {
+		if (engine.get() == this) seenThis = true;
+		if (seenThis && YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return;
+	}
+	throw std::runtime_error("there is no NewtonIntegrator after it in O.engines; soft grains need one to carry their State along. "
+	                         "See sg.engines()");
+}
+
+int SoftGrainIntegrator::threads() const
+{
+#ifdef YADE_OPENMP
+	return ompThreads > 0 ? std::min(ompThreads, omp_get_max_threads()) : omp_get_max_threads();
+#else
+	return 1;
+#endif
+}
+
+/// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg set
+/// for the undeformed scene before the first step); a value of the user's is only checked.
+void SoftGrainIntegrator::chooseTimeStep(double stiffening)
+{
+	const Real undeformed = assembly_->criticalTimeStep();
+	criticalDt = undeformed / std::sqrt(stiffening);
+	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
+	const bool automatic = scene->dt == dtSet || scene->dt == Scene().dt || std::abs(scene->dt - own) <= 1e-9 * own;
+	if (automatic)
+		dtSet = scene->dt = timeStepFraction * criticalDt;
+	else if (!(scene->dt <= criticalDt && scene->dt > 0)) {
+		std::ostringstream message;
+		message << "O.dt = " << scene->dt << " s is outside the admissible range (0, " << criticalDt
+		        << "] s for the soft grains as deformed now; assign a smaller O.dt or call sg.set_time_step()";
+		throw std::runtime_error(message.str());
+	}
+}
+
+/// Changes of State since this engine wrote it are the user's: they act as rigid motions.
+void SoftGrainIntegrator::applyUserMotions()
+{
+	for (int g = 0; g < assembly_->grains(); ++g) {
+		const State& state = *(*scene->bodies)[assembly_->idOf(g)]->state;
+		const softgrain::GrainMotion& written = grainOf(*scene, assembly_->idOf(g)).written;
+		const Real radius = grainOf(*scene, assembly_->idOf(g)).radius;
+		// Newton's integrator adds vel dt to pos and turns ori: equal up to rounding, unless changed
+		const Vec3 shift = state.pos - written.position;
+		const Rotation turn = state.ori * written.orientation.conjugate();
+		const Vec3 velocity = state.vel - written.velocity, spin = state.angVel - written.angularVelocity;
+		const bool moved = shift.norm() > 1e-9 * (radius + state.pos.norm());
+		const bool turned = turn.vec().norm() > 1e-9;
+		const bool pushed = velocity.norm() > 1e-12 * state.vel.norm();
+		const bool spun = spin.norm() > 1e-9 * state.angVel.norm() && spin.norm() * radius > 1e-12 * state.vel.norm();
+		if (moved || turned || pushed || spun)
+			assembly_->moveRigidly(g, turned ? turn : Rotation(Rotation::Identity()), moved ? shift : Vec3(Vec3::Zero()),
+			                       pushed ? velocity : Vec3(Vec3::Zero()), spun ? spin : Vec3(Vec3::Zero()));
+	}
+}
+
+Vector3r SoftGrainIntegrator::gravity() const
+{
+	for (const auto& engine : scene->engines)
+		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return newton->gravity;
+	return Vector3r::Zero();
+}
+
+void SoftGrainIntegrator::applyLoads()
+{
+	scene->forces.sync();
+	const Vector3r g0 = gravity();
+	for (int g = 0; g < assembly_->grains(); ++g) {
+		const int id = assembly_->idOf(g);
+		const Vector3r force = scene->forces.getForce(id), torque = scene->forces.getTorque(id);
+		Vec3 angular = Vec3::Zero();
+		Vec3 acceleration = g0;
+		if (!force.isZero(0) || !torque.isZero(0)) {
+			const auto motion = assembly_->motion(g);
+			acceleration += force / motion.mass;
+			angular = torque / motion.inertia;
+		}
+		assembly_->setLoad(g, acceleration, angular);
+	}
+}
+
+/// All real contacts of soft grains; refuses pairs for which there is no contact treatment.
+std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
+{
+	std::vector<Interaction*> found;
+	for (const auto& I : *scene->interactions) {
+		if (I->isReal()) {
+			if (YADE_PTR_DYN_CAST<SoftGeom>(I->geom)) found.push_back(I.get());
+			continue;
+		}
+		const auto &b1 = (*scene->bodies)[I->getId1()], &b2 = (*scene->bodies)[I->getId2()];
+		if (!b1 || !b2) continue;
+		const bool soft1 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b1->shape)), soft2 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b2->shape));
+		if ((soft1 || soft2) && !I->functorCache.geomExists) {
+			const auto& other = soft1 ? b2 : b1;
+			throw std::runtime_error("soft grain #" + std::to_string((soft1 ? b1 : b2)->getId()) + " comes near body #"
+			                         + std::to_string(other->getId()) + " of shape " + other->shape->getClassName()
+			                         + ", for which the InteractionLoop has no Ig2 functor. Soft grains touch SoftGrain "
+			                           "(Ig2_SoftGrain_SoftGrain_SoftGeom) and Wall (Ig2_Wall_SoftGrain_SoftGeom) in this version");
+		}
+	}
+	// the container's order depends on threads and history; sums of forces must not
+	std::sort(found.begin(), found.end(), [](const Interaction* a, const Interaction* b) {
+		return std::minmax(a->getId1(), a->getId2()) < std::minmax(b->getId1(), b->getId2());
+	});
+	return found;
+}
+
+void SoftGrainIntegrator::stopOnOverlap(const std::vector<Interaction*>& interactions) const
+{
+	for (const Interaction* I : interactions) {
+		const Real deepest = static_cast<SoftGeom&>(*I->geom).pair->deepest();
+		if (deepest <= maxOverlap) continue;
+		std::ostringstream message;
+		message << "bodies #" << I->getId1() << " and #" << I->getId2() << " overlap by " << deepest
+		        << " point spacings, more than maxOverlap = " << maxOverlap
+		        << ". Hint: start from less overlap (sg.soften(overlap='shrink')), load more slowly, or reduce tolerance";
+		throw std::runtime_error(message.str());
+	}
+}
+
+softgrain::StepSettings SoftGrainIntegrator::settings() const
+{
+	softgrain::StepSettings s;
+	s.dt = scene->dt;
+	s.solver.tolerance = tolerance;
+	s.solver.maxSweeps = maxSweeps;
+	s.solver.overlapRelaxation = overlapRelaxation;
+	s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
+	s.trackEnergy = scene->trackEnergy;
+	s.measureResidual = measureResidual;
+	s.threads = threads();
+	return s;
+}
+
+void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interactions)
+{
+	for (Interaction* I : interactions) {
+		SoftGeom& geom = static_cast<SoftGeom&>(*I->geom);
+		SoftPhys& phys = static_cast<SoftPhys&>(*I->phys);
+		// records act on the first grain of the pair if side == 0; is that body #2 of the interaction?
+		const auto soft1 = YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId1()]->shape);
+		const auto soft2 = YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId2()]->shape);
+		const bool firstIsBody2 = !soft1 || (soft2 && soft2->index < soft1->index);
+		Vec3 normalImpulse = Vec3::Zero(), shearImpulse = Vec3::Zero();
+		phys.contacts = phys.activeContacts = 0;
+		for (const softgrain::ContactRecord& c : geom.pair->records()) {
+			const double sign = (c.key.side == 0) == firstIsBody2 ? 1 : -1;
+			const Vec3 normalPart = c.impulse.dot(c.normal) * c.normal;
+			normalImpulse += sign * normalPart;
+			shearImpulse += sign * (c.impulse - normalPart);
+			++phys.contacts;
+			phys.activeContacts += !c.impulse.isZero(0);
+		}
+		phys.normalForce = normalImpulse / scene->dt;
+		phys.shearForce = shearImpulse / scene->dt;
+		const Vector3r force = phys.normalForce + phys.shearForce;
+		scene->forces.addForce(I->getId2(), force);
+		scene->forces.addForce(I->getId1(), -force);
+	}
+}
+
+/// NewtonIntegrator, next, adds vel dt to pos and turns ori by angVel dt; it lands on the grain.
+void SoftGrainIntegrator::publishMotions()
+{
+	const Real dt = scene->dt;
+	for (int g = 0; g < assembly_->grains(); ++g) {
+		State& state = *(*scene->bodies)[assembly_->idOf(g)]->state;
+		softgrain::GrainMotion& written = grainOf(*scene, assembly_->idOf(g)).written;
+		written = assembly_->motion(g);
+		state.vel = written.velocity;
+		state.angVel = written.angularVelocity;
+		state.mass = written.mass;
+		state.pos = written.position - dt * written.velocity;
+		const Real rate = written.angularVelocity.norm();
+		const Rotation turn = rate > 0 ? Rotation(Eigen::AngleAxisd(-rate * dt, written.angularVelocity / rate))
+		                               : Rotation(Rotation::Identity());
+		state.ori = turn * written.orientation;
+	}
+}
+
+void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
+{
+	contacts = report.solver.contacts;
+	activeContacts = report.solver.active;
+	sweeps = report.solver.sweeps;
+	residual = report.residual;
+	overlap = report.deepest;
+	largestOverlap = std::max(largestOverlap, overlap);
+	steps += 1;
+	totalSweeps += sweeps;
+	if (!report.solver.converged) cappedSteps += 1;
+}
+
+void SoftGrainIntegrator::publishEnergy()
+{
+	const auto sums = assembly_->workSums();
+	workSums = { sums.friction, sums.impact, sums.planes, sums.loads };
+	const auto e = assembly_->energy();
+	const std::pair<const char*, Real> entries[] = { { "softKinetic", e.kinetic }, { "softElastic", e.elastic },
+		                                         { "softFriction", e.friction }, { "softImpact", e.impact },
+		                                         { "softWalls", e.planes }, { "softLoads", e.loads } };
+	for (int k = 0; k < 6; ++k)
+		scene->energy->set(entries[k].second, entries[k].first, energyIds_[k]);
+}
+
+py::dict SoftGrainIntegrator::energyDict() const
+{
+	const auto e = assembly_ ? assembly_->energy() : softgrain::EnergyBalance();
+	py::dict d;
+	d["kinetic"] = e.kinetic;
+	d["elastic"] = e.elastic;
+	d["friction"] = e.friction;
+	d["impact"] = e.impact;
+	d["walls"] = e.planes;
+	d["loads"] = e.loads;
+	return d;
+}
+
+/// The collider watches State.pos only; outlines that leave their boxes are watched here.
+void SoftGrainIntegrator::callColliderIfNeeded() const
+{
+	for (int g = 0; g < assembly_->grains(); ++g) {
+		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
+		if (!body.bound) continue;
+		const auto box = assembly_->box(g).grown(0.1 * assembly_->pointSpacing(g)); // contacts start before touch
+		if ((box.low.array() < body.bound->min.array()).any() || (box.high.array() > body.bound->max.array()).any()) {
+			scene->doSort = true;
+			return;
+		}
+	}
+}
+
+Real criticalTimeStep(Scene& scene)
+{
+	const auto assembly = assembleScene(scene);
+	return assembly ? assembly->criticalTimeStep() : 0;
+}
+
+} // namespace yade

@@ -1,0 +1,52 @@
+#include "contact/ContactBody.hpp"
+
+#include <Eigen/Geometry>
+
+namespace softgrain {
+
+namespace {
+
+/// Outward normal of a facet, its length the measure of the facet (3D: twice).
+Vec<2> facetNormal(const std::vector<Vec<2>>& x, const std::array<int, 2>& f)
+{
+	const Vec<2> edge = x[f[1]] - x[f[0]];
+	return { edge[1], -edge[0] };
+}
+
+Vec<3> facetNormal(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
+{
+	return (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
+}
+
+} // namespace
+
+template <int dim> void ContactBody<dim>::updateGeometry()
+{
+	box = { position[0], position[0] };
+	for (const Vec<dim>& x : position) {
+		box.low = box.low.cwiseMin(x);
+		box.high = box.high.cwiseMax(x);
+	}
+	box = box.grown(nodeRadius);
+	if (!isSurface()) return;
+	normal.assign(position.size(), Vec<dim>::Zero());
+	for (const auto& facet : mesh->facet) {
+		const Vec<dim> n = facetNormal(position, facet);
+		for (int vertex : facet)
+			normal[vertex] += n;
+	}
+	for (Vec<dim>& n : normal)
+		n.normalize();
+}
+
+template <int dim> double ContactBody<dim>::mobility(int node, int other) const
+{
+	for (int k = delassus->begin(node); k < delassus->end(node); ++k)
+		if (delassus->column[k] == other) return delassusScale * delassus->value[k];
+	return 0;
+}
+
+template struct ContactBody<2>;
+template struct ContactBody<3>;
+
+} // namespace softgrain

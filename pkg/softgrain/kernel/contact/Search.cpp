@@ -1,0 +1,236 @@
+#include "contact/Search.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace softgrain {
+
+namespace {
+
+/// Overlaps deeper than this (in dr) are not contacts any more: the node would be pushed to whichever
+/// side of the other grain is nearest.
+constexpr double deepestContact = 1.5;
+
+/// Barycentric coordinates of the point of a segment nearest to `x`.
+std::array<double, 2> nearestOnFacet(const Vec<2>& x, const std::array<Vec<2>, 2>& corner)
+{
+	const Vec<2> edge = corner[1] - corner[0];
+	const double t = std::clamp((x - corner[0]).dot(edge) / edge.squaredNorm(), 0., 1.);
+	return { 1 - t, t };
+}
+
+/// The same for a triangle, by the regions of its corners, edges and inside (Ericson, Real-Time
+/// Collision Detection, 2005, 5.1.5).
+std::array<double, 3> nearestOnFacet(const Vec<3>& x, const std::array<Vec<3>, 3>& corner)
+{
+	const Vec<3> ab = corner[1] - corner[0], ac = corner[2] - corner[0];
+	const Vec<3> ax = x - corner[0], bx = x - corner[1], cx = x - corner[2];
+	const double d1 = ab.dot(ax), d2 = ac.dot(ax), d3 = ab.dot(bx), d4 = ac.dot(bx), d5 = ab.dot(cx), d6 = ac.dot(cx);
+	if (d1 <= 0 && d2 <= 0) return { 1, 0, 0 };
+	if (d3 >= 0 && d4 <= d3) return { 0, 1, 0 };
+	if (d6 >= 0 && d5 <= d6) return { 0, 0, 1 };
+	const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+	if (vc <= 0 && d1 >= 0 && d3 <= 0) return { 1 - d1 / (d1 - d3), d1 / (d1 - d3), 0 };
+	if (vb <= 0 && d2 >= 0 && d6 <= 0) return { 1 - d2 / (d2 - d6), 0, d2 / (d2 - d6) };
+	if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+		const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+		return { 0, 1 - w, w };
+	}
+	const double sum = va + vb + vc;
+	return { va / sum, vb / sum, vc / sum };
+}
+
+template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactBody<dim>& b)
+{
+	return deepestContact * std::max(a.pointSpacing, b.pointSpacing);
+}
+
+template <int dim> struct PlaceOnOutline {
+	int facet = -1;
+	std::array<double, dim> weight{};
+	double squaredDistance = std::numeric_limits<double>::infinity();
+};
+
+template <int dim>
+PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body, const std::vector<int>& facets)
+{
+	PlaceOnOutline<dim> best;
+	for (int f : facets) {
+		std::array<Vec<dim>, dim> corner;
+		for (int i = 0; i < dim; ++i)
+			corner[i] = body.position[body.mesh->facet[f][i]];
+		const auto weight = nearestOnFacet(x, corner);
+		Vec<dim> nearest = Vec<dim>::Zero();
+		for (int i = 0; i < dim; ++i)
+			nearest += weight[i] * corner[i];
+		const double squared = (x - nearest).squaredNorm();
+		if (squared < best.squaredDistance) best = { f, weight, squared };
+	}
+	return best;
+}
+
+/// Gap and smooth normal at a place on an outline. Between its vertices the outline bulges by
+/// 1/2 sum_ij w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second order.
+template <int dim>
+void measureGap(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place, Contact<dim>& contact)
+{
+	const auto& vertex = body.mesh->facet[place.facet];
+	Vec<dim> foot = Vec<dim>::Zero(), normal = Vec<dim>::Zero();
+	double bulge = 0;
+	for (int i = 0; i < dim; ++i) {
+		foot += place.weight[i] * body.position[vertex[i]];
+		normal += place.weight[i] * body.normal[vertex[i]];
+		for (int j = 0; j < i; ++j)
+			bulge += 0.5 * place.weight[i] * place.weight[j]
+			        * (body.normal[vertex[j]] - body.normal[vertex[i]])
+			                  .dot(body.position[vertex[j]] - body.position[vertex[i]]);
+	}
+	contact.partners = dim;
+	contact.partner = vertex;
+	contact.weight = place.weight;
+	contact.normal = normal.normalized();
+	contact.gap = (x - foot).dot(contact.normal) - bulge;
+}
+
+template <int dim> std::vector<int> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
+{
+	std::vector<int> found;
+	for (std::size_t f = 0; f < body.mesh->facet.size(); ++f) {
+		Box<dim> box{ body.position[body.mesh->facet[f][0]], body.position[body.mesh->facet[f][0]] };
+		for (int i = 1; i < dim; ++i) {
+			box.low = box.low.cwiseMin(body.position[body.mesh->facet[f][i]]);
+			box.high = box.high.cwiseMax(body.position[body.mesh->facet[f][i]]);
+		}
+		if (box.overlaps(region)) found.push_back(static_cast<int>(f));
+	}
+	return found;
+}
+
+template <int dim> std::vector<int> nodesIn(const ContactBody<dim>& body, const Box<dim>& region)
+{
+	std::vector<int> found;
+	for (int s = 0; s < body.nodes(); ++s)
+		if (region.contains(body.position[s])) found.push_back(s);
+	return found;
+}
+
+/// Overlaps are measured in the mean point spacing of the two grains.
+template <int dim>
+void keepDeepest(double gap, const ContactBody<dim>& a, const ContactBody<dim>& b, ContactList<dim>& list)
+{
+	list.deepest = std::max(list.deepest, -2 * gap / (a.pointSpacing + b.pointSpacing));
+}
+
+/// Nodes of `body` against the outline of `other`.
+template <int dim>
+void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side, double reach,
+                         ContactList<dim>& list)
+{
+	const double deep = contactDepth(body, other);
+	// The outline bulges out of the box of its vertices, and the facet nearest to a node that overlaps
+	// may lie outside the common region: both by less than a contact depth.
+	const double margin = std::max(reach, deep);
+	const auto nodes = nodesIn(body, other.box.grown(margin));
+	if (nodes.empty()) return;
+	const auto facets = facetsIn(other, body.box.grown(margin));
+	if (facets.empty()) return;
+	for (int s : nodes) {
+		const Vec<dim>& x = body.position[s];
+		const PlaceOnOutline<dim> place = nearestPlace(x, other, facets);
+		Contact<dim> contact;
+		measureGap(x, other, place, contact);
+		if (contact.gap >= reach) continue;
+		keepDeepest(contact.gap, body, other, list);
+		if (contact.gap < -deep) continue;
+		contact.key = { side, s, -1 };
+		list.contacts.push_back(contact);
+	}
+}
+
+template <int dim>
+void disksAgainstDisks(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach, ContactList<dim>& list)
+{
+	const double touch = first.nodeRadius + second.nodeRadius;
+	// the boxes hold the disks of their own body; the centres looked for lie one more radius out
+	const auto others = nodesIn(second, first.box.grown(reach + second.nodeRadius));
+	if (others.empty()) return;
+	for (int s : nodesIn(first, second.box.grown(reach + first.nodeRadius)))
+		for (int t : others) {
+			const Vec<dim> apart = first.position[s] - second.position[t];
+			if (apart.squaredNorm() >= (touch + reach) * (touch + reach)) continue;
+			Contact<dim> contact;
+			contact.key = { 0, s, t };
+			contact.partners = 1;
+			contact.partner[0] = t;
+			contact.weight[0] = 1;
+			contact.normal = apart.normalized();
+			contact.gap = apart.norm() - touch;
+			keepDeepest(contact.gap, first, second, list);
+			list.contacts.push_back(contact);
+		}
+}
+
+/// Impulses of the last step go to the contacts that are still there (both lists are sorted by key).
+template <int dim> void carryImpulses(const std::vector<Contact<dim>>& last, std::vector<Contact<dim>>& present)
+{
+	auto old = last.begin();
+	for (Contact<dim>& contact : present) {
+		while (old != last.end() && old->key < contact.key)
+			++old;
+		if (old != last.end() && old->key == contact.key) contact.impulse = old->impulse;
+	}
+}
+
+/// The overlap of grains one inside the other shows on no node: their centres tell.
+template <int dim> bool nested(const ContactBody<dim>& first, const ContactBody<dim>& second)
+{
+	auto size = [](const Box<dim>& box) { return (box.high - box.low).minCoeff(); };
+	return (first.box.centre() - second.box.centre()).norm() < 0.1 * std::min(size(first.box), size(second.box));
+}
+
+} // namespace
+
+template <int dim>
+void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach, ContactList<dim>& list)
+{
+	std::vector<Contact<dim>> last;
+	last.swap(list.contacts);
+	list.deepest = 0;
+	const double margin = first.isSurface() ? std::max(reach, contactDepth(first, second)) : reach;
+	if (!first.box.grown(margin).overlaps(second.box)) return;
+	if (nested(first, second)) list.deepest = std::numeric_limits<double>::infinity();
+	if (first.isSurface()) {
+		nodesAgainstOutline(first, second, 0, reach, list);
+		nodesAgainstOutline(second, first, 1, reach, list);
+	} else
+		disksAgainstDisks(first, second, reach, list);
+	carryImpulses(last, list.contacts);
+}
+
+template <int dim> void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
+{
+	std::vector<Contact<dim>> last;
+	last.swap(list.contacts);
+	list.deepest = 0;
+	for (int s = 0; s < body.nodes(); ++s) {
+		Contact<dim> contact;
+		contact.gap = (body.position[s] - list.plane.point).dot(list.plane.normal) - body.nodeRadius;
+		if (contact.gap >= reach) continue;
+		keepDeepest(contact.gap, body, body, list);
+		contact.key = { 0, s, -1 };
+		contact.normal = list.plane.normal;
+		list.contacts.push_back(contact);
+	}
+	carryImpulses(last, list.contacts);
+}
+
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                                    \
+	template void findContacts<dim>(const ContactBody<dim>&, const ContactBody<dim>&, double, ContactList<dim>&); \
+	template void findContacts<dim>(const ContactBody<dim>&, double, ContactList<dim>&);
+SOFTGRAIN_INSTANTIATE(2)
+SOFTGRAIN_INSTANTIATE(3)
+#undef SOFTGRAIN_INSTANTIATE
+
+} // namespace softgrain

@@ -1,0 +1,70 @@
+#include "grain/Batch.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace softgrain {
+
+template <int dim>
+Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Condition theCondition,
+                  const std::vector<GrainParameters<dim>>& grains)
+        : reference(std::move(ref))
+        , law(theLaw)
+        , condition(theCondition)
+        , grain(grains)
+        , report(grains.size())
+{
+	if ((dim == 3) != (condition == Condition::solid))
+		throw std::invalid_argument("condition must be 'solid' in 3D, and plane strain or plane stress in 2D");
+	lame.resize(blocks());
+	for (int g = 0; g < this->grains(); ++g) {
+		grain[g].constants.validate();
+		const double R = grain[g].radius;
+		if (!(R > 0) || !std::isfinite(R)) {
+			std::ostringstream message;
+			message << "radius = " << R << " is outside the admissible range (0, inf) m";
+			throw std::invalid_argument(message.str());
+		}
+		pointScale.push_back(std::pow(R, dim));
+		massScale.push_back(grain[g].constants.density * pointScale[g]);
+	}
+	for (int b = 0; b < blocks(); ++b)
+		for (int l = 0; l < laneWidth; ++l) {
+			const int g = b * laneWidth + l;
+			const ElasticConstants& c = grain[g < this->grains() ? g : b * laneWidth].constants;
+			lame[b].lambda[l] = c.lambda();
+			lame[b].mu[l] = c.mu();
+		}
+	for (NodalField<dim>* field : { &x, &v, &force, &vNext })
+		field->resize(blocks(), reference->nodes());
+	for (int g = 0; g < blocks() * laneWidth; ++g) // empty lanes rest undeformed at unit size
+		for (int I = 0; I < reference->nodes(); ++I)
+			x.set(g, I, (g < this->grains() ? grain[g].radius : 1.) * reference->nodePosition[I]);
+}
+
+template <int dim>
+void Batch<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity, const Mat<dim>& spin)
+{
+	for (int I = 0; I < reference->nodes(); ++I) {
+		const Vec<dim> position = grain[g].radius * (rotation * reference->nodePosition[I]);
+		x.set(g, I, position);
+		v.set(g, I, velocity + spin * position);
+	}
+}
+
+template <int dim>
+void Batch<dim>::moveRigidly(int g, const Vec<dim>& centre, const Mat<dim>& rotation, const Vec<dim>& shift,
+                             const Vec<dim>& velocity, const Mat<dim>& spin)
+{
+	for (int I = 0; I < reference->nodes(); ++I) {
+		const Vec<dim> arm = rotation * (x.get(g, I) - centre);
+		x.set(g, I, centre + arm + shift);
+		v.set(g, I, rotation * v.get(g, I) + velocity + spin * arm);
+	}
+}
+
+template struct Batch<2>;
+template struct Batch<3>;
+
+} // namespace softgrain

@@ -1,0 +1,99 @@
+// State of a batch of congruent grains as structure of arrays: one grain per lane, laneWidth lanes
+// to a block.
+#pragma once
+
+#include "Vector.hpp"
+#include "material/Elasticity.hpp"
+#include "material/Lanes.hpp"
+#include "material/NeoHookean.hpp"
+#include "reference/GrainTemplate.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace softgrain {
+
+/// One vector per node and grain; all lanes of a block lie side by side.
+template <int dim> class NodalField {
+public:
+	void resize(int blocks, int nodes)
+	{
+		nodes_ = nodes;
+		data_.assign(static_cast<std::size_t>(blocks) * nodes * dim * laneWidth, 0.);
+	}
+	/// Component `a` at node `I` of all grains of a block.
+	double* lanes(int block, int I, int a)
+	{
+		return data_.data() + ((static_cast<std::size_t>(block) * nodes_ + I) * dim + a) * laneWidth;
+	}
+	const double* lanes(int block, int I, int a) const { return const_cast<NodalField*>(this)->lanes(block, I, a); }
+
+	Vec<dim> get(int grain, int I) const
+	{
+		Vec<dim> value;
+		for (int a = 0; a < dim; ++a)
+			value[a] = lanes(grain / laneWidth, I, a)[grain % laneWidth];
+		return value;
+	}
+	void set(int grain, int I, const Vec<dim>& value)
+	{
+		for (int a = 0; a < dim; ++a)
+			lanes(grain / laneWidth, I, a)[grain % laneWidth] = value[a];
+	}
+	void swap(NodalField& other) { data_.swap(other.data_); }
+
+private:
+	int nodes_ = 0;
+	std::vector<double> data_;
+};
+
+/// What distinguishes one grain of a batch from the next.
+template <int dim> struct GrainParameters {
+	double radius = 0;             ///< m
+	ElasticConstants constants;
+	Vec<dim> origin = Vec<dim>::Zero(); ///< m; nodal positions are kept relative to it, so that a
+	                                    ///< grain far from the origin of space loses no digits
+};
+
+/// What the force pass found in one grain.
+struct BulkReport {
+	double elasticEnergy = 0;  ///< J (2D: J/m)
+	double stiffening = 1;     ///< largest PointLanes::stiffening of the grain
+	int invertedPoint = -1;    ///< first point with J <= 0 or not finite, or -1
+};
+
+/// A batch: one template, one law and condition, any number of grains.
+template <int dim> struct Batch {
+	Batch(std::shared_ptr<const GrainTemplate<dim>> reference, Law law, Condition condition,
+	      const std::vector<GrainParameters<dim>>& grains);
+
+	std::shared_ptr<const GrainTemplate<dim>> reference;
+	Law law;
+	Condition condition;
+	std::vector<GrainParameters<dim>> grain;
+	std::vector<double> pointScale;   ///< R^dim: Vp0 of grain over Vp0 of template
+	std::vector<double> massScale;    ///< rho R^dim: nodal mass of grain over that of template
+	std::vector<LameConstants> lame;  ///< per block; empty lanes repeat the block's first grain
+
+	NodalField<dim> x;     ///< nodal positions relative to the grain's origin at t_n, m
+	NodalField<dim> v;     ///< nodal velocities at t_n - dt/2, m/s
+	NodalField<dim> force; ///< internal force at t_n, N (2D: N/m)
+	NodalField<dim> vNext; ///< nodal velocities at t_n + dt/2, being computed
+	std::vector<BulkReport> report;
+
+	int grains() const { return static_cast<int>(grain.size()); }
+	int blocks() const { return (grains() + laneWidth - 1) / laneWidth; }
+	double nodeMass(int g, int I) const { return massScale[g] * reference->nodeMass[I]; }
+	double mass(int g) const { return massScale[g] * UnitBall<dim>::volume(); }
+	Vec<dim> position(int g, int I) const { return grain[g].origin + x.get(g, I); }
+
+	/// Places grain `g` undeformed: rotated by `rotation`, moving as a rigid body about its origin.
+	void place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity, const Mat<dim>& spin);
+	/// Adds a rigid motion to grain `g` in its present shape: positions about `centre` (relative to the
+	/// origin) are rotated, then shifted; `velocity + spin (x - centre)` is added to the velocities.
+	void moveRigidly(int g, const Vec<dim>& centre, const Mat<dim>& rotation, const Vec<dim>& shift,
+	                 const Vec<dim>& velocity, const Mat<dim>& spin);
+};
+
+} // namespace softgrain

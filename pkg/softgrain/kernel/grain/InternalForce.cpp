@@ -1,0 +1,161 @@
+#include "grain/InternalForce.hpp"
+#include "material/Dispatch.hpp"
+
+#include <cmath>
+
+namespace softgrain {
+
+namespace {
+
+template <int dim> void gatherGradient(const Batch<dim>& batch, int block, int p, PointLanes<dim>& point)
+{
+	for (int a = 0; a < dim; ++a)
+		for (int b = 0; b < dim; ++b)
+			for (int l = 0; l < laneWidth; ++l)
+				point.F[a][b][l] = 0;
+	const auto& shapes = batch.reference->pointShapes;
+	for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
+		const Vec<dim>& G = shapes.value[k].G;
+		for (int a = 0; a < dim; ++a) {
+			const double* x = batch.x.lanes(block, shapes.column[k], a);
+			for (int b = 0; b < dim; ++b)
+				for (int l = 0; l < laneWidth; ++l)
+					point.F[a][b][l] += x[l] * G[b];
+		}
+	}
+}
+
+template <int dim> void scaleLanes(Lanes (&tensor)[dim][dim], const Lanes& factor)
+{
+	for (int a = 0; a < dim; ++a)
+		for (int b = 0; b < dim; ++b)
+			for (int l = 0; l < laneWidth; ++l)
+				tensor[a][b][l] *= factor[l];
+}
+
+/// f_I -= P G_I; P already carries the volume of the point.
+template <int dim> void scatterForce(Batch<dim>& batch, int block, int p, const PointLanes<dim>& point)
+{
+	const auto& shapes = batch.reference->pointShapes;
+	for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
+		const Vec<dim>& G = shapes.value[k].G;
+		for (int a = 0; a < dim; ++a) {
+			double* f = batch.force.lanes(block, shapes.column[k], a);
+			for (int l = 0; l < laneWidth; ++l) {
+				double sum = 0;
+				for (int b = 0; b < dim; ++b)
+					sum += point.P[a][b][l] * G[b];
+				f[l] -= sum;
+			}
+		}
+	}
+}
+
+template <int dim> void clearForce(Batch<dim>& batch, int block)
+{
+	double* f = batch.force.lanes(block, 0, 0);
+	for (int k = 0; k < batch.reference->nodes() * dim * laneWidth; ++k)
+		f[k] = 0;
+}
+
+/// Scales of a block's lanes: gradients with 1/R, point volumes with R^dim.
+struct BlockScales {
+	Lanes inverseRadius, volume, volumeOverRadius;
+};
+
+template <int dim> BlockScales blockScales(const Batch<dim>& batch, int block)
+{
+	BlockScales s;
+	for (int l = 0; l < laneWidth; ++l) {
+		const int g = block * laneWidth + l;
+		const bool used = g < batch.grains();
+		s.inverseRadius[l] = used ? 1 / batch.grain[g].radius : 1;
+		s.volume[l] = used ? batch.pointScale[g] : 1;
+		s.volumeOverRadius[l] = s.volume[l] * s.inverseRadius[l];
+	}
+	return s;
+}
+
+template <int dim, class LawEvaluator> void forceOfBlock(Batch<dim>& batch, int block, LawEvaluator)
+{
+	const BlockScales scales = blockScales(batch, block);
+	Lanes energy{}, stiffening{}, invertedPoint;
+	for (double& p : invertedPoint)
+		p = -1;
+	clearForce(batch, block);
+	PointLanes<dim> point;
+	for (int p = 0; p < batch.reference->points(); ++p) {
+		gatherGradient(batch, block, p, point);
+		scaleLanes<dim>(point.F, scales.inverseRadius);
+		LawEvaluator::evaluate(point, batch.lame[block]);
+		Lanes weight;
+		const double V = batch.reference->pointVolume[p];
+		for (int l = 0; l < laneWidth; ++l) {
+			weight[l] = V * scales.volumeOverRadius[l];
+			energy[l] += V * scales.volume[l] * point.energy[l];
+			stiffening[l] = point.stiffening[l] > stiffening[l] ? point.stiffening[l] : stiffening[l];
+			if (!(point.J[l] > 0) && invertedPoint[l] < 0) invertedPoint[l] = p;
+		}
+		scaleLanes<dim>(point.P, weight);
+		scatterForce(batch, block, p, point);
+	}
+	for (int l = 0; l < laneWidth; ++l) {
+		const int g = block * laneWidth + l;
+		if (g < batch.grains()) batch.report[g] = { energy[l], stiffening[l], static_cast<int>(invertedPoint[l]) };
+	}
+}
+
+} // namespace
+
+template <int dim> void computeInternalForce(Batch<dim>& batch, int threads)
+{
+	withLaw<dim>(batch.law, batch.condition, [&](auto evaluator) {
+		const int blocks = batch.blocks();
+#pragma omp parallel for schedule(static) num_threads(threads)
+		for (int b = 0; b < blocks; ++b)
+			forceOfBlock(batch, b, evaluator);
+	});
+}
+
+template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>& batch, int g)
+{
+	const int block = g / laneWidth, lane = g % laneWidth;
+	const BlockScales scales = blockScales(batch, block);
+	std::vector<PointResponse<dim>> responses;
+	withLaw<dim>(batch.law, batch.condition, [&](auto evaluator) {
+		PointLanes<dim> point;
+		for (int p = 0; p < batch.reference->points(); ++p) {
+			gatherGradient(batch, block, p, point);
+			scaleLanes<dim>(point.F, scales.inverseRadius);
+			evaluator.evaluate(point, batch.lame[block]);
+			PointResponse<dim> r;
+			Mat<dim> P;
+			for (int a = 0; a < dim; ++a)
+				for (int b = 0; b < dim; ++b) {
+					r.F(a, b) = point.F[a][b][lane];
+					P(a, b) = point.P[a][b][lane];
+				}
+			r.J = point.J[lane];
+			r.cauchy = P * r.F.transpose() / r.J;
+			if (batch.condition == Condition::planeStrain)
+				r.cauchy33 = batch.lame[block].lambda[lane] * std::log(r.J) / r.J;
+			if (batch.condition == Condition::planeStress) {
+				// forces are per unit reference thickness, Cauchy stress per present one
+				r.F33 = std::exp(detail::thicknessStrain(std::log(r.J), batch.lame[block].lambda[lane],
+				                                         batch.lame[block].mu[lane]));
+				r.cauchy /= r.F33;
+			}
+			responses.push_back(r);
+		}
+	});
+	return responses;
+}
+
+#define SOFTGRAIN_INSTANTIATE(dim)                                       \
+	template void computeInternalForce<dim>(Batch<dim>&, int);       \
+	template std::vector<PointResponse<dim>> pointResponses<dim>(const Batch<dim>&, int);
+SOFTGRAIN_INSTANTIATE(2)
+SOFTGRAIN_INSTANTIATE(3)
+#undef SOFTGRAIN_INSTANTIATE
+
+} // namespace softgrain

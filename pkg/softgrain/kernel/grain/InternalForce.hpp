@@ -1,0 +1,23 @@
+// The bulk of the total-Lagrangian MPM: from nodal positions to internal nodal forces.
+#pragma once
+
+#include "grain/Batch.hpp"
+
+namespace softgrain {
+
+/// F = sum_I x_I (x) G_I at every material point, P(F), f_I = - sum_p Vp0 P_p G_I(Xp) into
+/// `batch.force`, and `batch.report` (method: section 2). Parallel over blocks of grains; the result
+/// does not depend on the number of threads.
+template <int dim> void computeInternalForce(Batch<dim>& batch, int threads);
+
+/// Deformation and stress at one material point.
+template <int dim> struct PointResponse {
+	Mat<dim> F, cauchy;  ///< cauchy = P F^T / J, Pa, per present area
+	double J;            ///< det F, in 2D of the in-plane part: present over reference area
+	double F33 = 1;      ///< out-of-plane stretch in 2D
+	double cauchy33 = 0; ///< out-of-plane normal stress in 2D, Pa
+};
+/// At every material point of grain `g`.
+template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>& batch, int g);
+
+} // namespace softgrain

@@ -1,0 +1,41 @@
+// Elastic constants and kinematic conditions common to all laws.
+#pragma once
+
+#include <string>
+
+namespace softgrain {
+
+/// What closes the third dimension of a grain.
+enum class Condition {
+	planeStrain, ///< 2D, F33 = 1
+	planeStress, ///< 2D, F33 from P33 = 0 at every point
+	solid        ///< 3D
+};
+
+/// The constitutive laws, by the name users give.
+enum class Law {
+	neoHookean ///< compressible neo-Hookean, P = mu (F - F^-T) + lambda ln J F^-T
+};
+
+/// Throws std::invalid_argument listing the known names.
+Law lawByName(const std::string& name);
+/// "planeStrain" or "planeStress"; throws std::invalid_argument listing the known names.
+Condition conditionByName(const std::string& name);
+
+/// Constants of one grain's material.
+struct ElasticConstants {
+	double young = 1e6;    ///< Pa, > 0
+	double poisson = 0.45; ///< dimensionless, in (-1, 0.5)
+	double density = 1000; ///< kg/m^3, > 0
+
+	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
+	void validate() const;
+	double lambda() const { return young * poisson / ((1 + poisson) * (1 - 2 * poisson)); } ///< Pa
+	double mu() const { return 0.5 * young / (1 + poisson); }                               ///< Pa
+	/// First Lame constant that acts in the plane (or space) of the grain at small strain, Pa.
+	double effectiveLambda(Condition condition) const;
+	/// Speed of pressure waves in the undeformed grain, m/s.
+	double waveSpeed(Condition condition) const;
+};
+
+} // namespace softgrain

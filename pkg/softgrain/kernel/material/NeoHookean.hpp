@@ -1,0 +1,108 @@
+// Compressible neo-Hookean law: W = mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2,
+// P = mu (F - F^-T) + lambda ln J F^-T (method: section 2).
+#pragma once
+
+#include "material/Elasticity.hpp"
+#include "material/Lanes.hpp"
+
+#include <cmath>
+
+namespace softgrain {
+
+namespace detail {
+
+/// Cofactors of F (rows and columns as F) and its determinant: F^-T = C / J.
+inline double cofactors(const double (&F)[2][2], double (&C)[2][2])
+{
+	C[0][0] = F[1][1];
+	C[0][1] = -F[1][0];
+	C[1][0] = -F[0][1];
+	C[1][1] = F[0][0];
+	return F[0][0] * F[1][1] - F[0][1] * F[1][0];
+}
+
+inline double cofactors(const double (&F)[3][3], double (&C)[3][3])
+{
+	for (int a = 0; a < 3; ++a)
+		for (int b = 0; b < 3; ++b) {
+			const int a1 = (a + 1) % 3, a2 = (a + 2) % 3, b1 = (b + 1) % 3, b2 = (b + 2) % 3;
+			C[a][b] = F[a1][b1] * F[a2][b2] - F[a1][b2] * F[a2][b1];
+		}
+	return F[0][0] * C[0][0] + F[0][1] * C[0][1] + F[0][2] * C[0][2];
+}
+
+/// Largest eigenvalue of A A^T, exact in 2D, an upper bound (exact where A A^T is spherical) in 3D.
+template <int dim> double largestSquaredStretch(const double (&A)[dim][dim])
+{
+	double trace = 0, squares = 0;
+	for (int a = 0; a < dim; ++a)
+		for (int b = 0; b < dim; ++b) {
+			double B = 0;
+			for (int c = 0; c < dim; ++c)
+				B += A[a][c] * A[b][c];
+			squares += B * B;
+			if (a == b) trace += B;
+		}
+	const double mean = trace / dim;
+	const double deviator = std::fmax(0., squares - dim * mean * mean);
+	return mean + std::sqrt((dim - 1.) / dim * deviator);
+}
+
+/// ln F33 from P33 = 0: mu (F33^2 - 1) + lambda (ln J2 + ln F33) = 0. The function is convex and
+/// increasing in ln F33, so Newton's method converges; 8 steps reach rounding for all J2 in [0.05, 20].
+inline double thicknessStrain(double lnJ2, double lambda, double mu)
+{
+	double y = -lambda * lnJ2 / (lambda + 2 * mu);
+	for (int k = 0; k < 8; ++k) {
+		const double a = std::exp(2 * y);
+		y -= (mu * (a - 1) + lambda * (lnJ2 + y)) / (2 * mu * a + lambda);
+	}
+	return y;
+}
+
+} // namespace detail
+
+/// One grain's constants as the law uses them.
+struct LameConstants {
+	Lanes lambda, mu; ///< Pa
+};
+
+template <int dim, Condition condition> struct NeoHookean {
+	static_assert((dim == 3) == (condition == Condition::solid));
+
+	/// Fills P, J, energy and stiffening from F. Where J <= 0 the results are not finite.
+	static void evaluate(PointLanes<dim>& point, const LameConstants& lame)
+	{
+		for (int l = 0; l < laneWidth; ++l) {
+			double F[dim][dim], C[dim][dim];
+			for (int a = 0; a < dim; ++a)
+				for (int b = 0; b < dim; ++b)
+					F[a][b] = point.F[a][b][l];
+			const double J = detail::cofactors(F, C);
+			const double lambda = lame.lambda[l], mu = lame.mu[l];
+			const double lnJ2 = std::log(J);
+			double lnJ = lnJ2, squareF33 = 1, tangentLambda = lambda, restLambda = lambda;
+			if constexpr (condition == Condition::planeStress) {
+				const double y = detail::thicknessStrain(lnJ2, lambda, mu);
+				squareF33 = std::exp(2 * y);
+				lnJ = lnJ2 + y;
+				tangentLambda = 2 * mu * squareF33 * lambda / (2 * mu * squareF33 + lambda);
+				restLambda = 2 * mu * lambda / (2 * mu + lambda);
+			}
+			const double onInverse = (lambda * lnJ - mu) / J;
+			double squares = dim == 2 ? squareF33 : 0;
+			for (int a = 0; a < dim; ++a)
+				for (int b = 0; b < dim; ++b) {
+					point.P[a][b][l] = mu * F[a][b] + onInverse * C[a][b];
+					squares += F[a][b] * F[a][b];
+				}
+			point.J[l] = J;
+			point.energy[l] = 0.5 * mu * (squares - 3 - 2 * lnJ) + 0.5 * lambda * lnJ * lnJ;
+			const double inverseStretch = detail::largestSquaredStretch<dim>(C) / (J * J);
+			point.stiffening[l]
+			        = (mu + (tangentLambda + mu - lambda * lnJ) * inverseStretch) / (restLambda + 2 * mu);
+		}
+	}
+};
+
+} // namespace softgrain

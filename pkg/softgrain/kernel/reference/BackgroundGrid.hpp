@@ -1,0 +1,49 @@
+// The background grid of one grain: which nodes carry unknowns, and the shape functions on them.
+#pragma once
+
+#include "Vector.hpp"
+#include "reference/Quadrature.hpp"
+#include "reference/ShapeFunction.hpp"
+#include "reference/SparseRows.hpp"
+
+#include <array>
+#include <map>
+#include <vector>
+
+namespace softgrain {
+
+/// Nodes lighter than this share of the heaviest one are *tied*: they follow the heavier nodes
+/// near them by an extrapolation exact for affine motions, and their shape functions are added to
+/// those of these nodes. See doc/decisions/0001-rim.md for how it was chosen.
+constexpr double lightNodeShare = 1e-4;
+
+/// Tensor-product B-splines on a regular grid with a node at the origin, restricted to the nodes
+/// that carry unknowns.
+template <int dim> class BackgroundGrid {
+public:
+	/// Grid of step `spacing` whose nodes are those that the material points give mass to.
+	BackgroundGrid(int order, double spacing, const Quadrature<dim>& quadrature, double tiedShare = lightNodeShare);
+
+	const std::vector<Vec<dim>>& position() const { return position_; }
+	const std::vector<double>& mass() const { return mass_; }
+
+	/// Adds the row of shape functions at X, tied nodes resolved.
+	void appendShapes(const Vec<dim>& X, SparseRows<ShapeFunction<dim>>& rows) const;
+
+private:
+	using Index = std::array<int, dim>;
+	using Weights = std::vector<std::pair<int, double>>;
+
+	std::map<Index, ShapeFunction<dim>> rawShapes(const Vec<dim>& X) const;
+	Vec<dim> nodeAt(const Index& index) const;
+	Weights extrapolation(const Index& index) const;
+
+	int order_;
+	double spacing_;
+	std::map<Index, int> number_;                ///< of the nodes that carry unknowns
+	mutable std::map<Index, Weights> tied_;      ///< extrapolations met so far
+	std::vector<Vec<dim>> position_;
+	std::vector<double> mass_;
+};
+
+} // namespace softgrain

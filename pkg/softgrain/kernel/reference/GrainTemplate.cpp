@@ -1,0 +1,96 @@
+#include "reference/GrainTemplate.hpp"
+#include "reference/BSpline.hpp"
+#include "reference/BackgroundGrid.hpp"
+
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+namespace softgrain {
+
+namespace {
+
+void requireRange(const char* name, double value, double low, double high, const char* bounds)
+{
+	if (value >= low && value <= high) return; // false for NaN too
+	std::ostringstream message;
+	message << name << " = " << value << " is outside the admissible range " << bounds;
+	throw std::invalid_argument(message.str());
+}
+
+template <int dim> void layContactNodes(GrainTemplate<dim>& grain)
+{
+	const double dr = grain.recipe.zeta;
+	if (grain.recipe.contact == ContactGeometry::surface) {
+		grain.contactMesh = UnitBall<dim>::mesh(grain.recipe.surfaceSpacing * dr);
+		return;
+	}
+	grain.contactRadius = 0.5 * dr;
+	grain.contactMesh.vertex = boundaryPoints<dim>(grain.recipe.quadrature, dr);
+}
+
+/// W_ss' = sum_I N_I(Xs) N_I(Xs') / mI from the rows of N.
+SparseRows<double> delassusTable(const SparseRows<double>& shapes, const std::vector<double>& nodeMass)
+{
+	std::vector<std::vector<std::pair<int, double>>> seenBy(nodeMass.size()); // node I: (s, N_I(Xs))
+	for (int s = 0; s < shapes.rows(); ++s)
+		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
+			seenBy[shapes.column[k]].emplace_back(s, shapes.value[k]);
+
+	SparseRows<double> table;
+	for (int s = 0; s < shapes.rows(); ++s) {
+		std::map<int, double> row;
+		for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
+			const int node = shapes.column[k];
+			for (const auto& [other, N] : seenBy[node])
+				row[other] += shapes.value[k] * N / nodeMass[node];
+		}
+		for (const auto& [other, W] : row)
+			table.append(other, W);
+		table.closeRow();
+	}
+	return table;
+}
+
+} // namespace
+
+void TemplateRecipe::validate() const
+{
+	requireRange("zeta", zeta, 1e-3, 0.5, "[0.001, 0.5]");
+	requireRange("order", order, minSplineOrder, maxSplineOrder, "1, 2, 3");
+	requireRange("nodeSpacing", nodeSpacing, 1.5, 4, "[1.5, 4]");
+	requireRange("surfaceSpacing", surfaceSpacing, 0.5, 4, "[0.5, 4]");
+}
+
+template <int dim> std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe& recipe)
+{
+	recipe.validate();
+	const double dr = recipe.zeta;
+	const Quadrature<dim> quadrature = makeQuadrature<dim>(recipe.quadrature, dr);
+	const BackgroundGrid<dim> grid(recipe.order, recipe.nodeSpacing * dr, quadrature);
+
+	auto grain = std::make_shared<GrainTemplate<dim>>();
+	grain->recipe = recipe;
+	grain->nodePosition = grid.position();
+	grain->nodeMass = grid.mass();
+	grain->pointPosition = quadrature.point;
+	grain->pointVolume = quadrature.weight;
+	for (const Vec<dim>& X : quadrature.point)
+		grid.appendShapes(X, grain->pointShapes);
+
+	layContactNodes(*grain);
+	SparseRows<ShapeFunction<dim>> shapes;
+	for (const Vec<dim>& X : grain->contactMesh.vertex)
+		grid.appendShapes(X, shapes);
+	grain->contactShapes.offset = shapes.offset;
+	grain->contactShapes.column = shapes.column;
+	for (const ShapeFunction<dim>& shape : shapes.value)
+		grain->contactShapes.value.push_back(shape.N);
+	grain->delassus = delassusTable(grain->contactShapes, grain->nodeMass);
+	return grain;
+}
+
+template std::shared_ptr<const GrainTemplate<2>> makeGrainTemplate<2>(const TemplateRecipe&);
+template std::shared_ptr<const GrainTemplate<3>> makeGrainTemplate<3>(const TemplateRecipe&);
+
+} // namespace softgrain

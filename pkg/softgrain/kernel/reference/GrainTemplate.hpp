@@ -1,0 +1,66 @@
+// Everything about a grain that never changes, computed once and shared by all congruent grains.
+#pragma once
+
+#include "Vector.hpp"
+#include "reference/Outline.hpp"
+#include "reference/Quadrature.hpp"
+#include "reference/ShapeFunction.hpp"
+#include "reference/SparseRows.hpp"
+
+#include <memory>
+#include <tuple>
+#include <vector>
+
+namespace softgrain {
+
+/// What a grain shows to others (method: section 3).
+enum class ContactGeometry {
+	surface, ///< nodes on the true outline against the other grain's outline
+	points   ///< every boundary material point is a disk (sphere) of diameter dr (the paper)
+};
+
+/// How a grain is discretised. Grains with equal recipes are congruent and share one template.
+struct TemplateRecipe {
+	double zeta = 0.11;           ///< 2 dr / D, dimensionless, in (0, 0.5]
+	int order = 3;                ///< of the B-splines: 1, 2 or 3
+	double nodeSpacing = 2;       ///< h / dr, in [1.5, 4]: below, cubic splines have zero-energy modes
+	double surfaceSpacing = 1;    ///< distance of surface nodes over dr, in [0.5, 4]
+	QuadratureRule quadrature = QuadratureRule::cutCell;
+	ContactGeometry contact = ContactGeometry::surface;
+
+	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
+	void validate() const;
+	bool operator<(const TemplateRecipe& o) const
+	{
+		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact)
+		        < std::tie(o.zeta, o.order, o.nodeSpacing, o.surfaceSpacing, o.quadrature, o.contact);
+	}
+};
+
+/// A grain of radius 1 and density 1 with its background grid laid on the centre. A grain of
+/// radius R and density rho has nodes at R XI, G/R, R^dim Vp, rho R^dim mI and W/(rho R^dim).
+template <int dim> struct GrainTemplate {
+	TemplateRecipe recipe;
+
+	std::vector<Vec<dim>> nodePosition; ///< XI, in radii
+	std::vector<double> nodeMass;       ///< lumped, sum_p V_p N_I(X_p); their sum is the volume
+
+	std::vector<Vec<dim>> pointPosition;        ///< Xp, in radii
+	std::vector<double> pointVolume;            ///< Vp0, in radii^dim
+	SparseRows<ShapeFunction<dim>> pointShapes; ///< row p: nodes I with N_I(Xp), G_I(Xp)
+
+	OutlineMesh<dim> contactMesh;      ///< contact nodes; without facets for ContactGeometry::points
+	double contactRadius = 0;          ///< of the disk about a contact node, in radii; 0 on a surface
+	SparseRows<double> contactShapes;  ///< row s: nodes I with N_I(Xs)
+	SparseRows<double> delassus;       ///< W_ss' = sum_I N_I(Xs) N_I(Xs') / mI, a banded table
+
+	int nodes() const { return static_cast<int>(nodePosition.size()); }
+	int points() const { return static_cast<int>(pointPosition.size()); }
+	int contactNodes() const { return static_cast<int>(contactMesh.vertex.size()); }
+	double pointSpacing() const { return recipe.zeta; } ///< dr, in radii
+};
+
+/// Validates the recipe and builds the template.
+template <int dim> std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe& recipe);
+
+} // namespace softgrain

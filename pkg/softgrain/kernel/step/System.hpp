@@ -1,0 +1,118 @@
+// The step of the whole system: a list of named phases over batches of grains and their contacts.
+#pragma once
+
+#include "contact/ContactSolver.hpp"
+#include "contact/Search.hpp"
+#include "grain/Batch.hpp"
+#include "grain/Observables.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace softgrain {
+
+/// Acceleration field of a body load on one grain: a + A r with r from the centre of mass.
+template <int dim> struct BodyLoad {
+	Vec<dim> acceleration = Vec<dim>::Zero(); ///< m/s^2
+	Mat<dim> angular = Mat<dim>::Zero();      ///< skew, 1/s^2
+};
+
+/// What goes wrong in a step. The state is that before the step.
+struct StepError : std::runtime_error {
+	StepError(int whichGrain, int whichPoint, const std::string& what)
+	        : std::runtime_error(what)
+	        , grain(whichGrain)
+	        , point(whichPoint)
+	{
+	}
+	int grain; ///< index in the system
+	int point; ///< material point, or -1
+};
+
+/// Energies at t_n, J (2D: J/m). kinetic + elastic = initial + work - friction - impact up to rounding
+/// and the second-order error of the time integration.
+struct EnergyBalance {
+	double kinetic = 0;  ///< 1/2 sum mI v(t_n - dt/2) . v(t_n + dt/2)
+	double elastic = 0;
+	double friction = 0; ///< dissipated by friction since the start
+	double impact = 0;   ///< dissipated by normal impulses since the start
+	double planes = 0;   ///< work of moving planes on the grains since the start
+	double loads = 0;    ///< work of body loads since the start
+};
+
+struct StepReport {
+	SolverReport solver;
+	double residual = 0;   ///< natural map, only where asked for
+	double deepest = 0;    ///< largest overlap of the step, in dr
+	double stiffening = 1; ///< largest over all grains
+};
+
+struct StepSettings {
+	double dt = 0; ///< s
+	SolverSettings solver;
+	bool trackEnergy = false;
+	bool measureResidual = false;
+	int threads = 1;
+};
+
+template <int dim> class System {
+public:
+	/// Adds a batch; its grains get the next indices of the system.
+	void addBatch(Batch<dim> batch);
+
+	int grains() const { return static_cast<int>(place_.size()); }
+	Batch<dim>& batchOf(int g) { return batches_[place_[g].batch]; }
+	const Batch<dim>& batchOf(int g) const { return batches_[place_[g].batch]; }
+	int laneOf(int g) const { return place_[g].lane; }
+	const ContactBody<dim>& body(int g) const { return bodies_[g]; }
+	std::vector<BodyLoad<dim>>& loads() { return loads_; }
+	const EnergyBalance& energy() const { return energy_; }
+	/// Works up to half a step after t_n; a run that goes on from a saved state continues them.
+	const EnergyBalance& workSums() const { return sums_; }
+	void continueWorkSums(const EnergyBalance& sums) { sums_ = energy_ = sums; }
+	/// Smallest undeformed critical time step over the grains, s.
+	double criticalTimeStep() const;
+
+	/// Renews contact-node positions and outlines from the nodal positions. Called by `step` at its end;
+	/// call it after setting nodal state by hand.
+	void updateSurfaces(int threads);
+	void updateSurface(int g);
+	void invalidateForces() { forcesFresh_ = false; } ///< after nodal positions were set by hand
+	/// Internal forces and tangent stiffening of the present positions; throws StepError for an inverted
+	/// point. `step` uses them if they are fresh.
+	void updateForces(int threads);
+	double stiffening() const;
+
+	/// Distance within which gaps must be handed to `step`: no node travels further in a step.
+	double reach(int first, int second, double dt) const;
+	double reach(int g, const Plane<dim>& plane, double dt) const;
+
+	/// Advances all grains by dt. `lists` hold the contacts of t_n and receive their impulses.
+	StepReport step(const StepSettings& settings, std::vector<ContactList<dim>*> lists);
+
+private:
+	struct Place {
+		int batch, lane;
+	};
+	template <class Phase> void forEachGrain(int threads, Phase&& phase);
+
+	void predictVelocities(const StepSettings& settings);
+	void gatherContactVelocities(const std::vector<char>& touched, const StepSettings& settings);
+	void applyContactImpulses(const std::vector<char>& touched, const StepSettings& settings);
+	void checkVelocities() const;
+	void balanceEnergy(const ContactWork& work, double dt);
+	void move(const StepSettings& settings);
+
+	std::vector<Batch<dim>> batches_;
+	std::vector<Place> place_;
+	std::vector<ContactBody<dim>> bodies_;
+	std::vector<BodyLoad<dim>> loads_;
+	std::vector<double> criticalTimeStep_;
+	ContactSolver<dim> solver_;
+	EnergyBalance energy_; ///< at the last t_n
+	EnergyBalance sums_;   ///< works up to half a step later
+	bool forcesFresh_ = false;
+};
+
+} // namespace softgrain

@@ -1,0 +1,54 @@
+"""Soft, deformable grains for the YADE discrete-element platform.
+
+Each grain is a continuum solved by the explicit total-Lagrangian material point method; contacts are
+solved by contact dynamics, without any stiffness parameter. Import it inside a YADE script, a
+``yade-batch`` job, or plain Python with YADE on the path::
+
+    import softgrain as sg
+
+The YADE classes (``SoftMat``, ``SoftGrain``, ``SoftGrainIntegrator``, ...) become part of ``yade`` and of
+this package; the functions are listed in ``__all__``.
+"""
+
+from softgrain import _host
+
+_classes = _host.load_plugin()
+globals().update(_classes)
+
+from softgrain.build import (  # noqa: E402
+    critical_time_step,
+    engines,
+    set_time_step,
+    soft_disk,
+    soft_sphere,
+    soften,
+)
+from softgrain.observe import (  # noqa: E402
+    Balance,
+    coordination_number,
+    grain_area,
+    integrator,
+    packing_fraction,
+    soft_bodies,
+    von_mises,
+    wall_force,
+)
+from softgrain.picture import draw_packing  # noqa: E402
+
+__all__ = sorted(_classes) + [
+    "Balance",
+    "coordination_number",
+    "critical_time_step",
+    "draw_packing",
+    "engines",
+    "grain_area",
+    "integrator",
+    "packing_fraction",
+    "set_time_step",
+    "soft_bodies",
+    "soft_disk",
+    "soft_sphere",
+    "soften",
+    "von_mises",
+    "wall_force",
+]

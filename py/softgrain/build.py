@@ -1,0 +1,294 @@
+"""Making soft grains: new ones, or out of the spheres of a scene; engines and time step for them."""
+
+import math
+
+from yade import (
+    Body,
+    Bo1_Wall_Aabb,
+    ForceResetter,
+    InsertionSortCollider,
+    InteractionLoop,
+    NewtonIntegrator,
+    O,
+    Sphere,
+    Vector3,
+    wrapper,
+)
+from yade import utils
+
+#: Overlaps up to this share of the smaller radius are left to be worked off; rigid packings of usual
+#: stiffness stay below.
+WORKABLE_OVERLAP = 0.05
+
+
+def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
+    """A soft disk in the xy-plane, as ``utils.sphere`` makes a sphere. All quantities are per metre of
+    thickness.
+
+    Args:
+        center (Vector3): position of the centre [m].
+        radius (float): radius of the undeformed disk, > 0 [m].
+        material (int | str | SoftMat): id, label or instance; -1 is the last one, made if there is none.
+        color (Vector3 | None): colour, random if None.
+        mask (int): ``Body.mask``.
+        **shape: attributes of ``SoftGrain``: zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact.
+
+    Returns:
+        Body: to be added with ``O.bodies.append``.
+
+    Raises:
+        ValueError: a value is out of its range, or the material is no ``SoftMat``.
+    """
+    return _soft_body(center, radius, 2, material, color, mask, shape)
+
+
+def soft_sphere(center, radius, material=-1, color=None, mask=1, **shape):
+    """A soft ball; arguments, result and errors as for :func:`soft_disk`."""
+    return _soft_body(center, radius, 3, material, color, mask, shape)
+
+
+def _soft_body(center, radius, dim, material, color, mask, shape):
+    body = Body()
+    body.shape = wrapper.SoftGrain(
+        radius=radius, dim=dim, color=color if color else utils.randomColor(), **shape
+    )
+    volume = _volume(radius, dim)
+    inertia = volume * radius**2 * (0.5 if dim == 2 else 0.4)
+    utils._commonBodySetup(
+        body, volume, Vector3(inertia, inertia, inertia), _soft_material(material), pos=center, fixed=True
+    )
+    body.mask = mask
+    return body
+
+
+def _volume(radius, dim):
+    return math.pi * radius**2 if dim == 2 else 4 / 3 * math.pi * radius**3
+
+
+def _soft_material(material):
+    if isinstance(material, str) or (isinstance(material, int) and material >= 0):
+        material = O.materials[material]
+    elif isinstance(material, int):
+        if not any(isinstance(m, wrapper.SoftMat) for m in O.materials):
+            O.materials.append(wrapper.SoftMat(label="softMat"))
+        material = [m for m in O.materials if isinstance(m, wrapper.SoftMat)][-1]
+    if not isinstance(material, wrapper.SoftMat):
+        raise ValueError(f"material = {type(material).__name__}: soft grains need a SoftMat")
+    return material
+
+
+def soften(ids=None, material=-1, zeta=0.11, dim=None, overlap="relax", time_step_fraction=0.5, **shape):
+    """Turn spheres of the scene into soft grains in place, keeping position, velocity, spin and radius.
+
+    Spheres become disks (dim = 2) where the scene is two-dimensional: all of them in one plane
+    z = const, with the out-of-plane degrees of freedom ``z``, ``X`` and ``Y`` blocked. Interactions of the
+    converted spheres are dropped; the contacts of the soft grains are found in the next step. ``O.dt`` is
+    set for the scene (see :func:`set_time_step`).
+
+    Rigid packings carry their load by overlaps. They are treated by choice:
+
+    * ``overlap='relax'`` (default): radii are kept; the overlaps are worked off over several steps with a
+      capped speed (``SoftGrainIntegrator.overlapRelaxation``, ``overlapSpeed``), which turns them into
+      deformation. Refused if an overlap is larger than 5 % of the smaller radius.
+    * ``overlap='shrink'``: all radii are reduced by one common factor so that no two grains, and no grain
+      and wall, overlap.
+    * ``overlap='refuse'``: any overlap is an error.
+
+    Args:
+        ids (iterable of int | None): bodies to convert; None: all spheres that are not in clumps.
+        material (SoftMat | int | str): material of the soft grains, as in :func:`soft_disk`.
+        zeta (float): relative resolution 2 dr/D, in [0.001, 0.5] [-].
+        dim (int | None): 2 or 3; None: by the scene.
+        overlap (str): 'relax', 'shrink' or 'refuse'.
+        time_step_fraction (float): O.dt over the critical step, in (0, 1] [-].
+        **shape: further attributes of ``SoftGrain``.
+
+    Returns:
+        list of int: ids of the converted bodies.
+
+    Raises:
+        ValueError: a body is no sphere, the scene's dimension is not clear, an overlap is refused, or a
+            parameter is out of its range. Nothing has been changed then.
+    """
+    bodies = _spheres(ids)
+    dim = _dimension(bodies) if dim is None else dim
+    material = _soft_material(material)
+    factor = _overlap_factor(bodies, overlap)
+    shapes = [
+        wrapper.SoftGrain(
+            radius=factor * b.shape.radius, dim=dim, zeta=zeta, color=b.shape.color, **shape
+        )
+        for b in bodies
+    ]
+    _drop_interactions(bodies)
+    for body, grain in zip(bodies, shapes):
+        _convert(body, grain, material)
+    for engine in O.engines:
+        if isinstance(engine, InsertionSortCollider):
+            engine.doSort = True  # look anew at all pairs: those dropped are known to it as seen
+    set_time_step(time_step_fraction)
+    return [b.id for b in bodies]
+
+
+def _spheres(ids):
+    if ids is None:
+        bodies = [b for b in O.bodies if b and isinstance(b.shape, Sphere) and not b.isClumpMember]
+    else:
+        bodies = [O.bodies[i] for i in ids]
+        for i, body in zip(ids, bodies):
+            if body is None or not isinstance(body.shape, Sphere) or body.isClumpMember:
+                raise ValueError(f"ids: body #{i} is not a sphere outside clumps; only these can be softened")
+    if not bodies:
+        raise ValueError("ids: there is no sphere to soften")
+    return bodies
+
+
+def _dimension(bodies):
+    flat = all(set("zXY") <= set(b.state.blockedDOFs) for b in bodies)
+    solid = not any(set("zXY") & set(b.state.blockedDOFs) for b in bodies)
+    heights = [b.state.pos[2] for b in bodies]
+    one_layer = max(heights) - min(heights) < 1e-6 * min(b.shape.radius for b in bodies)
+    if flat and one_layer:
+        return 2
+    if solid and (not one_layer or len(bodies) == 1):
+        return 3
+    raise ValueError(
+        "dim: the scene is neither clearly 2D (one layer z = const, blockedDOFs including 'zXY') nor clearly "
+        "3D; give dim=2 or dim=3"
+    )
+
+
+def _overlap_factor(bodies, overlap):
+    """Common factor of the radii after the choice about overlaps."""
+    if overlap not in ("relax", "shrink", "refuse"):
+        raise ValueError(f"overlap = {overlap!r} is unknown; known: 'relax', 'shrink', 'refuse'")
+    worst, factor, pair = 0.0, 1.0, None
+    for distance, reach, smaller, ids in _near_pairs(bodies):
+        relative = (reach - distance) / smaller
+        if relative > worst:
+            worst, pair = relative, ids
+        factor = min(factor, distance / reach)
+    limit = {"relax": WORKABLE_OVERLAP, "shrink": 1.0, "refuse": 0.0}[overlap]
+    if worst > limit:
+        raise ValueError(
+            f"overlap = {overlap!r}: bodies #{pair[0]} and #{pair[1]} overlap by {100 * worst:.2g} % of the smaller "
+            f"radius, more than the admissible {100 * limit:g} %; relax the rigid packing further or use overlap='shrink'"
+        )
+    return factor if overlap == "shrink" else 1.0
+
+
+def _near_pairs(bodies):
+    """Distance, sum of radii, smaller radius and ids of the pairs of spheres (and sphere-wall pairs) that
+    may overlap, by sorting along x."""
+    rows = sorted(((b.state.pos[0] - b.shape.radius, b.id, b) for b in bodies), key=lambda row: row[:2])
+    active = []
+    for low, _, b in rows:
+        active = [a for a in active if a.state.pos[0] + a.shape.radius > low]
+        for a in active:
+            distance = (a.state.pos - b.state.pos).norm()
+            reach = a.shape.radius + b.shape.radius
+            if distance < reach:
+                yield distance, reach, min(a.shape.radius, b.shape.radius), (a.id, b.id)
+        active.append(b)
+    walls = [w for w in O.bodies if w and isinstance(w.shape, wrapper.Wall)]
+    for w in walls:
+        for b in bodies:
+            distance = abs(b.state.pos[w.shape.axis] - w.state.pos[w.shape.axis])
+            if distance < b.shape.radius:
+                yield distance, b.shape.radius, b.shape.radius, (w.id, b.id)
+
+
+def _drop_interactions(bodies):
+    ids = {b.id for b in bodies}
+    for i in list(O.interactions.all()):
+        if i.id1 in ids or i.id2 in ids:
+            O.interactions.erase(i.id1, i.id2)
+
+
+def _convert(body, grain, material):
+    state = body.state
+    body.shape = grain
+    body.material = material
+    state.mass = _volume(grain.radius, grain.dim) * material.density
+    state.inertia = (state.mass * grain.radius**2 * (0.5 if grain.dim == 2 else 0.4),) * 3
+    velocity, spin = state.vel, state.angVel
+    if grain.dim == 2:
+        velocity = (velocity[0], velocity[1], 0)
+        spin = (0, 0, spin[2])
+    state.blockedDOFs = "xyzXYZ"  # NewtonIntegrator then carries the state along and applies no force
+    state.vel, state.angVel = velocity, spin
+
+
+def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
+    """Ready-made list of engines for soft grains and walls.
+
+    Args:
+        verlet_distance (float | None): ``InsertionSortCollider.verletDist`` [m]; None: a twentieth of the
+            smallest soft grain's radius.
+        gravity (Vector3): ``NewtonIntegrator.gravity`` [m/s²].
+        label (str | None): label of the ``SoftGrainIntegrator``.
+        **integrator: attributes of ``SoftGrainIntegrator``.
+
+    Returns:
+        list of Engine: for ``O.engines``.
+
+    Raises:
+        ValueError: an attribute is out of its range, or there is no soft grain and no verlet_distance.
+    """
+    if verlet_distance is None:
+        radii = [b.shape.radius for b in O.bodies if b and isinstance(b.shape, wrapper.SoftGrain)]
+        if not radii:
+            raise ValueError("verlet_distance: give it, or add soft grains first")
+        verlet_distance = 0.05 * min(radii)
+    if label:
+        integrator["label"] = label
+    return [
+        ForceResetter(),
+        InsertionSortCollider(
+            [wrapper.Bo1_SoftGrain_Aabb(), Bo1_Wall_Aabb()], verletDist=verlet_distance
+        ),
+        InteractionLoop(
+            [wrapper.Ig2_SoftGrain_SoftGrain_SoftGeom(), wrapper.Ig2_Wall_SoftGrain_SoftGeom()],
+            [wrapper.Ip2_SoftMat_SoftMat_SoftPhys(), wrapper.Ip2_FrictMat_SoftMat_SoftPhys()],
+            [wrapper.Law2_SoftGeom_SoftPhys_Nonsmooth()],
+        ),
+        wrapper.SoftGrainIntegrator(**integrator),
+        NewtonIntegrator(damping=0, gravity=gravity),
+    ]
+
+
+def critical_time_step():
+    """Critical time step of the undeformed soft grains of the scene, dt_c = 2/omega_max [s].
+
+    Raises:
+        ValueError: the scene has no soft grain, or a body is wrong (see the message).
+    """
+    from softgrain import _softgrain
+
+    step = _softgrain.criticalTimeStep()
+    if not step > 0:
+        raise ValueError("critical_time_step: the scene has no soft grain")
+    return step
+
+
+def set_time_step(fraction=0.5):
+    """Set ``O.dt`` to a fraction of the critical step and let the integrator keep it there while the grains
+    deform.
+
+    Args:
+        fraction (float): in (0, 1] [-].
+
+    Returns:
+        float: the new ``O.dt`` [s].
+
+    Raises:
+        ValueError: the fraction is out of its range, or the scene has no soft grain.
+    """
+    if not 0 < fraction <= 1:
+        raise ValueError(f"fraction = {fraction} is outside the admissible range (0, 1]")
+    O.dt = fraction * critical_time_step()
+    for engine in O.engines:
+        if isinstance(engine, wrapper.SoftGrainIntegrator):
+            engine.timeStepFraction = fraction
+            engine.dtSet = O.dt
+    return O.dt

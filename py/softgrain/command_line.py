@@ -1,0 +1,67 @@
+"""Options, progress and results common to the runnable cases."""
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+
+from tqdm import tqdm
+
+
+def positive(text):
+    """Argument type: a number > 0."""
+    return _checked(text, lambda value: value > 0, "a number > 0")
+
+
+def non_negative(text):
+    """Argument type: a number >= 0."""
+    return _checked(text, lambda value: value >= 0, "a number >= 0")
+
+
+def fraction(text):
+    """Argument type: a number in (0, 1)."""
+    return _checked(text, lambda value: 0 < value < 1, "a number in (0, 1)")
+
+
+def _checked(text, admissible, range_text):
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not admissible(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not {range_text}")
+    return value
+
+
+def output_folder(text):
+    """Argument type: a folder, made if missing."""
+    folder = Path(text)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"cannot make the folder {text!r}: {error.strerror}")
+    return folder
+
+
+def progress_bar(total):
+    """Progress bar on stderr; a line now and then where stderr is no terminal."""
+    interval = 0.5 if sys.stderr.isatty() else 10
+    return tqdm(
+        total=total,
+        mininterval=interval,
+        maxinterval=2 * interval,
+        file=sys.stderr,
+        bar_format="{percentage:3.0f} %|{bar:24}| {elapsed} < {remaining}{postfix}",
+    )
+
+
+def write_result(folder, result):
+    """Write ``result.json`` into the folder, whole or not at all."""
+    part = folder / "result.json.part"
+    part.write_text(json.dumps(result, indent=1, default=_plain) + "\n")
+    os.replace(part, folder / "result.json")
+
+
+def _plain(value):
+    return value.tolist() if hasattr(value, "tolist") else float(value)

@@ -1,0 +1,124 @@
+"""Pictures of packings: outlines of the grains, coloured by stress (the paper's Figure 3)."""
+
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+from yade import O, wrapper
+
+from softgrain.observe import soft_bodies, von_mises
+
+
+def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, title=None, dpi=200):
+    """Draw all soft disks with their outlines and a stress field inside.
+
+    Args:
+        path (str | Path): picture file; the suffix decides the format (png, pdf, svg).
+        box (tuple | None): (xmin, xmax, ymin, ymax) of the walls to draw [m].
+        field (str | None): 'von_mises' or 'pressure' of the Cauchy stress; None: plain grains.
+        scale (float | None): stresses are divided by it (e.g. Young's modulus); None: in kPa.
+        limits (tuple | None): (low, high) of the colours; None: from 0 (pressure: the lowest) to the 99th
+            percentile.
+        title (str | None): above the picture.
+        dpi (int): resolution of bitmaps.
+
+    Raises:
+        ValueError: an unknown field, or no soft disk to draw.
+    """
+    if field not in ("von_mises", "pressure", None):
+        raise ValueError(f"field = {field!r} is unknown; known: 'von_mises', 'pressure', None")
+    disks = [b for b in soft_bodies() if b.shape.dim == 2]
+    if not disks:
+        raise ValueError("draw_packing: the scene has no soft disk")
+    outlines = [_outline(b) for b in disks]
+    figure = Figure(figsize=_size(outlines, box), layout="constrained")
+    axes = figure.add_subplot()
+    if field:
+        _draw_field(figure, axes, disks, outlines, field, scale, limits)
+    else:
+        axes.add_collection(PolyCollection(outlines, facecolors="0.85", edgecolors="none"))
+    closed = [np.vstack([o, o[:1]]) for o in outlines]
+    axes.add_collection(LineCollection(closed, colors="black", linewidths=0.5))
+    if box is not None:
+        left, right, low, high = box
+        axes.plot([left, right, right, left, left], [low, low, high, high, low], color="black", lw=1.4)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.autoscale_view()
+    if title:
+        axes.set_title(title)
+    figure.savefig(path, dpi=dpi)
+
+
+def _outline(body):
+    """Polygon of the outline; for 'points' geometry the hull of the boundary points."""
+    outline = body.shape.outline()[:, :2]
+    if body.shape.contact == "points":
+        centre = outline.mean(axis=0)
+        outline = outline[np.argsort(np.arctan2(*(outline - centre).T[::-1]))]
+    return outline
+
+
+def _size(outlines, box):
+    points = np.vstack(outlines)
+    low, high = points.min(axis=0), points.max(axis=0)
+    if box is not None:
+        low, high = np.minimum(low, [box[0], box[2]]), np.maximum(high, [box[1], box[3]])
+    width, height = high - low
+    return (6.5, min(9.0, 6.5 * height / width + 0.4))
+
+
+def _draw_field(figure, axes, disks, outlines, field, scale, limits):
+    fields = [_point_values(b, field) for b in disks]
+    unit = scale if scale else 1e3
+    values = np.concatenate([v for _, v in fields]) / unit
+    if limits is None:
+        low = 0.0 if field == "von_mises" else min(0.0, float(np.percentile(values, 1)))
+        limits = (low, max(float(np.percentile(values, 99)), low + 1e-12))
+    for (points, stress), outline in zip(fields, outlines):
+        _draw_grain(axes, points, stress / unit, outline, limits)
+    name = {"von_mises": "von Mises stress", "pressure": "pressure"}[field]
+    label = f"{name} / E" if scale else f"{name} (kPa)"
+    mappable = axes.collections[0]
+    figure.colorbar(mappable, ax=axes, label=label, shrink=0.6, pad=0.02)
+
+
+def _point_values(body, field):
+    data = body.shape.points()
+    cauchy = data["cauchy"]
+    stress = von_mises(cauchy) if field == "von_mises" else -np.trace(cauchy, axis1=1, axis2=2) / 3
+    return data["position"][:, :2], stress
+
+
+def _draw_grain(axes, points, stress, outline, limits):
+    """Smooth shading between the material points, carried on to the outline by the nearest point."""
+    distances = np.linalg.norm(outline[:, None, :] - points[None, :, :], axis=2)
+    vertices = np.vstack([points, outline])
+    shades = np.concatenate([stress, stress[distances.argmin(axis=1)]])
+    mesh = axes.tripcolor(
+        Triangulation(vertices[:, 0], vertices[:, 1]),
+        shades,
+        shading="gouraud",
+        cmap="viridis",
+        vmin=limits[0],
+        vmax=limits[1],
+        rasterized=True,
+    )
+    clip = PolyCollection([outline], facecolors="none", edgecolors="none")
+    axes.add_collection(clip)
+    mesh.set_clip_path(clip.get_paths()[0], axes.transData)
+
+
+def wall_box():
+    """(xmin, xmax, ymin, ymax) spanned by the axis-aligned walls of a 2D scene [m].
+
+    Raises:
+        ValueError: there are not two walls for each of the axes x and y.
+    """
+    positions = {0: [], 1: []}
+    for b in O.bodies:
+        if b and isinstance(b.shape, wrapper.Wall) and b.shape.axis in positions:
+            positions[b.shape.axis].append(b.state.pos[b.shape.axis])
+    if any(len(p) < 2 for p in positions.values()):
+        raise ValueError("wall_box: two walls are needed for each of the axes x and y")
+    return (min(positions[0]), max(positions[0]), min(positions[1]), max(positions[1]))

@@ -1,0 +1,32 @@
+"""The oracle: the method in plain numpy, slow and clear, to check the fast kernel against.
+
+It shares no line with the kernel and takes another route where there is one: B-splines by
+recursion, tied nodes by one dense matrix, the Delassus operator by ``H M^-1 H^T``. Grains are
+disks. The parts are laid out as those of the kernel:
+
+* :mod:`~softgrain.reference.template`: what never changes, at unit size;
+* :mod:`~softgrain.reference.material`: from deformation gradient to stress;
+* :mod:`~softgrain.reference.grain`: nodal positions and velocities, internal force;
+* :mod:`~softgrain.reference.search`: contacts and their gaps;
+* :mod:`~softgrain.reference.solver`: impulses by nonlinear Gauss-Seidel;
+* :mod:`~softgrain.reference.system`: the step.
+"""
+
+from .grain import Grain
+from .material import Material
+from .search import Contact
+from .solver import SolverReport, SolverSettings
+from .system import System, Wall
+from .template import Recipe, Template
+
+__all__ = [
+    "Contact",
+    "Grain",
+    "Material",
+    "Recipe",
+    "SolverReport",
+    "SolverSettings",
+    "System",
+    "Template",
+    "Wall",
+]

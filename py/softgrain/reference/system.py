@@ -1,0 +1,145 @@
+"""The step of the whole system."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .search import contacts_of_grains, contacts_with_plane
+from .solver import SolverSettings, closing_bias, solve
+
+
+@dataclass
+class Wall:
+    """A rigid plane wall across an axis, with prescribed motion."""
+
+    axis: int  #: 0: x = const, 1: y = const
+    position: np.ndarray  #: of a point of it, m
+    velocity: np.ndarray  #: m/s
+    friction_angle: float = 0.0  #: rad
+
+    def normal_towards(self, x):
+        """Unit normal on the side of x."""
+        normal = np.zeros(2)
+        normal[self.axis] = 1 if x[self.axis] > self.position[self.axis] else -1
+        return normal
+
+
+@dataclass
+class System:
+    """Grains and walls in contact.
+
+    Pairs are (g, g') with g < g', or (g, -1 - w) for wall w.
+    """
+
+    grains: list
+    walls: list = field(default_factory=list)
+    settings: SolverSettings = field(default_factory=SolverSettings)
+    gravity: np.ndarray = field(default_factory=lambda: np.zeros(2))  #: m/s^2
+    contacts: list = field(default_factory=list)  #: of the last step, as (pair, Contact), in order
+
+    def step(self, dt):
+        """Advance all bodies by dt [s].
+
+        Forces and contacts are those of t_n; velocities go from t_n - dt/2 to t_n + dt/2.
+
+        Returns:
+            SolverReport: what the contact sweeps came to.
+        """
+        self.find_contacts(dt)
+        self.predict_velocities(dt)
+        report = self.solve_contacts(dt)
+        self.move(dt)
+        return report
+
+    def find_contacts(self, dt):
+        """Find the contacts of t_n; impulses of those that were there before are kept."""
+        last = {(pair, contact.key): contact.impulse for pair, contact in self.contacts}
+        self.contacts = []
+        for g, grain in enumerate(self.grains):
+            for w, wall in enumerate(self.walls):
+                speed = grain.fastest() + np.linalg.norm(wall.velocity)
+                reach = _reach(speed, dt, grain.point_spacing)
+                normal = wall.normal_towards(grain.centre)
+                self._list((g, -1 - w), contacts_with_plane(grain, wall.position, normal, reach))
+            for h, other in enumerate(self.grains[g + 1:], g + 1):
+                spacing = min(grain.point_spacing, other.point_spacing)
+                reach = _reach(grain.fastest() + other.fastest(), dt, spacing)
+                self._list((g, h), contacts_of_grains(grain, other, reach))
+        for pair, contact in self.contacts:
+            contact.impulse = last.get((pair, contact.key), contact.impulse)
+
+    def _list(self, pair, contacts):
+        self.contacts += [(pair, contact) for contact in contacts]
+
+    def predict_velocities(self, dt):
+        """v_I += dt (f_I / m_I + gravity): the velocities without contact."""
+        for grain in self.grains:
+            grain.v = grain.v + dt * (grain.internal_force() / grain.mass[:, None] + self.gravity)
+
+    def solve_contacts(self, dt):
+        """Find all impulses r together and put them on the nodes, v += M^-1 H^T r."""
+        H = self.contact_matrix()
+        mass = np.concatenate([grain.mass for grain in self.grains])
+        v = np.concatenate([grain.v for grain in self.grains])
+        contacts = [contact for _, contact in self.contacts]
+        impulse = np.array([contact.impulse for contact in contacts]).reshape(-1, 2)
+        report = solve(
+            delassus=H / mass @ H.T,
+            free_velocity=H @ v - self.wall_velocities(),
+            normal=np.array([contact.normal for contact in contacts]),
+            bias=np.array([closing_bias(contact.gap, dt, self.settings) for contact in contacts]),
+            friction=np.array([self.friction(pair) for pair, _ in self.contacts]),
+            impulse=impulse,
+            settings=self.settings,
+        )
+        for contact, r in zip(contacts, impulse):
+            contact.impulse = r
+        v = v + H.T @ impulse / mass[:, None]
+        ends = np.cumsum([len(grain.mass) for grain in self.grains])
+        for grain, part in zip(self.grains, np.split(v, ends[:-1])):
+            grain.v = part
+        return report
+
+    def contact_matrix(self):
+        """H, which takes the velocities of all nodes to relative velocities at the contacts.
+
+        Row of a contact: N_I(Xs) for the nodes I of the grain of its node s, minus the same of its
+        partners, each times its share.
+
+        Returns:
+            ndarray: shape (contacts, nodes of all grains).
+        """
+        begins = np.cumsum([0] + [len(grain.mass) for grain in self.grains])
+        H = np.zeros((len(self.contacts), begins[-1]))
+        for row, (pair, contact) in zip(H, self.contacts):
+            g, h = pair if contact.side == 0 else pair[::-1]
+            row[begins[g]:begins[g + 1]] += self.grains[g].template.contact_shape[contact.node]
+            for node, share in contact.partners.items():
+                row[begins[h]:begins[h + 1]] -= share * self.grains[h].template.contact_shape[node]
+        return H
+
+    def wall_velocities(self):
+        """Velocity of the wall at each contact [m/s], shape (contacts, 2); 0 between grains."""
+        velocity = np.zeros((len(self.contacts), 2))
+        for k, (pair, _) in enumerate(self.contacts):
+            if pair[1] < 0:
+                velocity[k] = self.walls[-1 - pair[1]].velocity
+        return velocity
+
+    def friction(self, pair):
+        """Coefficient of a pair, mu = tan of the smaller one of both angles."""
+        g, other = pair
+        partner = self.walls[-1 - other] if other < 0 else self.grains[other].material
+        return np.tan(min(self.grains[g].material.friction_angle, partner.friction_angle))
+
+    def move(self, dt):
+        """x_I += dt v_I, and walls with their own velocities."""
+        for grain in self.grains:
+            grain.x = grain.x + dt * grain.v
+        for wall in self.walls:
+            wall.position = wall.position + dt * np.asarray(wall.velocity)
+
+
+def _reach(speed, dt, point_spacing):
+    """Gaps [m] that can close in two steps, and never less than a twentieth of dr."""
+    return max(2 * dt * speed, 0.05 * point_spacing)

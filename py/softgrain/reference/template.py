@@ -1,0 +1,244 @@
+"""What never changes about a grain: a disk of radius 1 and density 1 about the origin.
+
+Lengths are in radii. A grain of radius R and density rho has its nodes at R XI, gradients G/R,
+point volumes R^2 Vp and nodal masses rho R^2 mI.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache, reduce
+from itertools import product
+
+import numpy as np
+
+DIM = 2
+AREA = np.pi
+
+#: Cuts are resolved down to 1/2^6 of a cell; there the outline is taken as straight.
+CUT_DEPTH = 6
+#: Cells that hold less than this share of their area hold no material point.
+NEGLIGIBLE_SHARE = 1e-9
+#: Nodes that a tied node is extrapolated from.
+TIED_TO = 6
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a grain is discretised."""
+
+    zeta: float = 0.11  #: 2 dr/D = dr/R, spacing of material points
+    order: int = 3  #: of the B-splines: 1, 2 or 3
+    node_spacing: float = 2.0  #: h/dr
+    surface_spacing: float = 1.0  #: spacing of surface nodes over dr
+    quadrature: str = "cutCell"  #: or 'lattice'
+    contact: str = "surface"  #: or 'points'
+    light_node_share: float = 1e-4  #: nodes lighter than this share of the heaviest are tied
+
+
+class Template:
+    """Tables of a recipe, all dense.
+
+    Attributes:
+        recipe (Recipe): what it was made from.
+        point_position (ndarray): Xp, shape (points, 2).
+        point_volume (ndarray): Vp0, shape (points,); the sum is pi.
+        node_position (ndarray): XI, shape (nodes, 2), in lexicographic order.
+        node_mass (ndarray): mI = sum_p Vp0 N_I(Xp), shape (nodes,).
+        point_gradient (ndarray): G_I(Xp), shape (points, nodes, 2).
+        contact_position (ndarray): Xs, shape (contact nodes, 2); on a surface counter-clockwise.
+        contact_shape (ndarray): N_I(Xs), shape (contact nodes, nodes).
+        contact_radius (float): radius of the disk about a contact node; 0 on a surface.
+    """
+
+    def __init__(self, recipe):
+        """Make the tables.
+
+        Args:
+            recipe (Recipe): how the grain is discretised.
+        """
+        self.recipe = recipe
+        points = material_points(recipe.quadrature, recipe.zeta)
+        self.point_position, self.point_volume, on_boundary = points
+        grid = _Grid(recipe, self.point_position, self.point_volume)
+        self.node_position = grid.node_position
+        point_shape, self.point_gradient = grid.shapes(self.point_position)
+        self.node_mass = self.point_volume @ point_shape
+        if recipe.contact == "surface":
+            self.contact_position = surface_nodes(recipe.surface_spacing * recipe.zeta)
+            self.contact_radius = 0.0
+        else:
+            self.contact_position = self.point_position[on_boundary]
+            self.contact_radius = 0.5 * recipe.zeta
+        self.contact_shape, _ = grid.shapes(self.contact_position)
+
+
+@lru_cache(maxsize=None)
+def template(recipe):
+    """Return the template of a recipe, made once."""
+    return Template(recipe)
+
+
+def surface_nodes(spacing):
+    """Equally spaced nodes on the unit circle, counter-clockwise from (1, 0), at least 8."""
+    count = max(8, round(2 * np.pi / spacing))
+    angle = 2 * np.pi * np.arange(count) / count
+    return np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+# --- material points ---------------------------------------------------------------------------
+
+
+def material_points(rule, spacing):
+    """Material points on a square lattice of side dr with a cell corner at the centre.
+
+    Args:
+        rule (str): 'cutCell': every cell is cut with the outline, its point lies at the centroid of
+            what is inside, with that area as weight; 'lattice': cell centres inside, equal weights.
+        spacing (float): dr.
+
+    Returns:
+        tuple: Xp (points, 2); Vp0 (points,), scaled to the exact area pi; whether one of the four
+        neighbouring cells holds no point (points,).
+    """
+    reach = int(np.ceil(1 / spacing))
+    held = {}  # cell: area inside, first moment of it
+    for cell in product(range(-reach, reach), repeat=DIM):
+        centre = (np.array(cell) + 0.5) * spacing
+        if rule == "cutCell":
+            area, moment = moments_inside(centre, spacing, CUT_DEPTH)
+        else:
+            area, moment = (1.0, centre) if np.linalg.norm(centre) < 1 else (0.0, 0 * centre)
+        if area > NEGLIGIBLE_SHARE * spacing**DIM:
+            held[cell] = area, moment
+    area = np.array([area for area, _ in held.values()])
+    moment = np.array([moment for _, moment in held.values()])
+    on_boundary = np.array([_has_empty_neighbour(cell, held) for cell in held])
+    return moment / area[:, None], area * AREA / area.sum(), on_boundary
+
+
+def moments_inside(centre, side, depth):
+    """Area and first moment of the part of a square inside the unit circle.
+
+    A cut square is divided into four; at the last level the outline is a straight line at its
+    distance from the centre, parallel to a side.
+
+    Args:
+        centre (ndarray): of the square, shape (2,).
+        side (float): of the square.
+        depth (int): levels of division left.
+
+    Returns:
+        tuple: area, and first moment of shape (2,).
+    """
+    distance = np.linalg.norm(centre) - 1
+    half_diagonal = 0.5 * side * np.sqrt(DIM)
+    if distance >= half_diagonal:
+        return 0.0, np.zeros(DIM)
+    if distance <= -half_diagonal or depth == 0:
+        area = side**DIM * min(max(0.5 - distance / side, 0.0), 1.0)
+        return area, area * centre
+    area, moment = 0.0, np.zeros(DIM)
+    for corner in product((-0.25, 0.25), repeat=DIM):
+        part = moments_inside(centre + side * np.array(corner), 0.5 * side, depth - 1)
+        area, moment = area + part[0], moment + part[1]
+    return area, moment
+
+
+def _has_empty_neighbour(cell, held):
+    neighbours = (cell + step * axis for axis in np.eye(DIM, dtype=int) for step in (-1, 1))
+    return any(tuple(neighbour.tolist()) not in held for neighbour in neighbours)
+
+
+# --- background grid ---------------------------------------------------------------------------
+
+
+def spline(order, x):
+    """Uniform B-spline centred on 0, knots one apart, by the recursion of Cox and de Boor.
+
+    N^0 = 1 on [-1/2, 1/2);
+    N^k(x) = ((x + (k+1)/2) N^(k-1)(x + 1/2) + ((k+1)/2 - x) N^(k-1)(x - 1/2)) / k.
+
+    Args:
+        order (int): k.
+        x (ndarray): coordinates in knot distances.
+
+    Returns:
+        ndarray: values, shape of x.
+    """
+    if order == 0:
+        return ((x >= -0.5) & (x < 0.5)).astype(float)
+    half = 0.5 * (order + 1)
+    left, right = spline(order - 1, x + 0.5), spline(order - 1, x - 0.5)
+    return ((x + half) * left + (half - x) * right) / order
+
+
+def spline_derivative(order, x):
+    """Derivative of :func:`spline`: N^(k-1)(x + 1/2) - N^(k-1)(x - 1/2)."""
+    return spline(order - 1, x + 0.5) - spline(order - 1, x - 0.5)
+
+
+class _Grid:
+    """Tensor-product B-splines on a square grid of step h with a node at the centre.
+
+    Of all grid nodes J, those with enough mass carry unknowns (I). The others are tied to them,
+    x_J = sum_I T_JI x_I, so that the shape functions on the unknowns are N_I = sum_J T_JI N_J.
+    """
+
+    def __init__(self, recipe, point_position, point_volume):
+        self._order = recipe.order
+        self._step = recipe.node_spacing * recipe.zeta
+        reach = int(np.ceil(1 / self._step)) + recipe.order
+        self._line = np.arange(-reach, reach + 1)
+        everywhere = np.array(list(product(self._line, repeat=DIM))) * self._step
+        shape, _ = self._raw_shapes(point_position)
+        mass = point_volume @ shape
+        heavy = mass >= recipe.light_node_share * mass.max()
+        self.node_position = everywhere[heavy]
+        self._tie = np.zeros((len(everywhere), heavy.sum()))
+        self._tie[heavy] = np.eye(heavy.sum())
+        for J in np.flatnonzero(~heavy):
+            self._tie[J] = affine_extrapolation(everywhere[J], self.node_position, self._step)
+
+    def shapes(self, X):
+        """N_I(X), shape (len(X), nodes), and G_I(X) = dN_I/dX, shape (len(X), nodes, 2)."""
+        shape, gradient = self._raw_shapes(X)
+        return shape @ self._tie, np.einsum("pJa,JI->pIa", gradient, self._tie)
+
+    def _raw_shapes(self, X):
+        """The same for all nodes J of the grid, in lexicographic order, none tied."""
+        x = X[:, :, None] / self._step - self._line  # (points, axis, node on the axis)
+        N = spline(self._order, x)
+        dN = spline_derivative(self._order, x) / self._step
+        shape = np.array([_outer(factors) for factors in N])
+        gradient = np.empty(shape.shape + (DIM,))
+        for p, a in product(range(len(X)), range(DIM)):
+            gradient[p, :, a] = _outer([dN[p, b] if b == a else N[p, b] for b in range(DIM)])
+        return shape, gradient
+
+
+def _outer(factors):
+    """Products of one entry of each factor, the last one running fastest."""
+    return reduce(np.multiply.outer, factors).ravel()
+
+
+def affine_extrapolation(X, nodes, step):
+    """Weights w on the nodes nearest to X that reproduce affine functions at X.
+
+    sum_I w_I = 1 and sum_I w_I (X_I - X) = 0 with the least sum_I w_I^2 / t_I, where the trust
+    t_I = |X_I - X|^-4 lets nearer nodes carry more: w = t A^T (A t A^T)^-1 (1, 0, 0)^T with the
+    columns (1, X_I - X) of A.
+
+    Args:
+        X (ndarray): where, shape (2,).
+        nodes (ndarray): positions of all nodes that may carry, shape (nodes, 2).
+        step (float): of the grid.
+
+    Returns:
+        ndarray: w, shape (nodes,), zero on all but the nearest.
+    """
+    distance = np.linalg.norm(nodes - X, axis=1) / step
+    nearest = np.argsort(distance, kind="stable")[:TIED_TO]
+    A = np.vstack([np.ones(len(nearest)), (nodes[nearest] - X).T / step])
+    trust = np.diag(distance[nearest] ** -4)
+    weights = np.zeros(len(nodes))
+    weights[nearest] = trust @ A.T @ np.linalg.solve(A @ trust @ A.T, [1.0, 0.0, 0.0])
+    return weights

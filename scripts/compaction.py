@@ -1,0 +1,251 @@
+"""Uniaxial compaction of soft disks in a box (Nezamabadi & Radjai 2024, section 3.2).
+
+Run it with YADE: ``scripts/yade -n -x -j2 scripts/compaction.py --grains 100 --until-phi 0.95 --out DIR``.
+A packing is prepared with YADE's generator and rigid DEM, its spheres are turned into soft disks in place,
+and the top wall moves down at constant speed; plane strain, frictionless walls.
+"""
+
+import argparse
+import math
+import time
+from pathlib import Path
+
+import matplotlib.figure
+import numpy as np
+import yade.utils
+from yade import (
+    Bo1_Sphere_Aabb,
+    Bo1_Wall_Aabb,
+    ForceResetter,
+    FrictMat,
+    Ig2_Sphere_Sphere_ScGeom,
+    Ig2_Wall_Sphere_ScGeom,
+    InsertionSortCollider,
+    InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys,
+    Law2_ScGeom_FrictPhys_CundallStrack,
+    NewtonIntegrator,
+    O,
+    Sphere,
+)
+from yade import pack
+
+import softgrain as sg
+from softgrain import command_line
+
+YOUNG = 1e6  # Pa, the paper's value; results over E do not depend on it
+DENSITY = 1000  # kg/m3, the paper's value
+MEAN_RADIUS = 0.01  # m, the paper's value
+RADIUS_SPREAD = 0.15  # uniform in mean (1 +- spread): weak, yet enough not to crystallise
+CLOUD_PHI = 0.45  # of the generated cloud
+START_PHI = 0.70  # of the loose packing made by rigid DEM, below random loose packing for all mu
+RECORDS_PER_UNIT_PHI = 400
+JAMMED_STRESS = 1e-3  # stress over E that a flowing packing does not carry on average
+
+
+def parse_options(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--grains", type=int, default=400, help="number of grains, at least 4 [-]")
+    add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
+    add("--zeta", type=command_line.positive, default=0.11, help="relative resolution 2 dr/D [-]")
+    add("--poisson", type=float, default=0.45, help="Poisson's ratio of the grains [-]")
+    add("--speed", type=command_line.positive, default=0.5, help="of the top wall [m/s]")
+    add("--until-phi", type=command_line.fraction, default=0.98, help="packing fraction to stop at [-]")
+    add("--contact", choices=("surface", "points"), default="surface", help="contact geometry")
+    add("--seed", type=int, default=1, help="of the packing generator, at least 1 [-]")
+    add("--out", type=command_line.output_folder, default=Path("compaction"), help="folder for results")
+    options = parser.parse_args(arguments)
+    if options.grains < 4:
+        parser.error(f"argument --grains: {options.grains} is outside the admissible range [4, inf)")
+    if options.seed < 1:
+        parser.error(f"argument --seed: {options.seed} is outside the admissible range [1, inf)")
+    if options.until_phi <= START_PHI:
+        parser.error(f"argument --until-phi: {options.until_phi} is not above the start at {START_PHI}")
+    return options
+
+
+class Box:
+    """Four walls: left, right, bottom fixed; top moves."""
+
+    def __init__(self, width, height):
+        walls = [yade.utils.wall(position, axis=axis, sense=sense, material="walls")
+                 for position, axis, sense in ((0, 0, 1), (width, 0, -1), (0, 1, 1), (height, 1, -1))]
+        self.left, self.right, self.bottom, self.top = O.bodies.append(walls)
+        self.width = width
+
+    @property
+    def height(self):
+        return O.bodies[self.top].state.pos[1]
+
+    @property
+    def area(self):
+        return self.width * self.height
+
+    def close(self, speed):
+        O.bodies[self.top].state.vel = (0, -speed, 0)
+
+
+def prepare_rigid(options):
+    """Loose packing of rigid disks at phi = START_PHI; leaves the scene and returns its box."""
+    O.materials.append(FrictMat(young=1e8, poisson=0.3, density=DENSITY, frictionAngle=0, label="walls"))
+    solid = options.grains * math.pi * MEAN_RADIUS**2
+    width = math.sqrt(solid / 0.85)
+    box = Box(width, solid / CLOUD_PHI / width)
+    cloud = pack.SpherePack()
+    made = cloud.makeCloud((0, 0, 0), (width, box.height, 0), rMean=MEAN_RADIUS, rRelFuzz=RADIUS_SPREAD,
+                           num=options.grains, seed=options.seed)
+    if made < options.grains:
+        raise RuntimeError(f"makeCloud placed {made} of {options.grains} grains; try another --seed")
+    ids = cloud.toSimulation(material="walls")
+    for i in ids:
+        O.bodies[i].state.blockedDOFs = "zXY"
+    # One thread: YADE sums contact forces in an order that depends on the threads.
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * MEAN_RADIUS, ompThreads=1),
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
+                        [Ip2_FrictMat_FrictMat_FrictPhys()],
+                        [Law2_ScGeom_FrictPhys_CundallStrack()], ompThreads=1),
+        NewtonIntegrator(damping=0.4, ompThreads=1),
+    ]
+    O.dt = 0.5 * yade.utils.PWaveTimeStep()
+    areas = sum(math.pi * b.shape.radius**2 for b in O.bodies if isinstance(b.shape, Sphere))
+    box.close(2.0)  # quick: damping takes the motion out again below
+    while areas / box.area < START_PHI:
+        O.step()
+    box.close(0)
+    O.run(5000, True)
+    return box
+
+
+def make_soft(options):
+    """Turn the rigid packing soft in place."""
+    material = sg.SoftMat(young=YOUNG, poisson=options.poisson, density=DENSITY,
+                          frictionAngle=math.atan(options.mu), label="grains")
+    O.materials.append(material)
+    O.engines = []
+    sg.soften(material=material, zeta=options.zeta, contact=options.contact)
+    O.engines = sg.engines()
+    O.trackEnergy = True
+
+
+class Recorder:
+    """What is measured between two records, and all records so far."""
+
+    def __init__(self, box):
+        self.box = box
+        self.records = {name: [] for name in ("phi", "phi0", "stress_over_E", "stress_top_over_E",
+                                              "displacement_ratio", "coordination")}
+        self.balance = sg.Balance()
+        self.energy_error = 0.0
+        self._restart()
+
+    def _restart(self):
+        self._bottom = self._top = 0.0
+        self._steps = 0
+        self._positions = np.array([b.state.pos for b in sg.soft_bodies()])
+
+    def step(self):
+        """Take in the forces of the last step."""
+        self._bottom -= O.forces.f(self.box.bottom)[1]
+        self._top += O.forces.f(self.box.top)[1]
+        self._steps += 1
+
+    def record(self):
+        """Close the window of mean forces and append a record."""
+        moved = np.abs(np.array([b.state.pos for b in sg.soft_bodies()]) - self._positions).mean(axis=0)
+        scale = self._steps * self.box.width * YOUNG
+        values = (sg.packing_fraction(self.box.area), sg.packing_fraction(self.box.area, nominal=True),
+                  self._bottom / scale, self._top / scale, moved[1] / moved[0], sg.coordination_number())
+        for name, value in zip(self.records, values):
+            self.records[name].append(value)
+        self.energy_error = max(self.energy_error, self.balance.error())
+        self._restart()
+
+    @property
+    def phi(self):
+        return self.records["phi"][-1]
+
+    @property
+    def stress(self):
+        return self.records["stress_over_E"][-1]
+
+
+def compact(options, box):
+    """Move the top wall down until phi is reached; returns the recorder and the seconds it took."""
+    draw(options, box, "packing_start")
+    box.close(options.speed)
+    O.step()
+    recorder = Recorder(box)
+    solid = sg.packing_fraction(1.0, nominal=True)
+    jammed = False
+    started = time.time()
+    drawing = 0.0
+    recorder.record_height = box.height
+    with command_line.progress_bar(total=options.until_phi) as bar:
+        recorder.step()
+        recorder.record()
+        while recorder.phi < options.until_phi:
+            next_height = solid / (solid / box.height + box.width / RECORDS_PER_UNIT_PHI)
+            while box.height > next_height:
+                O.step()
+                recorder.step()
+            recorder.record()
+            bar.n = min(recorder.phi, options.until_phi)
+            bar.set_postfix_str(f"phi {recorder.phi:.4f}, stress/E {recorder.stress:.2e}")
+            if not jammed and min(recorder.records["stress_over_E"][-3:]) > JAMMED_STRESS:
+                jammed = True
+                paused = time.time()
+                draw(options, box, "packing_jammed")
+                drawing += time.time() - paused
+    seconds = time.time() - started - drawing
+    draw(options, box, "packing_end")
+    return recorder, seconds
+
+
+def draw(options, box, name):
+    phi = sg.packing_fraction(box.area)
+    sg.draw_packing(options.out / f"{name}.png", box=(0, box.width, 0, box.height), scale=YOUNG,
+                    title=rf"$\phi$ = {phi:.3f}, $\mu$ = {options.mu:g}")
+
+
+def plot_stress(options, records):
+    figure = matplotlib.figure.Figure(figsize=(5, 4), layout="constrained")
+    axes = figure.add_subplot()
+    axes.plot(records["phi"], records["stress_over_E"], lw=1.5, label="bottom wall")
+    axes.plot(records["phi"], records["stress_top_over_E"], lw=0.8, ls="--", label="top wall")
+    axes.set(xlabel=r"packing fraction $\phi$", ylabel=r"$\sigma$ / E", ylim=(0, None),
+             title=rf"{options.grains} grains, $\mu$ = {options.mu:g}, $\zeta$ = {options.zeta:g}")
+    axes.legend(frameon=False)
+    axes.grid(alpha=0.3)
+    figure.savefig(options.out / "stress.png", dpi=200)
+
+
+def main():
+    options = parse_options()
+    box = prepare_rigid(options)
+    make_soft(options)
+    recorder, seconds = compact(options, box)
+    engine = sg.integrator()
+    command_line.write_result(options.out, {
+        **recorder.records,
+        "wall_seconds": seconds,
+        "steps": int(engine.steps),
+        "grains": options.grains,
+        "points_per_grain": len(sg.soft_bodies()[0].shape.points()["volume"]),
+        "dt": O.dt,
+        "sweeps_per_step": engine.totalSweeps / engine.steps,
+        "capped_steps": int(engine.cappedSteps),
+        "max_overlap_over_dr": engine.largestOverlap,
+        "energy_error": recorder.energy_error,
+        "options": {name: str(value) for name, value in vars(options).items()},
+    })
+    plot_stress(options, recorder.records)
+    print(f"phi = {recorder.phi:.4f}, stress/E = {recorder.stress:.4f}; {int(engine.steps)} steps in {seconds:.1f} s, "
+          f"{engine.totalSweeps / engine.steps:.1f} sweeps a step, largest overlap {engine.largestOverlap:.3f} dr, "
+          f"energy error {100 * recorder.energy_error:.2f} %. Results in {options.out}/")
+
+
+if __name__ == "__main__":
+    main()

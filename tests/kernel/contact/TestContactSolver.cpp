@@ -1,0 +1,519 @@
+#include "contact/ContactSolver.hpp"
+#include "Helpers.hpp"
+
+#include <Eigen/Dense>
+#include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
+
+using namespace softgrain;
+using namespace softgrain::testing;
+
+namespace {
+
+/// Two bodies with dense random mobility, six contacts between them and two against a moving plane, and
+/// the same problem once more as one dense matrix: u = u0 + A r for all relative velocities u.
+template <int dim> struct Problem {
+	static constexpr int nodes = 6;
+
+	std::vector<SparseRows<double>> table = std::vector<SparseRows<double>>(2);
+	OutlineMesh<dim> mesh;
+	std::vector<ContactBody<dim>> body = std::vector<ContactBody<dim>>(2);
+	ContactList<dim> pair, plane;
+	double dt = 0.5;
+	SolverSettings settings;
+	std::vector<Eigen::MatrixXd> W; ///< of both bodies
+	std::vector<std::vector<Vec<dim>>> start; ///< velocities without contact
+
+	Problem(unsigned seed, double friction)
+	{
+		Random random(seed);
+		settings.tolerance = 1e-14;
+		settings.maxSweeps = 100000;
+		settings.overlapRelaxation = 0.2;
+		settings.overlapSpeed = 0.3;
+		for (int b = 0; b < 2; ++b) {
+			Eigen::MatrixXd L(nodes, nodes);
+			for (int i = 0; i < nodes; ++i)
+				for (int j = 0; j < nodes; ++j)
+					L(i, j) = random.uniform(-1, 1);
+			W.push_back(L * L.transpose() / nodes + 0.3 * Eigen::MatrixXd::Identity(nodes, nodes));
+			body[b].delassusScale = b + 2;
+			for (int i = 0; i < nodes; ++i) {
+				for (int j = 0; j < nodes; ++j)
+					table[b].append(j, W[b](i, j) / body[b].delassusScale);
+				table[b].closeRow();
+			}
+			body[b].delassus = &table[b];
+			body[b].mesh = &mesh;
+			body[b].position.resize(nodes);
+			for (int i = 0; i < nodes; ++i) {
+				body[b].velocity.push_back(random.vector<dim>());
+				body[b].velocityBefore.push_back(random.vector<dim>());
+			}
+			start.push_back(body[b].velocity);
+			body[b].impulse.assign(nodes, Vec<dim>::Zero());
+		}
+		pair.first = plane.first = 0;
+		pair.second = 1;
+		pair.friction = friction;
+		plane.friction = 1.5 * friction;
+		plane.plane = { Vec<dim>::Zero(), random.direction<dim>(), random.vector<dim>(0.5) };
+		for (int side : { 0, 1 })
+			for (int n = 0; n < 3; ++n) {
+				Contact<dim> c;
+				c.key = { side, n, -1 };
+				c.partners = dim;
+				double sum = 0;
+				const int offset = random.index(nodes);
+				for (int i = 0; i < dim; ++i) {
+					c.partner[i] = (offset + i) % nodes;
+					sum += c.weight[i] = random.uniform(0, 1);
+				}
+				for (int i = 0; i < dim; ++i)
+					c.weight[i] /= sum;
+				c.normal = random.direction<dim>();
+				c.gap = random.uniform(-0.4, 0.2);
+				pair.contacts.push_back(c);
+			}
+		for (int n : { 3, 5 }) {
+			Contact<dim> c;
+			c.key = { 0, n, -1 };
+			c.normal = plane.plane.normal;
+			c.gap = random.uniform(-0.4, 0.2);
+			plane.contacts.push_back(c);
+		}
+	}
+	Problem(const Problem&) = delete; // bodies point into it
+
+	std::vector<ContactList<dim>*> lists() { return { &pair, &plane }; }
+	std::vector<Contact<dim>*> contacts()
+	{
+		std::vector<Contact<dim>*> all;
+		for (ContactList<dim>* list : lists())
+			for (Contact<dim>& c : list->contacts)
+				all.push_back(&c);
+		return all;
+	}
+	double friction(int c) { return c < static_cast<int>(pair.contacts.size()) ? pair.friction : plane.friction; }
+	bool onPlane(int c) const { return c >= static_cast<int>(pair.contacts.size()); }
+
+	void restart()
+	{
+		for (int b = 0; b < 2; ++b) {
+			body[b].velocity = start[b];
+			body[b].impulse.assign(nodes, Vec<dim>::Zero());
+		}
+	}
+	SolverReport solve(ContactSolver<dim>& solver)
+	{
+		restart();
+		auto l = lists();
+		solver.prepare(body, l, dt, settings);
+		solver.warmStart();
+		return solver.solve();
+	}
+
+	/// What the node of contact c moves relative to, as shares of the nodes of body b.
+	Eigen::VectorXd shares(int c, int b)
+	{
+		const Contact<dim>& contact = *contacts()[c];
+		Eigen::VectorXd H = Eigen::VectorXd::Zero(nodes);
+		const int own = onPlane(c) ? 0 : contact.key.side;
+		if (b == own) H[contact.key.node] += 1;
+		if (!onPlane(c) && b != own)
+			for (int i = 0; i < dim; ++i)
+				H[contact.partner[i]] -= contact.weight[i];
+		return H;
+	}
+	/// Delassus matrix between contacts; all its blocks are multiples of the identity.
+	Eigen::MatrixXd delassus()
+	{
+		const int n = static_cast<int>(contacts().size());
+		Eigen::MatrixXd A(n, n);
+		for (int c = 0; c < n; ++c)
+			for (int d = 0; d < n; ++d)
+				A(c, d) = shares(c, 0).dot(W[0] * shares(d, 0)) + shares(c, 1).dot(W[1] * shares(d, 1));
+		return A;
+	}
+	/// Relative velocities without impulses, with the bias b n added.
+	std::vector<Vec<dim>> free()
+	{
+		std::vector<Vec<dim>> u;
+		const auto all = contacts();
+		for (int c = 0; c < static_cast<int>(all.size()); ++c) {
+			Vec<dim> sum = Vec<dim>::Zero();
+			for (int b = 0; b < 2; ++b)
+				for (int i = 0; i < nodes; ++i)
+					sum += shares(c, b)[i] * start[b][i];
+			if (onPlane(c)) sum -= plane.plane.velocity;
+			const double gap = all[c]->gap;
+			double bias = gap / dt;
+			if (gap < 0) bias = -std::min(settings.overlapRelaxation * -gap / dt, settings.overlapSpeed);
+			u.push_back(sum + bias * all[c]->normal);
+		}
+		return u;
+	}
+};
+
+/// Solution of the frictionless problem by trying all sets of active contacts.
+template <int dim> Eigen::VectorXd enumerated(Problem<dim>& problem)
+{
+	const auto all = problem.contacts();
+	const int n = static_cast<int>(all.size());
+	Eigen::MatrixXd A = problem.delassus();
+	Eigen::VectorXd u(n);
+	const auto free = problem.free();
+	for (int c = 0; c < n; ++c) {
+		u[c] = free[c].dot(all[c]->normal);
+		for (int d = 0; d < n; ++d)
+			A(c, d) *= all[c]->normal.dot(all[d]->normal);
+	}
+	for (int set = 0; set < (1 << n); ++set) {
+		std::vector<int> active;
+		for (int c = 0; c < n; ++c)
+			if (set >> c & 1) active.push_back(c);
+		Eigen::VectorXd r = Eigen::VectorXd::Zero(n);
+		if (!active.empty()) {
+			const Eigen::MatrixXd among = A(active, active);
+			const Eigen::VectorXd target = -u(active);
+			const Eigen::VectorXd pressed = among.ldlt().solve(target);
+			r(active) = pressed;
+		}
+		const Eigen::VectorXd after = u + A * r;
+		bool holds = true;
+		for (int c = 0; c < n; ++c)
+			holds = holds && r[c] >= 0 && ((set >> c & 1) || after[c] >= 0);
+		if (holds) return r;
+	}
+	return Eigen::VectorXd::Constant(n, std::nan(""));
+}
+
+/// Solution of the problem with friction by damped simultaneous projections.
+template <int dim> std::vector<Vec<dim>> projected(Problem<dim>& problem)
+{
+	const auto all = problem.contacts();
+	const int n = static_cast<int>(all.size());
+	const Eigen::MatrixXd A = problem.delassus();
+	const double rho = 0.5 / A.operatorNorm();
+	const auto free = problem.free();
+	std::vector<Vec<dim>> r(n, Vec<dim>::Zero());
+	for (int k = 0; k < 20000; ++k) {
+		std::vector<Vec<dim>> next = r;
+		for (int c = 0; c < n; ++c) {
+			Vec<dim> u = free[c];
+			for (int d = 0; d < n; ++d)
+				u += A(c, d) * r[d];
+			const Vec<dim> trial = r[c] - rho * u, normal = all[c]->normal;
+			const double pressure = std::max(0., trial.dot(normal));
+			Vec<dim> slip = trial - trial.dot(normal) * normal;
+			const double bound = problem.friction(c) * pressure;
+			if (slip.norm() > bound) slip *= bound / slip.norm();
+			next[c] = pressure * normal + slip;
+		}
+		r = next;
+	}
+	return r;
+}
+
+/// Counts of what a solution shows.
+struct States {
+	int open = 0, stick = 0, slip = 0;
+};
+
+/// Signorini's and Coulomb's conditions, one by one, with velocities from the dense matrix.
+template <int dim> States checkConditions(Problem<dim>& problem, double tolerance)
+{
+	States states;
+	const auto all = problem.contacts();
+	const Eigen::MatrixXd A = problem.delassus();
+	const auto free = problem.free();
+	for (std::size_t c = 0; c < all.size(); ++c) {
+		Vec<dim> u = free[c];
+		for (std::size_t d = 0; d < all.size(); ++d)
+			u += A(c, d) * all[d]->impulse;
+		const Vec<dim> n = all[c]->normal, r = all[c]->impulse;
+		const double un = u.dot(n), rn = r.dot(n), bound = problem.friction(c) * rn;
+		const Vec<dim> ut = u - un * n, rt = r - rn * n;
+		CHECK(un > -tolerance);
+		CHECK(rn >= 0);
+		CHECK(std::abs(un * rn) < tolerance);
+		CHECK(rt.norm() < bound + tolerance);
+		if (rn == 0)
+			++states.open;
+		else if (ut.norm() < tolerance)
+			++states.stick;
+		else {
+			++states.slip;
+			CHECK(std::abs(rt.norm() - bound) < tolerance);
+			CHECK(std::abs(ut.dot(rt) + ut.norm() * rt.norm()) < tolerance);
+		}
+	}
+	return states;
+}
+
+/// One body of one node of mass 2 above a plane.
+struct Ball {
+	SparseRows<double> table;
+	OutlineMesh<2> mesh;
+	std::vector<ContactBody<2>> body = std::vector<ContactBody<2>>(1);
+	ContactList<2> list;
+	ContactSolver<2> solver;
+
+	Ball(const Vec<2>& velocity, double gap, double friction, const Vec<2>& planeVelocity = Vec<2>::Zero())
+	{
+		table.append(0, 1);
+		table.closeRow();
+		body[0].mesh = &mesh;
+		body[0].delassus = &table;
+		body[0].delassusScale = 0.5;
+		body[0].velocity = body[0].velocityBefore = { velocity };
+		body[0].impulse = { Vec<2>::Zero() };
+		list.first = 0;
+		list.friction = friction;
+		list.plane = { Vec<2>::Zero(), Vec<2>::Unit(1), planeVelocity };
+		Contact<2> c;
+		c.key = { 0, 0, -1 };
+		c.normal = Vec<2>::Unit(1);
+		c.gap = gap;
+		list.contacts.push_back(c);
+	}
+	Ball(const Ball&) = delete;
+	void solve(double dt, const SolverSettings& settings = {})
+	{
+		std::vector<ContactList<2>*> lists{ &list };
+		solver.prepare(body, lists, dt, settings);
+		solver.warmStart();
+		solver.solve();
+	}
+};
+
+} // namespace
+
+TEMPLATE_TEST_CASE_SIG("Solver: frictionless problems against enumeration", "[contact]", ((int dim), dim), 2, 3)
+{
+	int active = 0, open = 0;
+	for (unsigned seed = 1; seed <= 30; ++seed) {
+		Problem<dim> problem(seed, 0);
+		ContactSolver<dim> solver;
+		const SolverReport report = problem.solve(solver);
+		CAPTURE(seed, report.sweeps, report.change);
+		CHECK(report.converged);
+		const Eigen::VectorXd exact = enumerated(problem);
+		REQUIRE(exact.allFinite());
+		const auto all = problem.contacts();
+		for (std::size_t c = 0; c < all.size(); ++c) {
+			CHECK((all[c]->impulse - exact[c] * all[c]->normal).norm() < 1e-8);
+			(exact[c] > 0 ? active : open) += 1;
+		}
+		CHECK(report.active == (exact.array() > 0).count());
+		CHECK(report.contacts == 8);
+	}
+	CHECK(active > 20);
+	CHECK(open > 20);
+}
+
+TEMPLATE_TEST_CASE_SIG("Solver: friction against damped projections, and all conditions", "[contact]",
+                       ((int dim), dim), 2, 3)
+{
+	States seen;
+	for (unsigned seed = 1; seed <= 30; ++seed) {
+		Problem<dim> problem(seed, seed % 2 ? 0.3 : 0.8);
+		ContactSolver<dim> solver;
+		const SolverReport report = problem.solve(solver);
+		CAPTURE(seed, report.sweeps, report.change);
+		CHECK(report.converged);
+		CHECK(solver.residual() < 1e-10);
+		const States states = checkConditions(problem, 1e-9);
+		seen.open += states.open;
+		seen.stick += states.stick;
+		seen.slip += states.slip;
+		const auto exact = projected(problem);
+		const auto all = problem.contacts();
+		for (std::size_t c = 0; c < all.size(); ++c)
+			CHECK((all[c]->impulse - exact[c]).norm() < 1e-8);
+	}
+	CAPTURE(seen.open, seen.stick, seen.slip);
+	CHECK(seen.open > 10);
+	CHECK(seen.stick > 10);
+	CHECK(seen.slip > 10);
+}
+
+TEMPLATE_TEST_CASE_SIG("Solver: any warm start leads to the same impulses, the solution at once", "[contact]",
+                       ((int dim), dim), 2, 3)
+{
+	for (unsigned seed = 1; seed <= 5; ++seed) {
+		Problem<dim> problem(seed, 0.3);
+		ContactSolver<dim> solver;
+		const int cold = problem.solve(solver).sweeps;
+		std::vector<Vec<dim>> solution;
+		for (Contact<dim>* c : problem.contacts())
+			solution.push_back(c->impulse);
+		CHECK(problem.solve(solver).sweeps <= 2);
+		CHECK(cold > 2);
+		Random random(seed);
+		for (int n = 0; n < 5; ++n) {
+			for (Contact<dim>* c : problem.contacts())
+				c->impulse = random.vector<dim>(2); // not even admissible
+			problem.solve(solver);
+			const auto all = problem.contacts();
+			for (std::size_t c = 0; c < all.size(); ++c)
+				CHECK((all[c]->impulse - solution[c]).norm() < 1e-8);
+		}
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Solver: residual sees what is not solved", "[contact]", ((int dim), dim), 2, 3)
+{
+	Problem<dim> problem(4, 0.3);
+	ContactSolver<dim> solver;
+	problem.solve(solver);
+	CHECK(solver.residual() < 1e-10);
+	std::vector<Vec<dim>> solution;
+	for (Contact<dim>* c : problem.contacts())
+		solution.push_back(c->impulse);
+	double last = 0;
+	for (double share : { 1e-4, 1e-3, 1e-2, 1e-1 }) {
+		const auto all = problem.contacts();
+		for (std::size_t c = 0; c < all.size(); ++c)
+			all[c]->impulse = (1 + share) * solution[c];
+		problem.restart();
+		auto lists = problem.lists();
+		solver.prepare(problem.body, lists, problem.dt, problem.settings);
+		solver.warmStart();
+		const double residual = solver.residual();
+		CAPTURE(share, residual);
+		CHECK(residual > 0.1 * share);
+		CHECK(residual < 10 * share);
+		CHECK(residual > last);
+		last = residual;
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Solver: the cap on sweeps is kept and reported", "[contact]", ((int dim), dim), 2, 3)
+{
+	Problem<dim> problem(2, 0.3);
+	problem.settings.maxSweeps = 3;
+	ContactSolver<dim> solver;
+	const SolverReport capped = problem.solve(solver);
+	CHECK(capped.sweeps == 3);
+	CHECK(!capped.converged);
+	CHECK(capped.change > problem.settings.tolerance);
+
+	problem.settings.maxSweeps = 1000;
+	problem.settings.tolerance = 1e-3;
+	const SolverReport loose = problem.solve(solver);
+	CHECK(loose.converged);
+	CHECK(loose.change <= 1e-3);
+	problem.settings.tolerance = 1e-9;
+	for (Contact<dim>* c : problem.contacts())
+		c->impulse.setZero();
+	CHECK(problem.solve(solver).sweeps > loose.sweeps);
+}
+
+TEST_CASE("Solver: nothing to do", "[contact]")
+{
+	std::vector<ContactBody<2>> bodies;
+	std::vector<ContactList<2>*> lists;
+	ContactSolver<2> solver;
+	solver.prepare(bodies, lists, 1, {});
+	solver.warmStart();
+	const SolverReport report = solver.solve();
+	CHECK(report.converged);
+	CHECK(report.sweeps == 0);
+	CHECK(solver.residual() == 0);
+}
+
+TEMPLATE_TEST_CASE_SIG("Solver: momentum, velocities and work follow from the impulses", "[contact]", ((int dim), dim),
+                       2, 3)
+{
+	constexpr int nodes = Problem<dim>::nodes;
+	for (unsigned seed = 1; seed <= 5; ++seed) {
+		Problem<dim> problem(seed, 0.3);
+		ContactSolver<dim> solver;
+		problem.solve(solver);
+		solver.collectImpulses();
+		Vec<dim> sum = Vec<dim>::Zero(), fromPlane = Vec<dim>::Zero();
+		double size = 0;
+		for (const ContactBody<dim>& b : problem.body)
+			for (const Vec<dim>& r : b.impulse) {
+				sum += r;
+				size += r.norm();
+			}
+		for (const Contact<dim>& c : problem.plane.contacts)
+			fromPlane += c.impulse;
+		CHECK(size > 0.1);
+		CHECK((sum - fromPlane).norm() < 1e-14 * size); // between the bodies nothing is gained
+
+		double gained = 0;
+		for (int b = 0; b < 2; ++b)
+			for (int i = 0; i < nodes; ++i) {
+				Vec<dim> v = problem.start[b][i];
+				for (int j = 0; j < nodes; ++j)
+					v += problem.W[b](i, j) * problem.body[b].impulse[j];
+				CHECK((v - problem.body[b].velocity[i]).norm() < 1e-11);
+				gained += 0.5 * problem.body[b].impulse[i].dot(problem.body[b].velocityBefore[i] + v);
+			}
+		const ContactWork work = solver.work();
+		auto total = [](const ContactWork::Halves& h) { return h.before + h.after; };
+		CHECK(std::abs(total(work.planes) - total(work.impact) - total(work.friction) - gained) < 1e-11);
+		CHECK(work.friction.after > -1e-12); // sliding opposite to the force takes energy
+	}
+}
+
+TEST_CASE("Solver: one ball on a plane, by hand", "[contact]")
+{
+	SECTION("stops on the plane and loses its energy")
+	{
+		Ball ball({ 1, -2 }, 0, 0.6);
+		ball.solve(0.1);
+		CHECK((ball.list.contacts[0].impulse - Vec<2>(-2, 4)).norm() < 1e-14); // m = 2, sticks
+		CHECK(ball.body[0].velocity[0].norm() < 1e-14);
+		const ContactWork w = ball.solver.work();
+		CHECK(std::abs(w.impact.before + w.impact.after - 4) < 1e-14);
+		CHECK(std::abs(w.friction.before + w.friction.after - 1) < 1e-14);
+		CHECK(w.planes.before == 0);
+	}
+	SECTION("slides where friction does not suffice")
+	{
+		Ball ball({ 1, -2 }, 0, 0.1);
+		ball.solve(0.1);
+		CHECK((ball.list.contacts[0].impulse - Vec<2>(-0.4, 4)).norm() < 1e-14);
+		CHECK((ball.body[0].velocity[0] - Vec<2>(0.8, 0)).norm() < 1e-14);
+	}
+	SECTION("closes a gap and no more")
+	{
+		Ball ball({ 0, -2 }, 0.05, 0);
+		ball.solve(0.1);
+		CHECK((ball.body[0].velocity[0] - Vec<2>(0, -0.5)).norm() < 1e-14);
+	}
+	SECTION("a gap wider than the way of one step is left alone")
+	{
+		Ball ball({ 1, -2 }, 0.3, 0.5);
+		ball.solve(0.1);
+		CHECK(ball.list.contacts[0].impulse.norm() == 0);
+		CHECK(ball.body[0].velocity[0] == Vec<2>(1, -2));
+	}
+	SECTION("an overlap is worked off by its share, up to the cap")
+	{
+		SolverSettings settings;
+		settings.overlapRelaxation = 0.2;
+		Ball share({ 0, -2 }, -0.05, 0);
+		share.solve(0.1, settings);
+		CHECK((share.body[0].velocity[0] - Vec<2>(0, 0.1)).norm() < 1e-14);
+		settings.overlapSpeed = 0.03;
+		Ball capped({ 0, -2 }, -0.05, 0);
+		capped.solve(0.1, settings);
+		CHECK((capped.body[0].velocity[0] - Vec<2>(0, 0.03)).norm() < 1e-14);
+	}
+	SECTION("a moving plane takes it along and works on it")
+	{
+		Ball ball({ 0, 0 }, 0, 10, { 3, 1 });
+		ball.solve(0.1);
+		CHECK((ball.body[0].velocity[0] - Vec<2>(3, 1)).norm() < 1e-14);
+		const ContactWork w = ball.solver.work();
+		// The plane gives m v^2; half of it is lost on the way to the speed of the plane.
+		CHECK(std::abs(w.planes.before + w.planes.after - 20) < 1e-13);
+		CHECK(std::abs(w.impact.before + w.impact.after - 1) < 1e-13);
+		CHECK(std::abs(w.friction.before + w.friction.after - 9) < 1e-13);
+	}
+}

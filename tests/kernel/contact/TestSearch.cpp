@@ -1,0 +1,347 @@
+#include "contact/Search.hpp"
+#include "Helpers.hpp"
+
+#include <algorithm>
+#include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <map>
+
+using namespace softgrain;
+using namespace softgrain::testing;
+
+namespace {
+
+/// Balls and the meshes they stand on; the tables that only the solver needs are left out.
+template <int dim> struct Balls {
+	std::vector<OutlineMesh<dim>> mesh;
+	std::vector<ContactBody<dim>> body;
+	std::vector<Vec<dim>> centre;
+	std::vector<double> radius;
+
+	Balls() { mesh.reserve(10); }
+	void add(double R, const Vec<dim>& c, const Mat<dim>& Q, double spacing)
+	{
+		mesh.push_back(UnitBall<dim>::mesh(spacing / R));
+		ContactBody<dim> b;
+		b.mesh = &mesh.back();
+		b.pointSpacing = spacing;
+		for (const Vec<dim>& X : mesh.back().vertex)
+			b.position.push_back(c + R * (Q * X));
+		b.updateGeometry();
+		body.push_back(b);
+		centre.push_back(c);
+		radius.push_back(R);
+	}
+	/// Exact gap of a node to the other ball.
+	double gap(int from, int node, int to) const
+	{
+		return (body[from].position[node] - centre[to]).norm() - radius[to];
+	}
+};
+
+/// A ball of radius 1 and one of radius 0.7, `gap` apart in any direction, turned anyhow.
+template <int dim> Balls<dim> twoBalls(double gap, double spacing, unsigned seed)
+{
+	Random random(seed);
+	Balls<dim> balls;
+	const Vec<dim> start = random.vector<dim>(3), way = random.direction<dim>();
+	balls.add(1, start, random.rotation<dim>(), spacing);
+	balls.add(0.7, start + (1.7 + gap) * way, random.rotation<dim>(), spacing);
+	return balls;
+}
+
+template <int dim> ContactList<dim> pairList()
+{
+	ContactList<dim> list;
+	list.first = 0;
+	list.second = 1;
+	return list;
+}
+
+struct Errors {
+	double gap = 0, normal = 0;
+	int contacts = 0;
+};
+
+/// Largest errors of gaps and normals over many placements, for gaps below `reach`.
+template <int dim> Errors searchErrors(double gap, double reach, double spacing)
+{
+	Errors errors;
+	for (unsigned seed = 1; seed <= 10; ++seed) {
+		const auto balls = twoBalls<dim>(gap, spacing, seed);
+		auto list = pairList<dim>();
+		findContacts(balls.body[0], balls.body[1], reach, list);
+		errors.contacts += static_cast<int>(list.contacts.size());
+		for (const Contact<dim>& c : list.contacts) {
+			const int from = c.key.side, to = 1 - c.key.side;
+			const Vec<dim> exact = (balls.body[from].position[c.key.node] - balls.centre[to]).normalized();
+			errors.gap = std::max(errors.gap, std::abs(c.gap - balls.gap(from, c.key.node, to)));
+			errors.normal = std::max(errors.normal, (c.normal - exact).norm());
+		}
+	}
+	return errors;
+}
+
+} // namespace
+
+TEST_CASE("Search: gap and normal of two disks", "[contact]")
+{
+	// The bulge leaves h^4 of the arc, and gap h^2 because the foot is sought on the chord; without it
+	// the gap would be off by h^2/8.
+	double last = 0;
+	for (double h : { 0.2, 0.1, 0.05 }) {
+		const Errors e = searchErrors<2>(-0.003, 0.01, h);
+		CAPTURE(h, e.gap, e.normal, e.contacts);
+		CHECK(e.contacts >= 20);
+		const double R = 0.7; // of the sharper disk
+		CHECK(e.gap < 0.01 * h * h / 6 / R + std::pow(h, 4) / 100 / std::pow(R, 3));
+		CHECK(e.normal < 0.01 * h / 2 / (R * R) + std::pow(h / R, 3) / 20);
+		if (last > 0) CHECK(last / e.gap > 6);
+		last = e.gap;
+	}
+	CHECK(last < 1e-5);
+}
+
+TEST_CASE("Search: gap and normal of two balls", "[contact]")
+{
+	Errors last;
+	for (double h : { 0.2, 0.1, 0.05 }) {
+		const Errors e = searchErrors<3>(-0.003, 0.01, h);
+		CAPTURE(h, e.gap, e.normal, e.contacts);
+		CHECK(e.contacts > 5);
+		CHECK(e.gap < 0.02 * h * h); // flat triangles: h^2/6
+		CHECK(e.normal < 0.2 * h);
+		last = e;
+	}
+	CHECK(last.gap < 5e-5);
+}
+
+TEMPLATE_TEST_CASE_SIG("Search: all nodes within reach, in both directions, and no others", "[contact]",
+                       ((int dim), dim), 2, 3)
+{
+	const double h = 0.1, reach = 0.05, margin = 2e-3; // of the outline's own error
+	for (unsigned seed = 1; seed <= 10; ++seed)
+		for (double gap : { -0.05, 0.02 }) {
+			const auto balls = twoBalls<dim>(gap, h, seed);
+			auto list = pairList<dim>();
+			findContacts(balls.body[0], balls.body[1], reach, list);
+			std::map<ContactKey, double> found;
+			double deepest = 0;
+			for (const Contact<dim>& c : list.contacts) {
+				CHECK(c.key.other == -1);
+				CHECK(c.partners == dim);
+				double sum = 0;
+				for (double w : c.weight) {
+					CHECK(w >= 0);
+					sum += w;
+				}
+				CHECK(std::abs(sum - 1) < 1e-12);
+				CHECK(std::abs(c.normal.norm() - 1) < 1e-12);
+				CHECK(c.impulse.norm() == 0);
+				found[c.key] = c.gap;
+				deepest = std::max(deepest, -c.gap / h);
+			}
+			CHECK(found.size() == list.contacts.size());
+			CHECK(std::is_sorted(list.contacts.begin(), list.contacts.end(),
+			                     [](const auto& a, const auto& b) { return a.key < b.key; }));
+			CHECK(list.deepest == deepest);
+			int sides[2] = { 0, 0 };
+			for (int side : { 0, 1 })
+				for (int s = 0; s < balls.body[side].nodes(); ++s) {
+					const double exact = balls.gap(side, s, 1 - side);
+					const bool present = found.count({ side, s, -1 });
+					sides[side] += present;
+					if (exact < reach - margin) CHECK(present);
+					if (exact > reach + margin) CHECK(!present);
+				}
+			CHECK(sides[0] > 0);
+			CHECK(sides[1] > 0);
+		}
+}
+
+TEMPLATE_TEST_CASE_SIG("Search: nothing beyond reach", "[contact]", ((int dim), dim), 2, 3)
+{
+	const auto balls = twoBalls<dim>(0.06, 0.1, 3);
+	auto list = pairList<dim>();
+	findContacts(balls.body[0], balls.body[1], 0.05, list);
+	CHECK(list.contacts.empty());
+	CHECK(list.deepest == 0);
+}
+
+TEMPLATE_TEST_CASE_SIG("Search: exchanging the bodies exchanges the sides", "[contact]", ((int dim), dim), 2, 3)
+{
+	const auto balls = twoBalls<dim>(-0.03, 0.15, 5);
+	auto forth = pairList<dim>(), back = pairList<dim>();
+	findContacts(balls.body[0], balls.body[1], 0.05, forth);
+	findContacts(balls.body[1], balls.body[0], 0.05, back);
+	REQUIRE(!forth.contacts.empty());
+	REQUIRE(forth.contacts.size() == back.contacts.size());
+	std::map<ContactKey, Contact<dim>> byKey;
+	for (Contact<dim> c : back.contacts) {
+		c.key.side = 1 - c.key.side;
+		byKey[c.key] = c;
+	}
+	for (const Contact<dim>& c : forth.contacts) {
+		REQUIRE(byKey.count(c.key) == 1);
+		const Contact<dim>& other = byKey[c.key];
+		CHECK(c.gap == other.gap);
+		CHECK(c.normal == other.normal);
+		CHECK(c.weight == other.weight);
+	}
+	CHECK(forth.deepest == back.deepest);
+}
+
+TEMPLATE_TEST_CASE_SIG("Search: impulses follow their contacts", "[contact]", ((int dim), dim), 2, 3)
+{
+	auto balls = twoBalls<dim>(-0.03, 0.1, 6);
+	auto list = pairList<dim>();
+	findContacts(balls.body[0], balls.body[1], 0.03, list);
+	auto mark = [](const ContactKey& k) {
+		Vec<dim> r = Vec<dim>::Constant(1 + k.side);
+		r[0] = 10 + k.node;
+		return r;
+	};
+	std::map<ContactKey, bool> before;
+	for (Contact<dim>& c : list.contacts) {
+		c.impulse = mark(c.key);
+		before[c.key] = true;
+	}
+	Random random(1); // rolls over to other nodes
+	const Vec<dim> arm = balls.centre[1] - balls.centre[0];
+	Vec<dim> sideways = random.vector<dim>();
+	sideways = (sideways - sideways.dot(arm) / arm.squaredNorm() * arm).normalized();
+	for (Vec<dim>& x : balls.body[1].position)
+		x += 0.2 * sideways;
+	balls.body[1].updateGeometry();
+	findContacts(balls.body[0], balls.body[1], 0.03, list);
+	int kept = 0, fresh = 0;
+	for (const Contact<dim>& c : list.contacts)
+		if (before.count(c.key)) {
+			++kept;
+			CHECK(c.impulse == mark(c.key));
+		} else {
+			++fresh;
+			CHECK(c.impulse.norm() == 0);
+		}
+	CHECK(kept > 0);
+	CHECK(fresh > 0);
+	CHECK(kept < static_cast<int>(before.size()));
+}
+
+TEMPLATE_TEST_CASE_SIG("Search: disks about points against each other", "[contact]", ((int dim), dim), 2, 3)
+{
+	TemplateRecipe r = recipe(dim == 2 ? 0.11 : 0.25);
+	r.contact = ContactGeometry::points;
+	const auto reference = makeGrainTemplate<dim>(r);
+	Random random(2);
+	const Vec<dim> way = random.direction<dim>();
+	const auto first = contactBody<dim>(*reference, 1, Vec<dim>::Zero(), random.rotation<dim>());
+	const auto second = contactBody<dim>(*reference, 0.8, 1.75 * way, random.rotation<dim>());
+	const double touch = 0.5 * r.zeta * 1.8, reach = 0.02;
+	auto list = pairList<dim>();
+	findContacts(first, second, reach, list);
+	std::size_t expected = 0;
+	double deepest = 0;
+	for (const Vec<dim>& x : first.position)
+		for (const Vec<dim>& y : second.position) {
+			expected += (x - y).norm() - touch < reach;
+			deepest = std::max(deepest, 1 - (x - y).norm() / touch);
+		}
+	CHECK(expected > 1);
+	CHECK(list.contacts.size() == expected);
+	CHECK(std::abs(list.deepest - deepest) < 1e-12);
+	for (const Contact<dim>& c : list.contacts) {
+		const Vec<dim> apart = first.position[c.key.node] - second.position[c.key.other];
+		CHECK(c.key.side == 0);
+		CHECK(c.partners == 1);
+		CHECK(c.partner[0] == c.key.other);
+		CHECK(c.weight[0] == 1);
+		CHECK(std::abs(c.gap - (apart.norm() - touch)) < 1e-14);
+		CHECK((c.normal - apart.normalized()).norm() < 1e-14);
+	}
+	for (Contact<dim>& c : list.contacts)
+		c.impulse = Vec<dim>::Constant(c.key.node + 0.001 * c.key.other);
+	findContacts(first, second, reach, list);
+	for (const Contact<dim>& c : list.contacts)
+		CHECK(c.impulse == Vec<dim>::Constant(c.key.node + 0.001 * c.key.other));
+}
+
+TEMPLATE_TEST_CASE_SIG("Search: against a plane", "[contact]", ((int dim), dim), 2, 3)
+{
+	for (ContactGeometry geometry : { ContactGeometry::surface, ContactGeometry::points }) {
+		TemplateRecipe r = recipe(0.25);
+		r.contact = geometry;
+		const auto reference = makeGrainTemplate<dim>(r);
+		Random random(3);
+		const Vec<dim> normal = random.direction<dim>(), centre = random.vector<dim>();
+		const auto body = contactBody<dim>(*reference, 2, centre, random.rotation<dim>());
+		ContactList<dim> list;
+		list.first = 0;
+		Vec<dim> aside = random.vector<dim>();
+		aside -= aside.dot(normal) * normal;
+		list.plane = { centre - 1.8 * normal + aside, normal, Vec<dim>::Zero() };
+		const double reach = 0.1, radius = geometry == ContactGeometry::points ? 0.25 : 0;
+		findContacts(body, reach, list);
+		std::map<int, const Contact<dim>*> found;
+		for (const Contact<dim>& c : list.contacts)
+			found[c.key.node] = &c;
+		CHECK(!found.empty());
+		double deepest = 0;
+		for (int s = 0; s < body.nodes(); ++s) {
+			const double gap = (body.position[s] - centre).dot(normal) + 1.8 - radius;
+			deepest = std::max(deepest, -gap / 0.5);
+			REQUIRE(bool(found.count(s)) == (gap < reach));
+			if (gap >= reach) continue;
+			CHECK(std::abs(found[s]->gap - gap) < 1e-13);
+			CHECK(found[s]->normal == normal);
+			CHECK(found[s]->partners == 0);
+		}
+		CHECK(std::abs(list.deepest - deepest) < 1e-12);
+		for (Contact<dim>& c : list.contacts)
+			c.impulse = Vec<dim>::Constant(c.key.node);
+		list.plane.point += 0.05 * normal;
+		findContacts(body, reach, list);
+		for (const Contact<dim>& c : list.contacts)
+			CHECK(c.impulse == Vec<dim>(Vec<dim>::Constant(found.count(c.key.node) ? c.key.node : 0)));
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Search: too deep is reported and not pushed out", "[contact]", ((int dim), dim), 2, 3)
+{
+	Random random(4);
+	Balls<dim> balls;
+	balls.add(1, Vec<dim>::Zero(), random.rotation<dim>(), 0.1);
+	balls.add(1, 1.6 * Vec<dim>::Unit(0), random.rotation<dim>(), 0.1); // overlap 4 dr
+	balls.add(0.5, 0.01 * Vec<dim>::Unit(1), random.rotation<dim>(), 0.1); // inside the first
+	auto list = pairList<dim>();
+	findContacts(balls.body[0], balls.body[1], 0.02, list);
+	CHECK(list.deepest > 3.5);
+	CHECK(list.deepest < 4.1);
+	CHECK(!list.contacts.empty());
+	for (const Contact<dim>& c : list.contacts)
+		CHECK(c.gap >= -0.15);
+	findContacts(balls.body[0], balls.body[2], 0.02, list);
+	CHECK(std::isinf(list.deepest));
+}
+
+TEMPLATE_TEST_CASE_SIG("Contact body: normals, box and mobilities", "[contact]", ((int dim), dim), 2, 3)
+{
+	Random random(5);
+	const auto reference = makeGrainTemplate<dim>(recipe(0.25));
+	const Vec<dim> centre = random.vector<dim>();
+	auto body = contactBody<dim>(*reference, 2, centre, random.rotation<dim>());
+	for (int s = 0; s < body.nodes(); ++s) {
+		CHECK(std::abs(body.normal[s].norm() - 1) < 1e-14);
+		CHECK(body.normal[s].dot(body.position[s] - centre) > 1.98); // outwards
+		CHECK(body.box.contains(body.position[s]));
+	}
+	CHECK(((body.box.high - body.box.low).array() <= 4 + 1e-12).all());
+	CHECK(((body.box.high - body.box.low).array() > 3.8).all());
+	// push(s, J) moves every node by W_ss' J.
+	const int s = random.index(body.nodes());
+	const Vec<dim> J = random.vector<dim>();
+	body.push(s, J);
+	for (int t = 0; t < body.nodes(); ++t)
+		CHECK((body.velocity[t] - body.mobility(s, t) * J).norm() == 0);
+	CHECK(body.mobility(s, s) > 0);
+}

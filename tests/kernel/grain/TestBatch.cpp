@@ -1,0 +1,132 @@
+#include "grain/Batch.hpp"
+#include "Helpers.hpp"
+#include "grain/InternalForce.hpp"
+
+#include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <limits>
+
+using namespace softgrain;
+using namespace softgrain::testing;
+
+namespace {
+
+/// More grains than two blocks of lanes hold, none like another.
+template <int dim> std::vector<GrainParameters<dim>> motley(int count)
+{
+	Random random(1);
+	std::vector<GrainParameters<dim>> grains(count);
+	for (GrainParameters<dim>& grain : grains) {
+		grain.radius = random.uniform(0.001, 10);
+		grain.constants = { random.uniform(1e5, 1e9), random.uniform(-0.2, 0.49), random.uniform(100, 8000) };
+		grain.origin = random.vector<dim>(5);
+	}
+	return grains;
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE_SIG("Batch: a grain among others is bitwise the grain alone", "[grain]", ((int dim), dim), 2, 3)
+{
+	const auto reference = makeGrainTemplate<dim>(recipe(dim == 2 ? 0.2 : 0.35));
+	const auto grains = motley<dim>(19);
+	Batch<dim> together(reference, Law::neoHookean, usualCondition<dim>, grains);
+	REQUIRE(together.blocks() == 3);
+	Random random(2);
+	for (int g = 0; g < 19; ++g) {
+		deform<dim>(together, g, random.deformation<dim>(0.2));
+		shake(together, g, 0.01, random);
+	}
+	computeInternalForce(together, 2);
+	for (int g = 0; g < 19; ++g) {
+		CAPTURE(g);
+		Batch<dim> alone(reference, Law::neoHookean, usualCondition<dim>, { grains[g] });
+		for (int I = 0; I < reference->nodes(); ++I)
+			alone.x.set(0, I, together.x.get(g, I));
+		computeInternalForce(alone, 1);
+		bool same = true;
+		for (int I = 0; I < reference->nodes(); ++I)
+			same = same && alone.force.get(0, I) == together.force.get(g, I);
+		CHECK(same);
+		CHECK(alone.report[0].elasticEnergy == together.report[g].elasticEnergy);
+		CHECK(alone.report[0].stiffening == together.report[g].stiffening);
+		CHECK(alone.report[0].invertedPoint == -1);
+		CHECK(together.report[g].invertedPoint == -1);
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Batch: masses and energies scale with size, density and modulus", "[grain]", ((int dim), dim),
+                       2, 3)
+{
+	const auto reference = makeGrainTemplate<dim>(recipe(dim == 2 ? 0.2 : 0.35));
+	GrainParameters<dim> small, large;
+	small.radius = 1;
+	small.constants = { 1, 0.3, 1 };
+	large.radius = 3;
+	large.constants = { 5, 0.3, 7 };
+	Batch<dim> batch(reference, Law::neoHookean, usualCondition<dim>, { small, large });
+	const double size = std::pow(3, dim);
+	CHECK(std::abs(batch.mass(0) - UnitBall<dim>::volume()) < 1e-12);
+	CHECK(std::abs(batch.mass(1) / batch.mass(0) / (7 * size) - 1) < 1e-14);
+	for (int I = 0; I < reference->nodes(); ++I)
+		CHECK(std::abs(batch.nodeMass(1, I) / batch.nodeMass(0, I) / (7 * size) - 1) < 1e-14);
+
+	Random random(3);
+	const Mat<dim> F = random.deformation<dim>(0.3);
+	deform<dim>(batch, 0, F);
+	deform<dim>(batch, 1, F);
+	computeInternalForce(batch, 1);
+	CHECK(std::abs(batch.report[1].elasticEnergy / batch.report[0].elasticEnergy / (5 * size) - 1) < 1e-12);
+	for (int I = 0; I < reference->nodes(); ++I) // forces as modulus times R^(dim - 1)
+		CHECK((batch.force.get(1, I) - 5 * size / 3 * batch.force.get(0, I)).norm() < 1e-10);
+}
+
+TEMPLATE_TEST_CASE_SIG("Batch: placing and moving a grain rigidly", "[grain]", ((int dim), dim), 2, 3)
+{
+	Random random(4);
+	GrainParameters<dim> grain = paperGrain<dim>();
+	grain.origin = random.vector<dim>();
+	Batch<dim> batch = singleGrain<dim>(recipe(0.35), grain);
+	const Mat<dim> Q = random.rotation<dim>(), A = random.matrix<dim>();
+	const Mat<dim> spin = A - A.transpose();
+	const Vec<dim> velocity = random.vector<dim>();
+	batch.place(0, Q, velocity, spin);
+	for (int I = 0; I < batch.reference->nodes(); ++I) {
+		const Vec<dim> arm = 0.01 * Q * batch.reference->nodePosition[I];
+		CHECK((batch.x.get(0, I) - arm).norm() < 1e-16);
+		CHECK((batch.position(0, I) - grain.origin - arm).norm() < 1e-15);
+		CHECK((batch.v.get(0, I) - velocity - spin * arm).norm() < 1e-15);
+	}
+
+	shake(batch, 0, 0.05, random);
+	const Batch<dim> before = batch;
+	const Mat<dim> turn = random.rotation<dim>();
+	const Vec<dim> centre = random.vector<dim>(0.01), shift = random.vector<dim>(), push = random.vector<dim>();
+	batch.moveRigidly(0, centre, turn, shift, push, spin);
+	for (int I = 0; I < batch.reference->nodes(); ++I) {
+		const Vec<dim> arm = turn * (before.x.get(0, I) - centre);
+		CHECK((batch.x.get(0, I) - centre - shift - arm).norm() < 1e-15);
+		CHECK((batch.v.get(0, I) - turn * before.v.get(0, I) - push - spin * arm).norm() < 1e-15);
+	}
+}
+
+TEST_CASE("Batch: inadmissible grains are named", "[grain]")
+{
+	const auto reference2 = makeGrainTemplate<2>(recipe(0.4));
+	const auto reference3 = makeGrainTemplate<3>(recipe(0.4));
+	auto complaint = [&](double radius, double poisson, Condition condition) {
+		GrainParameters<2> bad = paperGrain<2>();
+		bad.radius = radius;
+		bad.constants.poisson = poisson;
+		return complaintOf([&] { Batch<2>(reference2, Law::neoHookean, condition, { paperGrain<2>(), bad }); });
+	};
+	CHECK(complaint(1, 0.3, Condition::planeStress) == "");
+	CHECK(complaint(0, 0.3, Condition::planeStrain).starts_with("radius = 0 "));
+	CHECK(complaint(-2, 0.3, Condition::planeStrain).starts_with("radius = -2 "));
+	CHECK(complaint(std::numeric_limits<double>::quiet_NaN(), 0.3, Condition::planeStrain).starts_with("radius = "));
+	CHECK(complaint(1, 0.5, Condition::planeStrain).starts_with("poisson = 0.5 "));
+	CHECK(complaint(1, 0.3, Condition::solid).find("condition") != std::string::npos);
+	CHECK(complaintOf([&] { Batch<3>(reference3, Law::neoHookean, Condition::planeStrain, { paperGrain<3>() }); })
+	              .find("condition")
+	      != std::string::npos);
+}

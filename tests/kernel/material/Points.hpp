@@ -1,0 +1,61 @@
+// One material point at a time, for tests of laws that work on lanes.
+#pragma once
+
+#include "Vector.hpp"
+#include "material/NeoHookean.hpp"
+
+namespace softgrain::testing {
+
+/// The three conditions as types, for TEMPLATE_TEST_CASE.
+struct PlaneStrain {
+	static constexpr int dim = 2;
+	static constexpr Condition condition = Condition::planeStrain;
+};
+struct PlaneStress {
+	static constexpr int dim = 2;
+	static constexpr Condition condition = Condition::planeStress;
+};
+struct Solid {
+	static constexpr int dim = 3;
+	static constexpr Condition condition = Condition::solid;
+};
+
+template <int dim> struct PointResult {
+	Mat<dim> P;
+	double J, energy, stiffening;
+};
+
+template <int dim> void setLane(PointLanes<dim>& point, LameConstants& lame, int lane, const Mat<dim>& F, const ElasticConstants& c)
+{
+	for (int a = 0; a < dim; ++a)
+		for (int b = 0; b < dim; ++b)
+			point.F[a][b][lane] = F(a, b);
+	lame.lambda[lane] = c.lambda();
+	lame.mu[lane] = c.mu();
+}
+
+template <int dim> PointResult<dim> getLane(const PointLanes<dim>& point, int lane)
+{
+	PointResult<dim> r;
+	for (int a = 0; a < dim; ++a)
+		for (int b = 0; b < dim; ++b)
+			r.P(a, b) = point.P[a][b][lane];
+	r.J = point.J[lane];
+	r.energy = point.energy[lane];
+	r.stiffening = point.stiffening[lane];
+	return r;
+}
+
+/// Response of the law to F, computed in one lane beside seven undeformed ones.
+template <class Case> PointResult<Case::dim> respond(const Mat<Case::dim>& F, const ElasticConstants& c, int lane = 3)
+{
+	constexpr int dim = Case::dim;
+	PointLanes<dim> point;
+	LameConstants lame;
+	for (int l = 0; l < laneWidth; ++l)
+		setLane<dim>(point, lame, l, l == lane ? F : Mat<dim>(Mat<dim>::Identity()), c);
+	NeoHookean<dim, Case::condition>::evaluate(point, lame);
+	return getLane<dim>(point, lane);
+}
+
+} // namespace softgrain::testing

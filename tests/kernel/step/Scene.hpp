@@ -1,0 +1,95 @@
+// A system with its pairs and planes, driven as the host does: forces, search, step, motion of the planes.
+#pragma once
+
+#include "Helpers.hpp"
+#include "step/System.hpp"
+
+#include <deque>
+
+namespace softgrain::testing {
+
+template <int dim> struct Scene {
+	System<dim> system;
+	std::deque<ContactList<dim>> lists; ///< planes move with their velocity
+	StepSettings settings;
+	double courant = 0.5; ///< time step over the critical one
+	double time = 0;
+	double deepest = 0;
+	int steps = 0, failures = 0; ///< of the solver to reach its tolerance
+
+	void add(Batch<dim> batch)
+	{
+		system.addBatch(std::move(batch));
+		system.updateSurfaces(1);
+	}
+	void addPairs(double friction)
+	{
+		for (int a = 0; a < system.grains(); ++a)
+			for (int b = a + 1; b < system.grains(); ++b) {
+				ContactList<dim> list;
+				list.first = a;
+				list.second = b;
+				list.friction = friction;
+				lists.push_back(list);
+			}
+	}
+	ContactList<dim>& addPlane(int grain, const Vec<dim>& point, const Vec<dim>& normal,
+	                           const Vec<dim>& velocity = Vec<dim>::Zero(), double friction = 0)
+	{
+		ContactList<dim> list;
+		list.first = grain;
+		list.plane = { point, normal, velocity };
+		list.friction = friction;
+		lists.push_back(list);
+		return lists.back();
+	}
+	StepReport advance(double dt)
+	{
+		settings.dt = dt;
+		std::vector<ContactList<dim>*> pointers;
+		for (ContactList<dim>& list : lists) {
+			if (list.second < 0)
+				findContacts(system.body(list.first), system.reach(list.first, list.plane, dt), list);
+			else
+				findContacts(system.body(list.first), system.body(list.second),
+				             system.reach(list.first, list.second, dt), list);
+			pointers.push_back(&list);
+		}
+		const StepReport report = system.step(settings, pointers);
+		for (ContactList<dim>& list : lists)
+			if (list.second < 0) list.plane.point += dt * list.plane.velocity;
+		deepest = std::max(deepest, report.deepest);
+		failures += !report.solver.converged;
+		time += dt;
+		++steps;
+		return report;
+	}
+	/// With the critical time step of the present deformation, times `courant`.
+	StepReport advance()
+	{
+		system.updateForces(settings.threads);
+		return advance(courant * system.criticalTimeStep() / std::sqrt(system.stiffening()));
+	}
+	WholeGrain<dim> whole(int g) const { return wholeGrain(system.batchOf(g), system.laneOf(g)); }
+	Vec<dim> momentum() const
+	{
+		Vec<dim> sum = Vec<dim>::Zero();
+		for (int g = 0; g < system.grains(); ++g)
+			sum += whole(g).mass * whole(g).velocity;
+		return sum;
+	}
+	/// Bits of all positions and velocities.
+	std::vector<double> state() const
+	{
+		std::vector<double> all;
+		for (int g = 0; g < system.grains(); ++g)
+			for (int I = 0; I < system.batchOf(g).reference->nodes(); ++I)
+				for (int a = 0; a < dim; ++a) {
+					all.push_back(system.batchOf(g).x.get(system.laneOf(g), I)[a]);
+					all.push_back(system.batchOf(g).v.get(system.laneOf(g), I)[a]);
+				}
+		return all;
+	}
+};
+
+} // namespace softgrain::testing

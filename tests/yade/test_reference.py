@@ -1,0 +1,345 @@
+"""The kernel inside YADE against the oracle in numpy: the same scene, step by step."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+import softgrain as sg
+from softgrain import reference
+from yade import FrictMat, O, SoftMat, utils
+
+STEPS = 40
+TOLERANCE = 1e-10
+
+RADII = (0.010, 0.008)  # m
+OBLIQUE = ((0.0, 0.0), (0.0126, 0.0126))  # centres [m]; overlapping by 0.02 R, to be worked off
+HEAD_ON = ((0.0, 0.0), (0.01805, 0.0))
+VELOCITIES = ((2.0, 1.0), (-3.0, 0.5))  # m/s
+SPINS = (150.0, 100.0)  # 1/s
+SPEED = 3.0  # m/s, the speed of the scene
+# axis, coordinate [m], velocity [m/s] and coefficient of friction of the walls
+BOTTOM = (1, -0.0098, (0.5, 2.0), 0.15)  # overlaps the first grain by 0.02 R
+TOP = (1, 0.0207, (-0.5, -2.0), 0.6)
+SIDE = (0, -0.0098, (1.0, 0.2), 0.3)
+DT_FRACTION = 0.3
+
+
+@dataclass(frozen=True)
+class Case:
+    """What differs from scene to scene."""
+
+    condition: str = "planeStrain"
+    contact: str = "surface"
+    order: int = 3
+    quadrature: str = "cutCell"
+    zeta: tuple = (0.3, 0.25)  # unequal: two batches, the second grain comes first in the kernel
+    surface_spacing: float = 1.0
+    centres: tuple = OBLIQUE
+    walls: tuple = (BOTTOM, TOP)
+    gravity: float = 0.0  # m/s^2
+    friction: float = 0.3
+
+    @property
+    def recipes(self):
+        return [
+            reference.Recipe(
+                zeta,
+                order=self.order,
+                surface_spacing=self.surface_spacing,
+                quadrature=self.quadrature,
+                contact=self.contact,
+            )
+            for zeta in self.zeta
+        ]
+
+    @property
+    def materials(self):
+        angle = math.atan(self.friction)
+        return [
+            reference.Material(1e6, 0.45, 1000.0, angle, self.condition),
+            reference.Material(3e6, 0.3, 1500.0, 1.5 * angle, self.condition),
+        ]
+
+    @property
+    def kernel_order(self):
+        """Ids of the grains by their index in the kernel: batches by recipe, ids within."""
+        return sorted((0, 1), key=lambda g: (self.zeta[g], g))
+
+
+#: What the contacts of a case are known to do.
+EVERYTHING = {"sticking", "sliding", "wall", "grain", "capped overlap", "overlap", "closing gap"}
+
+CASES = {
+    "surface": Case(),
+    "points": Case(contact="points", zeta=(0.25, 0.25)),
+    "plane stress, quadratic": Case("planeStress", order=2, zeta=(0.25, 0.25), gravity=-3000.0),
+    "linear, lattice": Case(order=1, quadrature="lattice", zeta=(0.25, 0.25)),
+    # a grain between two walls: their order counts in the sweeps, whichever was met first
+    "corner": Case(walls=(SIDE, BOTTOM, TOP)),
+    # the outline bulges out of the box of its nodes
+    "sparse outline": Case(surface_spacing=2.8, zeta=(0.25, 0.25), centres=HEAD_ON),
+}
+
+
+@dataclass
+class Snapshot:
+    """State after a step; lists by the grain's place in the kernel."""
+
+    positions: list
+    velocities: list
+    impulses: dict  # (pair, side, node): impulse on the node [N s]
+    sweeps: int
+
+
+def padded(vector):
+    return (*vector, 0)
+
+
+# --- inside YADE --------------------------------------------------------------------------------
+
+
+def build_in_yade(case):
+    O.reset()
+    for g, recipe in enumerate(case.recipes):
+        m = case.materials[g]
+        material = SoftMat(
+            young=m.young, poisson=m.poisson, density=m.density,
+            frictionAngle=m.friction_angle, condition=m.condition,
+        )
+        disk = sg.soft_disk(
+            padded(case.centres[g]), RADII[g], material,
+            zeta=recipe.zeta, order=recipe.order, surfaceSpacing=recipe.surface_spacing,
+            quadrature=recipe.quadrature, contact=recipe.contact,
+        )
+        disk.state.vel, disk.state.angVel = padded(VELOCITIES[g]), (0, 0, SPINS[g])
+        O.bodies.append(disk)
+    for axis, coordinate, velocity, friction in case.walls:
+        material = FrictMat(frictionAngle=math.atan(friction))
+        wall = utils.wall(coordinate, axis=axis, material=material)
+        wall.state.vel = padded(velocity)
+        O.bodies.append(wall)
+    O.engines = sg.engines(gravity=(0, case.gravity, 0))
+    O.dt = DT_FRACTION * sg.critical_time_step()
+
+
+def pair_in_yade(interaction, case):
+    """Pair of an interaction as the oracle names it."""
+    order = case.kernel_order
+    grains = [i for i in (interaction.id1, interaction.id2) if i < len(order)]
+    walls = [i - len(order) for i in (interaction.id1, interaction.id2) if i >= len(order)]
+    return tuple(sorted(order.index(i) for i in grains)) + tuple(-1 - w for w in walls)
+
+
+def impulses_in_yade(case):
+    found = {}
+    for interaction in O.interactions:
+        arrays = interaction.geom.contacts()
+        pair = pair_in_yade(interaction, case)
+        for side, node, impulse in zip(arrays["side"], arrays["node"], arrays["impulse"]):
+            found[pair, side, node] = found.get((pair, side, node), 0) + impulse[:2]
+    return found
+
+
+@lru_cache(maxsize=None)
+def run_in_yade(name):
+    """Time step and snapshots after every step."""
+    case = CASES[name]
+    build_in_yade(case)
+    snapshots = []
+    for _ in range(STEPS):
+        O.step()
+        shapes = [O.bodies[i].shape for i in case.kernel_order]
+        snapshots.append(Snapshot(
+            [shape.nodes() for shape in shapes],
+            [shape.nodeVelocities() for shape in shapes],
+            impulses_in_yade(case),
+            sg.integrator().sweeps,
+        ))
+    return O.dt, snapshots
+
+
+# --- the oracle ---------------------------------------------------------------------------------
+
+
+def build_oracle(case):
+    grains = [
+        reference.Grain(
+            case.recipes[g], case.materials[g], RADII[g], case.centres[g], VELOCITIES[g], SPINS[g]
+        )
+        for g in case.kernel_order
+    ]
+    walls = []
+    for axis, coordinate, velocity, friction in case.walls:
+        position = np.zeros(2)
+        position[axis] = coordinate
+        walls.append(reference.Wall(axis, position, np.array(velocity), math.atan(friction)))
+    slowest_wave = min(grain.material.wave_speed for grain in grains)
+    settings = reference.SolverSettings(overlap_speed=1e-3 * slowest_wave)
+    return reference.System(grains, walls, settings, np.array([0, case.gravity]))
+
+
+def impulses_of_oracle(system):
+    found = {}
+    for pair, c in system.contacts:
+        found[pair, c.side, c.node] = found.get((pair, c.side, c.node), 0) + c.impulse
+    return found
+
+
+def run_oracle(system, dt, steps):
+    snapshots = []
+    for _ in range(steps):
+        report = system.step(dt)
+        snapshots.append(Snapshot(
+            [grain.x for grain in system.grains],
+            [grain.v for grain in system.grains],
+            impulses_of_oracle(system),
+            report.sweeps,
+        ))
+    return snapshots
+
+
+def events(system, dt):
+    """What the contacts of the last step did."""
+    settings, seen = system.settings, set()
+    for pair, c in system.contacts:
+        normal = c.impulse @ c.normal
+        if normal == 0:
+            continue
+        tangential = np.linalg.norm(c.impulse - normal * c.normal)
+        sticks = tangential < (1 - 1e-9) * system.friction(pair) * normal
+        seen.add("sticking" if sticks else "sliding")
+        seen.add("wall" if pair[1] < 0 else "grain")
+        if c.gap >= 0:
+            seen.add("closing gap")
+        elif -settings.overlap_relaxation * c.gap > settings.overlap_speed * dt:
+            seen.add("capped overlap")
+        else:
+            seen.add("overlap")
+    return seen
+
+
+# --- comparison ---------------------------------------------------------------------------------
+
+
+def deviations(case, found, expected):
+    """Largest deviations of two snapshots.
+
+    Positions over the radius, velocities over the speed of the scene, impulses over the largest
+    one; sweeps as they are.
+    """
+    radii = [RADII[g] for g in case.kernel_order]
+    return {
+        "positions": max(np.abs(x - y).max() / R
+                         for x, y, R in zip(found.positions, expected.positions, radii)),
+        "velocities": max(np.abs(v - w).max() / SPEED
+                          for v, w in zip(found.velocities, expected.velocities)),
+        "impulses": impulse_deviation(found.impulses, expected.impulses),
+        "sweeps": abs(found.sweeps - expected.sweeps),
+    }
+
+
+def impulse_deviation(found, expected):
+    """A contact that one side does not list has no impulse there."""
+    nothing = np.zeros(2)
+    largest = max([np.abs(r).max() for r in expected.values()], default=0) or 1.0
+    return max(
+        [np.abs(found.get(k, nothing) - expected.get(k, nothing)).max() / largest
+         for k in found.keys() | expected.keys()],
+        default=0.0,
+    )
+
+
+def largest_deviations(case, found, expected):
+    steps = [deviations(case, f, e) for f, e in zip(found, expected)]
+    return {key: max(step[key] for step in steps) for key in steps[0]}
+
+
+# --- tests --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_kernel_does_the_same_as_the_oracle(name):
+    """Positions, velocities, impulses and sweeps agree in every step."""
+    dt, found = run_in_yade(name)
+    system = build_oracle(CASES[name])
+    expected, seen = [], set()
+    for _ in range(STEPS):
+        expected += run_oracle(system, dt, steps=1)
+        seen |= events(system, dt)
+    largest = largest_deviations(CASES[name], found, expected)
+    assert max(largest.values()) < TOLERANCE, largest
+    if CASES[name].centres == OBLIQUE:
+        assert seen == EVERYTHING
+
+
+def stiffer(system):
+    for grain in system.grains:
+        grain.material = replace(grain.material, young=1.0001 * grain.material.young)
+
+
+def rougher(system):
+    for grain in system.grains:
+        angle = 1.001 * grain.material.friction_angle
+        grain.material = replace(grain.material, friction_angle=angle)
+
+
+def faster_wall(system):
+    system.walls[0].velocity = 1.001 * system.walls[0].velocity
+
+
+def more_relaxation(system):
+    system.settings.overlap_relaxation *= 1.01
+
+
+def higher_overlap_speed(system):
+    system.settings.overlap_speed *= 1.01
+
+
+def smaller_tolerance(system):
+    system.settings.tolerance *= 0.5
+
+
+def cold_start(system):
+    find = system.find_contacts
+
+    def find_anew(dt):
+        system.contacts = []
+        find(dt)
+
+    system.find_contacts = find_anew
+
+
+CHANGES = (
+    stiffer, rougher, faster_wall, more_relaxation, higher_overlap_speed, smaller_tolerance,
+    cold_start,
+)
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
+def test_comparison_notices_a_change(change):
+    """An oracle that differs a little does not pass for the same."""
+    dt, found = run_in_yade("surface")
+    system = build_oracle(CASES["surface"])
+    change(system)
+    largest = largest_deviations(CASES["surface"], found, run_oracle(system, dt, steps=20))
+    assert largest["positions"] > 100 * TOLERANCE
+    assert largest["velocities"] > 100 * TOLERANCE
+
+
+@pytest.mark.parametrize("node_spacing", (1.5, 2.0, 2.5))
+@pytest.mark.parametrize("order", (1, 2, 3))
+def test_template_is_that_of_the_oracle(order, node_spacing):
+    """Nodes and material points are the same; the undeformed grain is undeformed (F = 1)."""
+    O.reset()
+    disk = sg.soft_disk((0, 0, 0), 1.0, SoftMat(), zeta=0.25, order=order, nodeSpacing=node_spacing)
+    O.bodies.append(disk)
+    recipe = reference.Recipe(0.25, order=order, node_spacing=node_spacing)
+    expected = reference.Template(recipe)
+    np.testing.assert_allclose(disk.shape.nodes(), expected.node_position, atol=1e-14)
+    points = disk.shape.points()
+    np.testing.assert_allclose(points["position"][:, :2], expected.point_position, atol=1e-14)
+    np.testing.assert_allclose(points["F"] - np.eye(3), 0, atol=1e-13)
+    np.testing.assert_allclose(points["volume"], expected.point_volume, atol=1e-14)
