@@ -182,7 +182,6 @@ def compact(options, box):
     jammed = False
     started = time.time()
     drawing = 0.0
-    recorder.record_height = box.height
     with command_line.progress_bar(total=options.until_phi) as bar:
         recorder.step()
         recorder.record()

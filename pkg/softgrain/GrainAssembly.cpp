@@ -174,8 +174,8 @@ public:
 	}
 
 	EnergyBalance energy() const override { return system_.energy(); }
-	EnergyBalance workSums() const override { return system_.workSums(); }
-	void continueWorkSums(const EnergyBalance& sums) override { system_.continueWorkSums(sums); }
+	Continuation continuation() const override { return system_.continuation(); }
+	void continueFrom(const Continuation& state) override { system_.continueFrom(state); }
 
 	Box<3> box(int g) const override
 	{

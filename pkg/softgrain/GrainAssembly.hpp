@@ -97,8 +97,8 @@ public:
 	        = 0;
 
 	virtual EnergyBalance energy() const = 0;
-	virtual EnergyBalance workSums() const = 0;
-	virtual void continueWorkSums(const EnergyBalance& sums) = 0;
+	virtual Continuation continuation() const = 0;
+	virtual void continueFrom(const Continuation& state) = 0;
 
 	virtual Box<3> box(int g) const = 0;
 	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes

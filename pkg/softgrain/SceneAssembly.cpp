@@ -71,15 +71,15 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
 	if (isCurrent(bodies)) return static_cast<SoftGrain&>(*bodies.front()->shape).assembly;
 
 	std::vector<softgrain::GrainDescription> grains;
-	softgrain::EnergyBalance sums;
+	softgrain::Continuation continuation;
 	for (const shared_ptr<Body>& body : bodies) {
 		SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
-		if (grain.assembly) sums = grain.assembly->workSums();
+		if (grain.assembly) continuation = grain.assembly->continuation();
 		grain.fetchState();
 		grains.push_back(grain.describe(*body));
 	}
 	const auto assembly = softgrain::GrainAssembly::create(grains);
-	assembly->continueWorkSums(sums);
+	assembly->continueFrom(continuation);
 	for (int g = 0; g < assembly->grains(); ++g) {
 		SoftGrain& grain = static_cast<SoftGrain&>(*(*scene.bodies)[assembly->idOf(g)]->shape);
 		const Body& body = *(*scene.bodies)[assembly->idOf(g)];

@@ -61,17 +61,7 @@ void SoftGrainIntegrator::advance()
 	assembly_ = assembleScene(*scene);
 	if (!assembly_) return;
 	checkEngines();
-	if (continued_.lock() != assembly_) {
-		if (workSums.size() == 4) {
-			softgrain::EnergyBalance sums;
-			sums.friction = workSums[0];
-			sums.impact = workSums[1];
-			sums.planes = workSums[2];
-			sums.loads = workSums[3];
-			assembly_->continueWorkSums(sums);
-		}
-		continued_ = assembly_;
-	}
+	if (loaded_) continueSavedRun();
 	applyUserMotions();
 	assembly_->updateForces(threads());
 	chooseTimeStep(assembly_->stiffening());
@@ -87,8 +77,30 @@ void SoftGrainIntegrator::advance()
 	publishForces(interactions);
 	publishMotions();
 	publishReport(report);
+	saveContinuation();
 	if (scene->trackEnergy) publishEnergy();
 	callColliderIfNeeded();
+}
+
+/// A run that was loaded goes on with the sums and the step that were saved.
+void SoftGrainIntegrator::continueSavedRun()
+{
+	loaded_ = false;
+	if (workSums.size() != 4) return;
+	softgrain::Continuation state;
+	state.lastStep = lastStep;
+	state.sums.friction = workSums[0];
+	state.sums.impact = workSums[1];
+	state.sums.planes = workSums[2];
+	state.sums.loads = workSums[3];
+	assembly_->continueFrom(state);
+}
+
+void SoftGrainIntegrator::saveContinuation()
+{
+	const auto state = assembly_->continuation();
+	lastStep = state.lastStep;
+	workSums = { state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads };
 }
 
 void SoftGrainIntegrator::checkEngines() const
@@ -119,9 +131,14 @@ void SoftGrainIntegrator::chooseTimeStep(double stiffening)
 	criticalDt = undeformed / std::sqrt(stiffening);
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
 	const bool automatic = scene->dt == dtSet || scene->dt == Scene().dt || std::abs(scene->dt - own) <= 1e-9 * own;
-	if (automatic)
-		dtSet = scene->dt = timeStepFraction * criticalDt;
-	else if (!(scene->dt <= criticalDt && scene->dt > 0)) {
+	if (automatic) {
+		// changed seldom: each change costs a little of the integrator's conservation of energy
+		const Real limit = timeStepFraction * criticalDt;
+		if (dtSet == 0 || dtSet != scene->dt)
+			dtSet = std::min(timeStepFraction * undeformed, criticalDt);
+		if (dtSet > limit * (1 + 1e-9) || dtSet < 0.7 * limit) dtSet = 0.9 * limit;
+		scene->dt = dtSet;
+	} else if (!(scene->dt <= criticalDt && scene->dt > 0)) {
 		std::ostringstream message;
 		message << "O.dt = " << scene->dt << " s is outside the admissible range (0, " << criticalDt
 		        << "] s for the soft grains as deformed now; assign a smaller O.dt or call sg.set_time_step()";
@@ -290,8 +307,6 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 
 void SoftGrainIntegrator::publishEnergy()
 {
-	const auto sums = assembly_->workSums();
-	workSums = { sums.friction, sums.impact, sums.planes, sums.loads };
 	const auto e = assembly_->energy();
 	const std::pair<const char*, Real> entries[] = { { "softKinetic", e.kinetic }, { "softElastic", e.elastic },
 		                                         { "softFriction", e.friction }, { "softImpact", e.impact },

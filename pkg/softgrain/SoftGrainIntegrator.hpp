@@ -17,7 +17,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGrainIntegrator, GlobalEngine,
 		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies (with *damping* = 0, or the reactions on free rigid bodies are damped). Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads. Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; the state is then that before the step, readable and savable.",
-		((Real, timeStepFraction, 0.5, Attr::triggerPostLoad, "Fraction of the critical time step that O.dt is kept at while grains deform, in (0, 1] [-]. Assigning O.dt by hand ends that: then O.dt is left alone and only refused when too large."))
+		((Real, timeStepFraction, 0.5, Attr::triggerPostLoad, "Fraction of the critical time step that O.dt is kept at or up to 30 % below while grains deform (it changes seldom, by jumps), in (0, 1] [-]. Assigning O.dt by hand ends that: then O.dt is left alone and only refused when too large."))
 		((Real, tolerance, 1e-2, Attr::triggerPostLoad, "Contact sweeps end when one changes the impulses by less than this share (energy norm), > 0 [-]."))
 		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on sweeps per step, ≥ 1; steps that hit it are counted in *cappedSteps*."))
 		((Real, overlapRelaxation, 0.1, Attr::triggerPostLoad, "Share of an overlap worked off per step, in [0, 1] [-]; at once would throw grains apart."))
@@ -36,6 +36,7 @@ public:
 		((Real, cappedSteps, 0, Attr::readonly, "Steps whose sweeps hit *maxSweeps* before *tolerance*. |yupdate|"))
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
+		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
 		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads [J].")),
 		/*ctor*/,
 		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), loads (work of body loads) [J, 2D J/m]. kinetic + elastic + friction + impact − walls − loads stays constant.")
@@ -44,6 +45,8 @@ public:
 
 private:
 	void advance();
+	void continueSavedRun();
+	void saveContinuation();
 	void checkEngines() const;
 	void chooseTimeStep(double speed);
 	void applyUserMotions();
@@ -60,7 +63,7 @@ private:
 	int threads() const;
 
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
-	std::weak_ptr<softgrain::GrainAssembly> continued_; ///< the assembly that has taken over workSums
+	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
 	int energyIds_[6] = { -1, -1, -1, -1, -1, -1 };
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);

@@ -47,7 +47,7 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
     axes.autoscale_view()
     if title:
         axes.set_title(title)
-    figure.savefig(path, dpi=dpi)
+    figure.savefig(path, dpi=dpi, bbox_inches="tight")
 
 
 def _outline(body):

@@ -91,6 +91,7 @@ class Snapshot:
     positions: list
     velocities: list
     impulses: dict  # (pair, side, node): impulse on the node [N s]
+    overlap: float  # deepest, over the mean point spacing
     sweeps: int
 
 
@@ -156,6 +157,7 @@ def run_in_yade(name):
             [shape.nodes() for shape in shapes],
             [shape.nodeVelocities() for shape in shapes],
             impulses_in_yade(case),
+            sg.integrator().overlap,
             sg.integrator().sweeps,
         ))
     return O.dt, snapshots
@@ -196,6 +198,7 @@ def run_oracle(system, dt, steps):
             [grain.x for grain in system.grains],
             [grain.v for grain in system.grains],
             impulses_of_oracle(system),
+            system.deepest_overlap(),
             report.sweeps,
         ))
     return snapshots
@@ -228,7 +231,7 @@ def deviations(case, found, expected):
     """Largest deviations of two snapshots.
 
     Positions over the radius, velocities over the speed of the scene, impulses over the largest
-    one; sweeps as they are.
+    one; overlaps and sweeps as they are.
     """
     radii = [RADII[g] for g in case.kernel_order]
     return {
@@ -237,6 +240,7 @@ def deviations(case, found, expected):
         "velocities": max(np.abs(v - w).max() / SPEED
                           for v, w in zip(found.velocities, expected.velocities)),
         "impulses": impulse_deviation(found.impulses, expected.impulses),
+        "overlap": abs(found.overlap - expected.overlap),
         "sweeps": abs(found.sweeps - expected.sweeps),
     }
 
@@ -286,8 +290,9 @@ def rougher(system):
         grain.material = replace(grain.material, friction_angle=angle)
 
 
-def faster_wall(system):
-    system.walls[0].velocity = 1.001 * system.walls[0].velocity
+def faster_walls(system):
+    for wall in system.walls:
+        wall.velocity = 1.001 * wall.velocity
 
 
 def more_relaxation(system):
@@ -312,19 +317,29 @@ def cold_start(system):
     system.find_contacts = find_anew
 
 
+def walls_in_reverse(system):
+    find = system.find_contacts
+
+    def find_and_reverse(dt):
+        find(dt)
+        system.contacts.sort(key=lambda entry: (entry[0][0], entry[0][1] >= 0, entry[0][1]))
+
+    system.find_contacts = find_and_reverse
+
+
 CHANGES = (
-    stiffer, rougher, faster_wall, more_relaxation, higher_overlap_speed, smaller_tolerance,
-    cold_start,
+    stiffer, rougher, faster_walls, more_relaxation, higher_overlap_speed, smaller_tolerance,
+    cold_start, walls_in_reverse,
 )
 
 
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
 def test_comparison_notices_a_change(change):
     """An oracle that differs a little does not pass for the same."""
-    dt, found = run_in_yade("surface")
-    system = build_oracle(CASES["surface"])
+    dt, found = run_in_yade("corner")
+    system = build_oracle(CASES["corner"])
     change(system)
-    largest = largest_deviations(CASES["surface"], found, run_oracle(system, dt, steps=20))
+    largest = largest_deviations(CASES["corner"], found, run_oracle(system, dt, steps=20))
     assert largest["positions"] > 100 * TOLERANCE
     assert largest["velocities"] > 100 * TOLERANCE
 
@@ -343,3 +358,17 @@ def test_template_is_that_of_the_oracle(order, node_spacing):
     np.testing.assert_allclose(points["position"][:, :2], expected.point_position, atol=1e-14)
     np.testing.assert_allclose(points["F"] - np.eye(3), 0, atol=1e-13)
     np.testing.assert_allclose(points["volume"], expected.point_volume, atol=1e-14)
+
+
+@pytest.mark.parametrize("contact", ("surface", "points"))
+@pytest.mark.parametrize("quadrature", ("cutCell", "lattice"))
+def test_contact_nodes_are_those_of_the_oracle(quadrature, contact):
+    """On the outline, or one for each cell with an empty neighbour, in the same order."""
+    O.reset()
+    disk = sg.soft_disk(
+        (0, 0, 0), 1.0, SoftMat(), zeta=0.25, quadrature=quadrature, contact=contact
+    )
+    O.bodies.append(disk)
+    expected = reference.Template(reference.Recipe(0.25, quadrature=quadrature, contact=contact))
+    outline = disk.shape.outline()[:, :2]
+    np.testing.assert_allclose(outline, expected.contact_position, atol=1e-14)

@@ -22,4 +22,5 @@ def disk_between_plates(condition):
         raise ValueError(f"condition = {condition!r} is unknown; known: 'plane_strain', 'plane_stress'")
     file = resources.files(__name__) / f"disk_{condition}_nu0.45.csv"
     with file.open() as lines:
-        return np.genfromtxt(lines, delimiter=",", names=True, comments="#").view(np.recarray)
+        rows = [line for line in lines if not line.startswith("#")]
+    return np.genfromtxt(rows, delimiter=",", names=True).view(np.recarray)

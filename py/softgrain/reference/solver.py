@@ -15,7 +15,7 @@ import numpy as np
 class SolverSettings:
     """When the sweeps end and how overlaps are worked off."""
 
-    tolerance: float = 1e-3  #: relative change of the impulses in a sweep, in the norm sum W r^2
+    tolerance: float = 1e-2  #: relative change of the impulses in a sweep, in the norm sum W r^2
     max_sweeps: int = 100
     overlap_relaxation: float = 0.1  #: share of an overlap that is worked off per step
     overlap_speed: float = np.inf  #: cap on the speed of that, m/s

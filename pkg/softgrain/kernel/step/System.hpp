@@ -56,6 +56,12 @@ struct StepSettings {
 	int threads = 1;
 };
 
+/// What a run needs besides the nodal state and the impulses to go on from where another stopped.
+struct Continuation {
+	EnergyBalance sums;  ///< works up to half a step after t_n
+	double lastStep = 0; ///< length of the last step, s; 0 before the first
+};
+
 template <int dim> class System {
 public:
 	/// Adds a batch; its grains get the next indices of the system.
@@ -68,9 +74,12 @@ public:
 	const ContactBody<dim>& body(int g) const { return bodies_[g]; }
 	std::vector<BodyLoad<dim>>& loads() { return loads_; }
 	const EnergyBalance& energy() const { return energy_; }
-	/// Works up to half a step after t_n; a run that goes on from a saved state continues them.
-	const EnergyBalance& workSums() const { return sums_; }
-	void continueWorkSums(const EnergyBalance& sums) { sums_ = energy_ = sums; }
+	const Continuation& continuation() const { return continuation_; }
+	void continueFrom(const Continuation& c)
+	{
+		continuation_ = c;
+		energy_ = c.sums;
+	}
 	/// Smallest undeformed critical time step over the grains, s.
 	double criticalTimeStep() const;
 
@@ -97,11 +106,12 @@ private:
 	};
 	template <class Phase> void forEachGrain(int threads, Phase&& phase);
 
+	double kickTime(double dt) const;
 	void predictVelocities(const StepSettings& settings);
 	void gatherContactVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void applyContactImpulses(const std::vector<char>& touched, const StepSettings& settings);
 	void checkVelocities() const;
-	void balanceEnergy(const ContactWork& work, double dt);
+	void balanceEnergy(const ContactWork& work, double kick);
 	void move(const StepSettings& settings);
 
 	std::vector<Batch<dim>> batches_;
@@ -111,7 +121,7 @@ private:
 	std::vector<double> criticalTimeStep_;
 	ContactSolver<dim> solver_;
 	EnergyBalance energy_; ///< at the last t_n
-	EnergyBalance sums_;   ///< works up to half a step later
+	Continuation continuation_;
 	bool forcesFresh_ = false;
 };
 
