@@ -1,8 +1,8 @@
 """Uniaxial compaction of soft disks in a box (Nezamabadi & Radjai 2024, section 3.2).
 
-Run it with YADE: ``scripts/yade -n -x -j2 scripts/compaction.py --grains 100 --until-phi 0.95 --out DIR``.
-A packing is prepared with YADE's generator and rigid DEM, its spheres are turned into soft disks in place,
-and the top wall moves down at constant speed; plane strain, frictionless walls.
+Run it with YADE: ``scripts/yade -n -x -j2 scripts/compaction.py --grains 100 --until-phi 0.95 --out
+DIR``. A packing is prepared with YADE's generator and rigid DEM, its spheres are turned into soft
+disks in place, and the top wall moves down at constant speed; plane strain, frictionless walls.
 """
 
 import argparse
@@ -51,17 +51,31 @@ def parse_options(arguments=None):
     add("--zeta", type=command_line.positive, default=0.11, help="relative resolution 2 dr/D [-]")
     add("--poisson", type=float, default=0.45, help="Poisson's ratio of the grains [-]")
     add("--speed", type=command_line.positive, default=0.5, help="of the top wall [m/s]")
-    add("--until-phi", type=command_line.fraction, default=0.98, help="packing fraction to stop at [-]")
+    add(
+        "--until-phi",
+        type=command_line.fraction,
+        default=0.98,
+        help="packing fraction to stop at [-]",
+    )
     add("--contact", choices=("surface", "points"), default="surface", help="contact geometry")
     add("--seed", type=int, default=1, help="of the packing generator, at least 1 [-]")
-    add("--out", type=command_line.output_folder, default=Path("compaction"), help="folder for results")
+    add(
+        "--out",
+        type=command_line.output_folder,
+        default=Path("compaction"),
+        help="folder for results",
+    )
     options = parser.parse_args(arguments)
     if options.grains < 4:
-        parser.error(f"argument --grains: {options.grains} is outside the admissible range [4, inf)")
+        parser.error(
+            f"argument --grains: {options.grains} is outside the admissible range [4, inf)"
+        )
     if options.seed < 1:
         parser.error(f"argument --seed: {options.seed} is outside the admissible range [1, inf)")
     if options.until_phi <= START_PHI:
-        parser.error(f"argument --until-phi: {options.until_phi} is not above the start at {START_PHI}")
+        parser.error(
+            f"argument --until-phi: {options.until_phi} is not above the start at {START_PHI}"
+        )
     return options
 
 
@@ -69,8 +83,10 @@ class Box:
     """Four walls: left, right, bottom fixed; top moves."""
 
     def __init__(self, width, height):
-        walls = [yade.utils.wall(position, axis=axis, sense=sense, material="walls")
-                 for position, axis, sense in ((0, 0, 1), (width, 0, -1), (0, 1, 1), (height, 1, -1))]
+        walls = [
+            yade.utils.wall(position, axis=axis, sense=sense, material="walls")
+            for position, axis, sense in ((0, 0, 1), (width, 0, -1), (0, 1, 1), (height, 1, -1))
+        ]
         self.left, self.right, self.bottom, self.top = O.bodies.append(walls)
         self.width = width
 
@@ -88,25 +104,40 @@ class Box:
 
 def prepare_rigid(options):
     """Loose packing of rigid disks at phi = START_PHI; leaves the scene and returns its box."""
-    O.materials.append(FrictMat(young=1e8, poisson=0.3, density=DENSITY, frictionAngle=0, label="walls"))
+    O.materials.append(
+        FrictMat(young=1e8, poisson=0.3, density=DENSITY, frictionAngle=0, label="walls")
+    )
     solid = options.grains * math.pi * MEAN_RADIUS**2
     width = math.sqrt(solid / 0.85)
     box = Box(width, solid / CLOUD_PHI / width)
     cloud = pack.SpherePack()
-    made = cloud.makeCloud((0, 0, 0), (width, box.height, 0), rMean=MEAN_RADIUS, rRelFuzz=RADIUS_SPREAD,
-                           num=options.grains, seed=options.seed)
+    made = cloud.makeCloud(
+        (0, 0, 0),
+        (width, box.height, 0),
+        rMean=MEAN_RADIUS,
+        rRelFuzz=RADIUS_SPREAD,
+        num=options.grains,
+        seed=options.seed,
+    )
     if made < options.grains:
-        raise RuntimeError(f"makeCloud placed {made} of {options.grains} grains; try another --seed")
+        raise RuntimeError(
+            f"makeCloud placed {made} of {options.grains} grains; try another --seed"
+        )
     ids = cloud.toSimulation(material="walls")
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"
     # One thread: YADE sums contact forces in an order that depends on the threads.
     O.engines = [
         ForceResetter(),
-        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * MEAN_RADIUS, ompThreads=1),
-        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
-                        [Ip2_FrictMat_FrictMat_FrictPhys()],
-                        [Law2_ScGeom_FrictPhys_CundallStrack()], ompThreads=1),
+        InsertionSortCollider(
+            [Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * MEAN_RADIUS, ompThreads=1
+        ),
+        InteractionLoop(
+            [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
+            [Ip2_FrictMat_FrictMat_FrictPhys()],
+            [Law2_ScGeom_FrictPhys_CundallStrack()],
+            ompThreads=1,
+        ),
         NewtonIntegrator(damping=0.4, ompThreads=1),
     ]
     O.dt = 0.5 * yade.utils.PWaveTimeStep()
@@ -121,8 +152,13 @@ def prepare_rigid(options):
 
 def make_soft(options):
     """Turn the rigid packing soft in place."""
-    material = sg.SoftMat(young=YOUNG, poisson=options.poisson, density=DENSITY,
-                          frictionAngle=math.atan(options.mu), label="grains")
+    material = sg.SoftMat(
+        young=YOUNG,
+        poisson=options.poisson,
+        density=DENSITY,
+        frictionAngle=math.atan(options.mu),
+        label="grains",
+    )
     O.materials.append(material)
     O.engines = []
     sg.soften(material=material, zeta=options.zeta, contact=options.contact)
@@ -131,12 +167,25 @@ def make_soft(options):
 
 
 class Recorder:
-    """What is measured between two records, and all records so far."""
+    """What is measured between two records, and all records so far.
+
+    The displacement ratio is mean |dy| over mean |dx| of the grains since the last record, 0 where
+    no grain moved sideways.
+    """
 
     def __init__(self, box):
         self.box = box
-        self.records = {name: [] for name in ("phi", "phi0", "stress_over_E", "stress_top_over_E",
-                                              "displacement_ratio", "coordination")}
+        self.records = {
+            name: []
+            for name in (
+                "phi",
+                "phi0",
+                "stress_over_E",
+                "stress_top_over_E",
+                "displacement_ratio",
+                "coordination",
+            )
+        }
         self.balance = sg.Balance()
         self.energy_error = 0.0
         self._restart()
@@ -154,10 +203,17 @@ class Recorder:
 
     def record(self):
         """Close the window of mean forces and append a record."""
-        moved = np.abs(np.array([b.state.pos for b in sg.soft_bodies()]) - self._positions).mean(axis=0)
+        positions = np.array([b.state.pos for b in sg.soft_bodies()])
+        moved = np.abs(positions - self._positions).mean(axis=0)
         scale = self._steps * self.box.width * YOUNG
-        values = (sg.packing_fraction(self.box.area), sg.packing_fraction(self.box.area, nominal=True),
-                  self._bottom / scale, self._top / scale, moved[1] / moved[0], sg.coordination_number())
+        values = (
+            sg.packing_fraction(self.box.area),
+            sg.packing_fraction(self.box.area, nominal=True),
+            self._bottom / scale,
+            self._top / scale,
+            moved[1] / moved[0] if moved[0] > 0 else 0.0,
+            sg.coordination_number(),
+        )
         for name, value in zip(self.records, values):
             self.records[name].append(value)
         self.energy_error = max(self.energy_error, self.balance.error())
@@ -182,17 +238,17 @@ def compact(options, box):
     jammed = False
     started = time.time()
     drawing = 0.0
-    with command_line.progress_bar(total=options.until_phi) as bar:
-        recorder.step()
-        recorder.record()
-        while recorder.phi < options.until_phi:
+    begin = phi = sg.packing_fraction(box.area)
+    with command_line.progress_bar(total=options.until_phi - begin) as bar:
+        while phi < options.until_phi:
             next_height = solid / (solid / box.height + box.width / RECORDS_PER_UNIT_PHI)
             while box.height > next_height:
                 O.step()
                 recorder.step()
             recorder.record()
-            bar.n = min(recorder.phi, options.until_phi)
-            bar.set_postfix_str(f"phi {recorder.phi:.4f}, stress/E {recorder.stress:.2e}")
+            phi = recorder.phi
+            bar.n = min(phi, options.until_phi) - begin
+            bar.set_postfix_str(f"phi {phi:.4f}, stress/E {recorder.stress:.2e}")
             if not jammed and min(recorder.records["stress_over_E"][-3:]) > JAMMED_STRESS:
                 jammed = True
                 paused = time.time()
@@ -205,8 +261,12 @@ def compact(options, box):
 
 def draw(options, box, name):
     phi = sg.packing_fraction(box.area)
-    sg.draw_packing(options.out / f"{name}.png", box=(0, box.width, 0, box.height), scale=YOUNG,
-                    title=rf"$\phi$ = {phi:.3f}, $\mu$ = {options.mu:g}")
+    sg.draw_packing(
+        options.out / f"{name}.png",
+        box=(0, box.width, 0, box.height),
+        scale=YOUNG,
+        title=rf"$\phi$ = {phi:.3f}, $\mu$ = {options.mu:g}",
+    )
 
 
 def plot_stress(options, records):
@@ -214,8 +274,12 @@ def plot_stress(options, records):
     axes = figure.add_subplot()
     axes.plot(records["phi"], records["stress_over_E"], lw=1.5, label="bottom wall")
     axes.plot(records["phi"], records["stress_top_over_E"], lw=0.8, ls="--", label="top wall")
-    axes.set(xlabel=r"packing fraction $\phi$", ylabel=r"$\sigma$ / E", ylim=(0, None),
-             title=rf"{options.grains} grains, $\mu$ = {options.mu:g}, $\zeta$ = {options.zeta:g}")
+    axes.set(
+        xlabel=r"packing fraction $\phi$",
+        ylabel=r"$\sigma$ / E",
+        ylim=(0, None),
+        title=rf"{options.grains} grains, $\mu$ = {options.mu:g}, $\zeta$ = {options.zeta:g}",
+    )
     axes.legend(frameon=False)
     axes.grid(alpha=0.3)
     figure.savefig(options.out / "stress.png", dpi=200)
@@ -227,23 +291,30 @@ def main():
     make_soft(options)
     recorder, seconds = compact(options, box)
     engine = sg.integrator()
-    command_line.write_result(options.out, {
-        **recorder.records,
-        "wall_seconds": seconds,
-        "steps": int(engine.steps),
-        "grains": options.grains,
-        "points_per_grain": len(sg.soft_bodies()[0].shape.points()["volume"]),
-        "dt": O.dt,
-        "sweeps_per_step": engine.totalSweeps / engine.steps,
-        "capped_steps": int(engine.cappedSteps),
-        "max_overlap_over_dr": engine.largestOverlap,
-        "energy_error": recorder.energy_error,
-        "options": {name: str(value) for name, value in vars(options).items()},
-    })
+    command_line.write_result(
+        options.out,
+        {
+            **recorder.records,
+            "wall_seconds": seconds,
+            "steps": int(engine.steps),
+            "grains": options.grains,
+            "points_per_grain": len(sg.soft_bodies()[0].shape.points()["volume"]),
+            "dt": O.dt,
+            "sweeps_per_step": engine.totalSweeps / engine.steps,
+            "capped_steps": int(engine.cappedSteps),
+            "max_overlap_over_dr": engine.largestOverlap,
+            "energy_error": recorder.energy_error,
+            "options": {name: str(value) for name, value in vars(options).items()},
+        },
+    )
     plot_stress(options, recorder.records)
-    print(f"phi = {recorder.phi:.4f}, stress/E = {recorder.stress:.4f}; {int(engine.steps)} steps in {seconds:.1f} s, "
-          f"{engine.totalSweeps / engine.steps:.1f} sweeps a step, largest overlap {engine.largestOverlap:.3f} dr, "
-          f"energy error {100 * recorder.energy_error:.2f} %. Results in {options.out}/")
+    print(
+        f"phi = {recorder.phi:.4f}, stress/E = {recorder.stress:.4f}; {int(engine.steps)} steps "
+        f"in {seconds:.1f} s, "
+        f"{engine.totalSweeps / engine.steps:.1f} sweeps a step, largest overlap "
+        f"{engine.largestOverlap:.3f} dr, "
+        f"energy error {100 * recorder.energy_error:.2f} %. Results in {options.out}/"
+    )
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 """One soft disk pressed between two frictionless plates (Nezamabadi & Radjai 2024, section 3.1).
 
 Run it with YADE: ``scripts/yade -n -x scripts/hertz.py --zeta 0.1 --contact surface --out DIR``.
-The bottom plate is fixed, the top one moves down at constant speed. The force is compared with converged
-finite elements. (The paper says plane stress, but its E* = E/(1 - nu^2) is that of plane strain, the
-default here.)
+The bottom plate is fixed, the top one moves down at constant speed. The force is compared with
+converged finite elements. (The paper says plane stress, but its E* = E/(1 - nu^2) is that of plane
+strain, the default here.)
 """
 
 import argparse
@@ -19,7 +19,8 @@ from yade import FrictMat, O
 import softgrain as sg
 from softgrain import command_line, finite_elements
 
-#: omega R / c_s of the lowest vibration of a free disk (Lamb), nu = 0.45; it changes little with nu.
+#: omega R / c_s of the lowest vibration of a free disk (Lamb), nu = 0.45; it changes little with
+#: nu.
 LOWEST_MODE = 2.3525
 #: Forces are averaged over windows of this many periods of that mode, in which the disk bounces
 #: between the plates about once.
@@ -34,14 +35,27 @@ def parse_options(arguments=None):
     add("--poisson", type=float, default=0.45, help="Poisson's ratio [-]")
     add("--density", type=command_line.positive, default=1000.0, help="density [kg/m3]")
     add("--diameter", type=command_line.positive, default=0.02, help="diameter of the disk [m]")
-    add("--condition", choices=("plane_strain", "plane_stress"), default="plane_strain",
-        help="what closes the third dimension")
+    add(
+        "--condition",
+        choices=("plane_strain", "plane_stress"),
+        default="plane_strain",
+        help="what closes the third dimension",
+    )
     add("--contact", choices=("surface", "points"), default="surface", help="contact geometry")
     add("--order", type=int, choices=(1, 2, 3), default=3, help="order of the B-splines")
-    add("--speed", type=command_line.positive, default=0.02,
-        help="of the top plate [m/s]; the paper's 0.1 makes the force ripple")
-    add("--until", type=command_line.fraction, default=0.2, metavar="DELTA_OVER_D",
-        help="approach of the plates over the diameter to stop at [-]")
+    add(
+        "--speed",
+        type=command_line.positive,
+        default=0.02,
+        help="of the top plate [m/s]; the paper's 0.1 makes the force ripple",
+    )
+    add(
+        "--until",
+        type=command_line.fraction,
+        default=0.2,
+        metavar="DELTA_OVER_D",
+        help="approach of the plates over the diameter to stop at [-]",
+    )
     add("--out", type=command_line.output_folder, default=Path("hertz"), help="folder for results")
     return parser.parse_args(arguments)
 
@@ -51,9 +65,19 @@ def make_scene(options):
     radius = options.diameter / 2
     condition = {"plane_strain": "planeStrain", "plane_stress": "planeStress"}[options.condition]
     O.materials.append(FrictMat(frictionAngle=0, label="plates"))
-    disk = sg.soft_disk((0, 0, 0), radius, zeta=options.zeta, order=options.order, contact=options.contact,
-                        material=sg.SoftMat(young=options.young, poisson=options.poisson,
-                                            density=options.density, condition=condition))
+    disk = sg.soft_disk(
+        (0, 0, 0),
+        radius,
+        zeta=options.zeta,
+        order=options.order,
+        contact=options.contact,
+        material=sg.SoftMat(
+            young=options.young,
+            poisson=options.poisson,
+            density=options.density,
+            condition=condition,
+        ),
+    )
     O.bodies.append(disk)
     bottom = O.bodies.append(yade.utils.wall(-radius, axis=1, sense=1, material="plates"))
     top = O.bodies.append(yade.utils.wall(radius, axis=1, sense=-1, material="plates"))
@@ -100,11 +124,28 @@ def plot_force(options, delta, force):
     if options.poisson == 0.45:
         exact = finite_elements.disk_between_plates(options.condition)
         shown = exact.delta_over_D <= options.until
-        axes.plot(exact.delta_over_D[shown], exact.force_over_ED[shown], color="black", lw=1,
-                  label="finite elements, converged")
-    axes.plot(delta, force, "o", ms=3, mfc="none", label=rf"softgrain, $\zeta$ = {options.zeta:g}, {options.contact}")
-    axes.set(xlabel=r"approach of the plates $\delta$ / D", ylabel="force F / (E D)", xlim=(0, None), ylim=(0, None),
-             title=options.condition.replace("_", " "))
+        axes.plot(
+            exact.delta_over_D[shown],
+            exact.force_over_ED[shown],
+            color="black",
+            lw=1,
+            label="finite elements, converged",
+        )
+    axes.plot(
+        delta,
+        force,
+        "o",
+        ms=3,
+        mfc="none",
+        label=rf"softgrain, $\zeta$ = {options.zeta:g}, {options.contact}",
+    )
+    axes.set(
+        xlabel=r"approach of the plates $\delta$ / D",
+        ylabel="force F / (E D)",
+        xlim=(0, None),
+        ylim=(0, None),
+        title=options.condition.replace("_", " "),
+    )
     axes.legend(frameon=False)
     axes.grid(alpha=0.3)
     figure.savefig(options.out / "force.png", dpi=200)
@@ -119,22 +160,29 @@ def main():
     delta, below, above = rows[:, 0], *(rows[:, 1:] / (options.young * options.diameter)).T
     force = 0.5 * (below + above)
     engine = sg.integrator()
-    command_line.write_result(options.out, {
-        "delta_over_D": delta,
-        "force_over_ED": force,
-        "force_top_over_ED": above,
-        "force_bottom_over_ED": below,
-        "window_over_D": options.speed * window_seconds(options) / options.diameter,
-        "wall_seconds": seconds,
-        "steps": int(engine.steps),
-        "dt": O.dt,
-        "sweeps_per_step": engine.totalSweeps / engine.steps,
-        "capped_steps": int(engine.cappedSteps),
-        "options": {name: str(value) for name, value in vars(options).items()},
-    })
+    command_line.write_result(
+        options.out,
+        {
+            "delta_over_D": delta,
+            "force_over_ED": force,
+            "force_top_over_ED": above,
+            "force_bottom_over_ED": below,
+            "window_over_D": options.speed * window_seconds(options) / options.diameter,
+            "wall_seconds": seconds,
+            "steps": int(engine.steps),
+            "dt": O.dt,
+            "sweeps_per_step": engine.totalSweeps / engine.steps,
+            "capped_steps": int(engine.cappedSteps),
+            "options": {name: str(value) for name, value in vars(options).items()},
+        },
+    )
     plot_force(options, delta, force)
-    print(f"delta/D = {delta[-1]:.4f}, F/(E D) = {force[-1]:.5f}; {int(engine.steps)} steps in {seconds:.1f} s, "
-          f"forces averaged over windows of {1e3 * window_seconds(options):.2f} ms. Results in {options.out}/")
+    print(
+        f"delta/D = {delta[-1]:.4f}, F/(E D) = {force[-1]:.5f}; {int(engine.steps)} steps in "
+        f"{seconds:.1f} s, "
+        f"forces averaged over windows of {1e3 * window_seconds(options):.2f} ms. Results in "
+        f"{options.out}/"
+    )
 
 
 if __name__ == "__main__":

@@ -47,8 +47,8 @@ template <int dim> Mat<dim> rotationToKernel(const Rotation& q)
 template <int dim> class PairContactsOf : public PairContacts {
 public:
 	PairContactsOf(const System<dim>& system, double z)
-	        : system_(&system)
-	        , z_(z)
+		: system_(&system)
+		, z_(z)
 	{
 	}
 	bool empty() const override { return list.contacts.empty(); }
@@ -60,8 +60,10 @@ public:
 		std::vector<ContactRecord> result;
 		for (const Contact<dim>& c : list.contacts) {
 			const int grain = c.key.side == 0 ? list.first : list.second;
-			result.push_back({ c.key, toSpace<dim>(system_->body(grain).position[c.key.node], z_),
-			                   toSpace<dim>(c.normal), toSpace<dim>(c.impulse), c.gap });
+			result.push_back(
+				{ c.key,
+				  toSpace<dim>(system_->body(grain).position[c.key.node], z_),
+				  toSpace<dim>(c.normal), toSpace<dim>(c.impulse), c.gap });
 		}
 		return result;
 	}
@@ -87,11 +89,13 @@ private:
 template <int dim> class GrainAssemblyOf : public GrainAssembly {
 public:
 	explicit GrainAssemblyOf(const std::vector<GrainDescription>& grains)
-	        : z_(dim == 2 ? grains.front().position[2] : 0.)
+		: z_(dim == 2 ? grains.front().position[2] : 0.)
 	{
 		for (const GrainDescription& d : grains)
 			if (dim == 2 && std::abs(d.position[2] - z_) > 1e-6 * d.radius)
-				throw std::invalid_argument("grain #" + std::to_string(d.id) + ": 2D soft grains must lie in one plane z = const");
+				throw std::invalid_argument(
+					"grain #" + std::to_string(d.id) +
+					": 2D soft grains must lie in one plane z = const");
 		addBatches(grains);
 		system_.updateSurfaces(1);
 	}
@@ -105,7 +109,9 @@ public:
 		double slowest = std::numeric_limits<double>::infinity();
 		for (int g = 0; g < grains(); ++g) {
 			const Batch<dim>& batch = system_.batchOf(g);
-			slowest = std::min(slowest, batch.grain[system_.laneOf(g)].constants.waveSpeed(batch.condition));
+			slowest = std::min(slowest,
+					   batch.grain[system_.laneOf(g)].constants.waveSpeed(
+						   batch.condition));
 		}
 		return slowest;
 	}
@@ -122,19 +128,23 @@ public:
 		ContactList<dim>& list = listOf(pair);
 		list.first = first;
 		list.second = second;
-		findContacts(system_.body(first), system_.body(second), system_.reach(first, second, dt), list);
+		findContacts(system_.body(first), system_.body(second),
+			     system_.reach(first, second, dt), list);
 	}
 
-	void search(PairContacts& pair, int g, const WallDescription& wall, double dt) const override
+	void search(PairContacts& pair, int g, const WallDescription& wall,
+		    double dt) const override
 	{
 		ContactList<dim>& list = listOf(pair);
 		list.first = g;
 		list.second = -1 - wall.id;
-		list.plane = { toKernel<dim>(wall.point), toKernel<dim>(wall.normal), toKernel<dim>(wall.velocity) };
+		list.plane = { toKernel<dim>(wall.point), toKernel<dim>(wall.normal),
+			       toKernel<dim>(wall.velocity) };
 		findContacts(system_.body(g), system_.reach(g, list.plane, dt), list);
 	}
 
-	StepReport step(const StepSettings& settings, const std::vector<PairContacts*>& pairs) override
+	StepReport step(const StepSettings& settings,
+			const std::vector<PairContacts*>& pairs) override
 	{
 		std::vector<ContactList<dim>*> lists;
 		for (PairContacts* pair : pairs)
@@ -144,7 +154,8 @@ public:
 
 	void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) override
 	{
-		system_.loads()[g] = { toKernel<dim>(acceleration), spinMatrix<dim>(angularToKernel<dim>(angularAcceleration)) };
+		system_.loads()[g] = { toKernel<dim>(acceleration),
+				       spinMatrix<dim>(angularToKernel<dim>(angularAcceleration)) };
 	}
 
 	GrainMotion motion(int g) const override
@@ -154,7 +165,8 @@ public:
 		GrainMotion m;
 		m.mass = whole.mass;
 		m.inertia = whole.inertia.trace() / whole.inertia.rows();
-		m.position = toSpace<dim>(Vec<dim>(batch.grain[system_.laneOf(g)].origin + whole.centre), z_);
+		m.position = toSpace<dim>(
+			Vec<dim>(batch.grain[system_.laneOf(g)].origin + whole.centre), z_);
 		m.velocity = toSpace<dim>(whole.velocity);
 		m.angularVelocity = angularToSpace<dim>(whole.angularVelocity);
 		Mat3 rotation = toSpace<dim>(whole.rotation);
@@ -163,12 +175,14 @@ public:
 		return m;
 	}
 
-	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity, const Vec3& angularVelocity) override
+	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity,
+			 const Vec3& angularVelocity) override
 	{
 		Batch<dim>& batch = system_.batchOf(g);
 		const int lane = system_.laneOf(g);
-		batch.moveRigidly(lane, wholeGrain(batch, lane).centre, rotationToKernel<dim>(turn), toKernel<dim>(shift),
-		                  toKernel<dim>(velocity), spinMatrix<dim>(angularToKernel<dim>(angularVelocity)));
+		batch.moveRigidly(lane, wholeGrain(batch, lane).centre, rotationToKernel<dim>(turn),
+				  toKernel<dim>(shift), toKernel<dim>(velocity),
+				  spinMatrix<dim>(angularToKernel<dim>(angularVelocity)));
 		system_.updateSurface(g);
 		system_.invalidateForces();
 	}
@@ -180,7 +194,7 @@ public:
 	Box<3> box(int g) const override
 	{
 		const Box<dim>& b = system_.body(g).box;
-		Box<3> result{ toSpace<dim>(b.low, z_), toSpace<dim>(b.high, z_) };
+		Box<3> result { toSpace<dim>(b.low, z_), toSpace<dim>(b.high, z_) };
 		if (dim == 2) { // as thick as the grain is wide, as for a sphere of YADE
 			const double R = system_.batchOf(g).grain[system_.laneOf(g)].radius;
 			result.low[2] -= R;
@@ -216,13 +230,15 @@ public:
 			}
 			fields.F.push_back(F);
 			fields.cauchy.push_back(cauchy);
-			fields.volume.push_back(batch.pointScale[lane] * batch.reference->pointVolume[p] * response.J);
+			fields.volume.push_back(batch.pointScale[lane] *
+						batch.reference->pointVolume[p] * response.J);
 			++p;
 		}
 		return fields;
 	}
 
-	void nodalState(int g, Vec3& origin, std::vector<double>& x, std::vector<double>& v) const override
+	void nodalState(int g, Vec3& origin, std::vector<double>& x,
+			std::vector<double>& v) const override
 	{
 		const Batch<dim>& batch = system_.batchOf(g);
 		const int lane = system_.laneOf(g);
@@ -237,9 +253,13 @@ public:
 	}
 
 private:
-	static ContactList<dim>& listOf(PairContacts& pair) { return static_cast<PairContactsOf<dim>&>(pair).list; }
+	static ContactList<dim>& listOf(PairContacts& pair)
+	{
+		return static_cast<PairContactsOf<dim>&>(pair).list;
+	}
 
-	/// Grains with equal recipe, law and condition form a batch; batches keep the order of ids within.
+	/// Grains with equal recipe, law and condition form a batch; batches keep the order of ids
+	/// within.
 	void addBatches(const std::vector<GrainDescription>& grains)
 	{
 		using Kind = std::tuple<TemplateRecipe, Law, Condition>;
@@ -250,8 +270,11 @@ private:
 			const auto& [recipe, law, condition] = kind;
 			std::vector<GrainParameters<dim>> parameters;
 			for (const GrainDescription* d : members)
-				parameters.push_back({ d->radius, d->constants, toKernel<dim>(d->x.empty() ? d->position : d->origin) });
-			Batch<dim> batch(makeGrainTemplate<dim>(recipe), law, condition, parameters);
+				parameters.push_back(
+					{ d->radius, d->constants,
+					  toKernel<dim>(d->x.empty() ? d->position : d->origin) });
+			Batch<dim> batch(makeGrainTemplate<dim>(recipe), law, condition,
+					 parameters);
 			for (int lane = 0; lane < batch.grains(); ++lane) {
 				setState(batch, lane, *members[lane]);
 				id_.push_back(members[lane]->id);
@@ -263,15 +286,20 @@ private:
 	static void setState(Batch<dim>& batch, int lane, const GrainDescription& d)
 	{
 		if (d.x.empty()) {
-			batch.place(lane, rotationToKernel<dim>(d.orientation), toKernel<dim>(d.velocity),
-			            spinMatrix<dim>(angularToKernel<dim>(d.angularVelocity)));
+			batch.place(lane, rotationToKernel<dim>(d.orientation),
+				    toKernel<dim>(d.velocity),
+				    spinMatrix<dim>(angularToKernel<dim>(d.angularVelocity)));
 			return;
 		}
-		const std::size_t expected = static_cast<std::size_t>(batch.reference->nodes()) * dim;
+		const std::size_t expected =
+			static_cast<std::size_t>(batch.reference->nodes()) * dim;
 		if (d.x.size() != expected || d.v.size() != expected)
-			throw std::invalid_argument("grain #" + std::to_string(d.id) + ": its saved nodal state has "
-			                            + std::to_string(d.x.size()) + " numbers, its discretisation needs "
-			                            + std::to_string(expected) + "; discretisation parameters cannot be changed after the first step");
+			throw std::invalid_argument(
+				"grain #" + std::to_string(d.id) + ": its saved nodal state has " +
+				std::to_string(d.x.size()) + " numbers, its discretisation needs " +
+				std::to_string(expected) +
+				"; discretisation parameters cannot be changed after the first "
+				"step");
 		for (int I = 0; I < batch.reference->nodes(); ++I) {
 			batch.x.set(lane, I, Eigen::Map<const Vec<dim>>(&d.x[I * dim]));
 			batch.v.set(lane, I, Eigen::Map<const Vec<dim>>(&d.v[I * dim]));
@@ -291,11 +319,15 @@ std::shared_ptr<GrainAssembly> GrainAssembly::create(const std::vector<GrainDesc
 	for (const GrainDescription& d : grains) {
 		const GrainDescription& first = grains.front();
 		if (d.dim != first.dim)
-			throw std::invalid_argument("grains #" + std::to_string(first.id) + " and #" + std::to_string(d.id)
-			                            + " have different dim; a scene is either 2D or 3D");
+			throw std::invalid_argument(
+				"grains #" + std::to_string(first.id) + " and #" +
+				std::to_string(d.id) +
+				" have different dim; a scene is either 2D or 3D");
 		if (d.recipe.contact != first.recipe.contact)
-			throw std::invalid_argument("grains #" + std::to_string(first.id) + " and #" + std::to_string(d.id)
-			                            + " have different contact geometries; a scene uses 'surface' or 'points' for all");
+			throw std::invalid_argument("grains #" + std::to_string(first.id) +
+						    " and #" + std::to_string(d.id) +
+						    " have different contact geometries; a scene "
+						    "uses 'surface' or 'points' for all");
 	}
 	if (grains.front().dim == 2) return std::make_shared<GrainAssemblyOf<2>>(grains);
 	return std::make_shared<GrainAssemblyOf<3>>(grains);

@@ -1,5 +1,5 @@
-// The kernel as YADE sees it: grains by index, vectors in three dimensions, the dimension of the scene
-// hidden. No YADE header, no physics.
+// The kernel as YADE sees it: grains by index, vectors in three dimensions, the dimension of the
+// scene hidden. No YADE header, no physics.
 #pragma once
 
 #include "step/System.hpp"
@@ -23,13 +23,13 @@ struct GrainDescription {
 	Law law = Law::neoHookean;
 	Condition condition = Condition::planeStrain;
 	ElasticConstants constants;
-	double radius = 0;             ///< m
+	double radius = 0;                   ///< m
 	Vec3 position = Vec3::Zero();        ///< of the centre, m
 	Vec3 velocity = Vec3::Zero();        ///< m/s
 	Vec3 angularVelocity = Vec3::Zero(); ///< 1/s
 	Rotation orientation = Rotation::Identity();
-	Vec3 origin = Vec3::Zero();          ///< of the nodal positions, m; used with a nodal state
-	std::vector<double> x, v;      ///< nodal state to go on from; empty: undeformed
+	Vec3 origin = Vec3::Zero(); ///< of the nodal positions, m; used with a nodal state
+	std::vector<double> x, v;   ///< nodal state to go on from; empty: undeformed
 };
 
 /// A rigid plane wall with prescribed motion.
@@ -73,8 +73,8 @@ struct PointFields {
 class GrainAssembly {
 public:
 	virtual ~GrainAssembly() = default;
-	/// Builds the system of all grains; throws std::invalid_argument naming the grain, the parameter and
-	/// the admissible range.
+	/// Builds the system of all grains; throws std::invalid_argument naming the grain, the
+	/// parameter and the admissible range.
 	static std::shared_ptr<GrainAssembly> create(const std::vector<GrainDescription>& grains);
 
 	virtual int grains() const = 0;
@@ -87,14 +87,16 @@ public:
 
 	virtual std::unique_ptr<PairContacts> newPair() const = 0;
 	virtual void search(PairContacts& pair, int first, int second, double dt) const = 0;
-	virtual void search(PairContacts& pair, int g, const WallDescription& wall, double dt) const = 0;
-	virtual StepReport step(const StepSettings& settings, const std::vector<PairContacts*>& pairs) = 0;
+	virtual void search(PairContacts& pair, int g, const WallDescription& wall,
+			    double dt) const = 0;
+	virtual StepReport step(const StepSettings& settings,
+				const std::vector<PairContacts*>& pairs) = 0;
 
 	virtual void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) = 0;
 	virtual GrainMotion motion(int g) const = 0;
 	/// Adds a rigid motion: turns by `turn` about the centre of mass, shifts, adds velocities.
-	virtual void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity, const Vec3& angularVelocity)
-	        = 0;
+	virtual void moveRigidly(int g, const Rotation& turn, const Vec3& shift,
+				 const Vec3& velocity, const Vec3& angularVelocity) = 0;
 
 	virtual EnergyBalance energy() const = 0;
 	virtual Continuation continuation() const = 0;
@@ -103,8 +105,10 @@ public:
 	virtual Box<3> box(int g) const = 0;
 	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes
 	virtual PointFields points(int g) const = 0;
-	/// Nodal positions and velocities (present ones, `dim` numbers a node) as GrainDescription takes them.
-	virtual void nodalState(int g, Vec3& origin, std::vector<double>& x, std::vector<double>& v) const = 0;
+	/// Nodal positions and velocities (present ones, `dim` numbers a node) as GrainDescription
+	/// takes them.
+	virtual void nodalState(int g, Vec3& origin, std::vector<double>& x,
+				std::vector<double>& v) const = 0;
 };
 
 } // namespace softgrain

@@ -1,5 +1,5 @@
-// The shared object is both: an extension module of Python and a plugin of YADE. Importing it registers
-// our classes with a YADE that has already started.
+// The shared object is both: an extension module of Python and a plugin of YADE. Importing it
+// registers our classes with a YADE that has already started.
 #include "SceneAssembly.hpp"
 #include "SoftGrainIntegrator.hpp"
 #include "Yade.hpp"
@@ -10,24 +10,27 @@ namespace {
 
 namespace py = boost::python;
 
-/// YADE registers what stands in ClassFactory::pluginClasses. Of these, only classes it does not know yet
-/// may be registered now: registering one twice replaces its Python class under the user's feet.
+/// YADE registers what stands in ClassFactory::pluginClasses. Of these, only classes it does not
+/// know yet may be registered now: registering one twice replaces its Python class under the user's
+/// feet.
 void registerClasses()
 {
 	auto& factory = yade::ClassFactory::instance();
 	const auto& known = yade::Omega::instance().getDynlibsDescriptor();
 	const std::list<std::string> all = factory.pluginClasses;
-	factory.pluginClasses.remove_if([&](const std::string& name) { return known.count(name) > 0; });
+	factory.pluginClasses.remove_if(
+		[&](const std::string& name) { return known.count(name) > 0; });
 	yade::Omega::instance().loadPlugins({});
 	factory.pluginClasses = all;
 }
 
-/// Does this plugin see YADE's objects laid out as YADE does? Values written through YADE's own Python
-/// wrapper into late members are read back with the layout compiled in here.
+/// Does this plugin see YADE's objects laid out as YADE does? Values written through YADE's own
+/// Python wrapper into late members are read back with the layout compiled in here.
 bool layoutMatches()
 {
 	const auto scene = yade::Omega::instance().getScene();
-	const long slack = static_cast<long>(malloc_usable_size(scene.get())) - static_cast<long>(sizeof(yade::Scene));
+	const long slack = static_cast<long>(malloc_usable_size(scene.get())) -
+			   static_cast<long>(sizeof(yade::Scene));
 	py::object O = py::import("yade").attr("O");
 	const long before = scene->stopAtIter;
 	O.attr("stopAtIter") = 123457;
@@ -42,7 +45,8 @@ bool layoutMatches()
 	py::object state = wrapper.attr("State")();
 	state.attr("densityScaling") = 0.625;
 	const yade::State& read = py::extract<const yade::State&>(state);
-	return slack >= 0 && slack < 32 && sceneAgrees && wall.highlight && wall.axis == 2 && read.densityScaling == 0.625;
+	return slack >= 0 && slack < 32 && sceneAgrees && wall.highlight && wall.axis == 2 &&
+	       read.densityScaling == 0.625;
 }
 
 double criticalTimeStep() { return yade::criticalTimeStep(*yade::Omega::instance().getScene()); }
@@ -53,8 +57,11 @@ BOOST_PYTHON_MODULE(_softgrain)
 {
 	py::scope().attr("yadeVersion") = SOFTGRAIN_YADE_VERSION;
 	py::scope().attr("yadeBits") = YADE_REAL_BIT;
-	py::def("registerClasses", registerClasses, "Register the classes of softgrain with the running YADE.");
-	py::def("layoutMatches", layoutMatches, "Whether YADE's objects have the layout this plugin was compiled for.");
+	py::def("registerClasses", registerClasses,
+		"Register the classes of softgrain with the running YADE.");
+	py::def("layoutMatches", layoutMatches,
+		"Whether YADE's objects have the layout this plugin was compiled for.");
 	py::def("criticalTimeStep", criticalTimeStep,
-	        "Critical time step of the undeformed soft grains of the scene [s]; 0 if there are none.");
+		"Critical time step of the undeformed soft grains of the scene [s]; 0 if there are "
+		"none.");
 }

@@ -8,13 +8,18 @@
 namespace softgrain {
 
 /// Array of `numbers` (row-major) with the given shape, e.g. "(-1, 3)".
-template <class Number> inline boost::python::object numpyArray(const std::vector<Number>& numbers, boost::python::tuple shape)
+template <class Number>
+inline boost::python::object numpyArray(const std::vector<Number>& numbers,
+					boost::python::tuple shape)
 {
 	namespace py = boost::python;
 	static_assert(sizeof(Number) == 8 || sizeof(Number) == 4);
-	const py::object bytes(py::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(numbers.data()),
-	                                                              static_cast<Py_ssize_t>(numbers.size() * sizeof(Number)))));
-	const char* type = std::is_floating_point<Number>::value ? "f8" : sizeof(Number) == 8 ? "i8" : "i4";
+	const py::object bytes(py::handle<>(PyBytes_FromStringAndSize(
+		reinterpret_cast<const char*>(numbers.data()),
+		static_cast<Py_ssize_t>(numbers.size() * sizeof(Number)))));
+	const char* type = std::is_floating_point<Number>::value ? "f8"
+			   : sizeof(Number) == 8                 ? "i8"
+								 : "i4";
 	return py::import("numpy").attr("frombuffer")(bytes, type).attr("reshape")(shape);
 }
 
@@ -27,7 +32,8 @@ template <class Tensor> inline boost::python::object numpyArray(const std::vecto
 		for (int a = 0; a < t.rows(); ++a)
 			for (int b = 0; b < t.cols(); ++b)
 				numbers.push_back(t(a, b));
-	return numpyArray(numbers, Tensor::ColsAtCompileTime == 1 ? py::make_tuple(-1, 3) : py::make_tuple(-1, 3, 3));
+	return numpyArray(numbers, Tensor::ColsAtCompileTime == 1 ? py::make_tuple(-1, 3)
+								  : py::make_tuple(-1, 3, 3));
 }
 
 } // namespace softgrain

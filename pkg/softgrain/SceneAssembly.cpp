@@ -17,20 +17,25 @@ void checkBody(const Body& body)
 	const bool softShape = bool(YADE_PTR_DYN_CAST<SoftGrain>(body.shape));
 	const bool softMaterial = bool(YADE_PTR_DYN_CAST<SoftMat>(body.material));
 	if (softShape && !softMaterial)
-		throw std::invalid_argument(name(body) + " has the soft shape SoftGrain but the material "
-		                            + (body.material ? body.material->getClassName() : string("None"))
-		                            + "; soft grains need a SoftMat");
+		throw std::invalid_argument(
+			name(body) + " has the soft shape SoftGrain but the material " +
+			(body.material ? body.material->getClassName() : string("None")) +
+			"; soft grains need a SoftMat");
 	if (softMaterial && !softShape)
-		throw std::invalid_argument(name(body) + " has the material SoftMat but the rigid shape "
-		                            + (body.shape ? body.shape->getClassName() : string("None"))
-		                            + "; use sg.soften() or give it a rigid material such as FrictMat");
+		throw std::invalid_argument(
+			name(body) + " has the material SoftMat but the rigid shape " +
+			(body.shape ? body.shape->getClassName() : string("None")) +
+			"; use sg.soften() or give it a rigid material such as FrictMat");
 	if (softShape && (body.isClumpMember() || body.isClump()))
-		throw std::invalid_argument(name(body) + " is a soft grain in a clump, which is not supported");
+		throw std::invalid_argument(name(body) +
+					    " is a soft grain in a clump, which is not supported");
 }
 
 std::vector<shared_ptr<Body>> softBodies(Scene& scene)
 {
-	if (scene.isPeriodic) throw std::invalid_argument("O.periodic = True: soft grains in a periodic cell are not supported yet");
+	if (scene.isPeriodic)
+		throw std::invalid_argument(
+			"O.periodic = True: soft grains in a periodic cell are not supported yet");
 	std::vector<shared_ptr<Body>> bodies;
 	for (const shared_ptr<Body>& body : *scene.bodies) {
 		if (!body || !body->shape) continue;
@@ -53,9 +58,9 @@ bool isCurrent(const std::vector<shared_ptr<Body>>& bodies)
 		const SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
 		const SoftMat& material = static_cast<SoftMat&>(*body->material);
 		const auto d = grain.describe(*body);
-		if (grain.assembly != assembly || assembly->idOf(grain.index) != body->getId()
-		    || !sameConstants(grain.assembledConstants, material.constants()) || grain.assembledLaw != d.law
-		    || grain.assembledCondition != d.condition)
+		if (grain.assembly != assembly || assembly->idOf(grain.index) != body->getId() ||
+		    !sameConstants(grain.assembledConstants, material.constants()) ||
+		    grain.assembledLaw != d.law || grain.assembledCondition != d.condition)
 			return false;
 	}
 	return true;
@@ -81,7 +86,8 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
 	const auto assembly = softgrain::GrainAssembly::create(grains);
 	assembly->continueFrom(continuation);
 	for (int g = 0; g < assembly->grains(); ++g) {
-		SoftGrain& grain = static_cast<SoftGrain&>(*(*scene.bodies)[assembly->idOf(g)]->shape);
+		SoftGrain& grain =
+			static_cast<SoftGrain&>(*(*scene.bodies)[assembly->idOf(g)]->shape);
 		const Body& body = *(*scene.bodies)[assembly->idOf(g)];
 		const auto d = grain.describe(body);
 		grain.assembly = assembly;
@@ -105,7 +111,8 @@ bool tryAssemble(const SoftGrain& shape, Scene& scene) noexcept
 		const std::lock_guard<std::mutex> lock(assemblyMutex);
 		return bool(shape.assembly);
 	} catch (...) {
-		return false; // assembleScene throws the same again where SoftGrainIntegrator can report it
+		return false; // assembleScene throws the same again where SoftGrainIntegrator can
+			      // report it
 	}
 }
 

@@ -9,12 +9,14 @@ namespace yade {
 class Scene;
 class SoftGrain;
 
-/// The assembly of the scene's soft grains, made anew if grains, materials or shapes changed since; null
-/// if there is none. Throws std::invalid_argument saying which body is wrong and why. Thread-safe.
+/// The assembly of the scene's soft grains, made anew if grains, materials or shapes changed since;
+/// null if there is none. Throws std::invalid_argument saying which body is wrong and why.
+/// Thread-safe.
 std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene);
 
-/// Assembles the scene if this shape is not part of an assembly yet; says whether it is one now. For
-/// functors, which run in parallel regions where nothing may be thrown: SoftGrainIntegrator reports.
+/// Assembles the scene if this shape is not part of an assembly yet; says whether it is one now.
+/// For functors, which run in parallel regions where nothing may be thrown: SoftGrainIntegrator
+/// reports.
 bool tryAssemble(const SoftGrain& shape, Scene& scene) noexcept;
 
 } // namespace yade

@@ -3,8 +3,8 @@
 
 namespace yade {
 
-YADE_PLUGIN((SoftGeom)(SoftPhys)(Ig2_SoftGrain_SoftGrain_SoftGeom)(Ig2_Wall_SoftGrain_SoftGeom)(Ip2_SoftMat_SoftMat_SoftPhys)(
-        Ip2_FrictMat_SoftMat_SoftPhys)(Law2_SoftGeom_SoftPhys_Nonsmooth));
+YADE_PLUGIN((
+	SoftGeom)(SoftPhys)(Ig2_SoftGrain_SoftGrain_SoftGeom)(Ig2_Wall_SoftGrain_SoftGeom)(Ip2_SoftMat_SoftMat_SoftPhys)(Ip2_FrictMat_SoftMat_SoftPhys)(Law2_SoftGeom_SoftPhys_Nonsmooth));
 
 using softgrain::ContactRecord;
 using softgrain::Vec3;
@@ -17,8 +17,12 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present)
 		records = pair->records();
 	else
 		for (std::size_t k = 0; k < savedImpulses.size(); ++k)
-			records.push_back({ { savedKeys[3 * k], savedKeys[3 * k + 1], savedKeys[3 * k + 2] }, Vec3::Zero(), Vec3::Zero(),
-			                    savedImpulses[k], 0 });
+			records.push_back(
+				{ { savedKeys[3 * k], savedKeys[3 * k + 1], savedKeys[3 * k + 2] },
+				  Vec3::Zero(),
+				  Vec3::Zero(),
+				  savedImpulses[k],
+				  0 });
 	assembly = present;
 	pair = present->newPair();
 	pair->restore(records);
@@ -73,11 +77,13 @@ py::dict SoftGeom::contactArrays() const
 
 namespace {
 
-/// The SoftGeom of the interaction bound to the assembly, or null if there is nothing to search in: the
-/// grains are not assembled (SoftGrainIntegrator will say why).
-shared_ptr<SoftGeom> geometryOf(const Interaction& I, const std::shared_ptr<softgrain::GrainAssembly>& assembly)
+/// The SoftGeom of the interaction bound to the assembly, or null if there is nothing to search in:
+/// the grains are not assembled (SoftGrainIntegrator will say why).
+shared_ptr<SoftGeom> geometryOf(const Interaction& I,
+				const std::shared_ptr<softgrain::GrainAssembly>& assembly)
 {
-	shared_ptr<SoftGeom> geom = I.geom ? YADE_PTR_CAST<SoftGeom>(I.geom) : shared_ptr<SoftGeom>(new SoftGeom);
+	shared_ptr<SoftGeom> geom =
+		I.geom ? YADE_PTR_CAST<SoftGeom>(I.geom) : shared_ptr<SoftGeom>(new SoftGeom);
 	geom->bind(assembly);
 	return geom;
 }
@@ -93,35 +99,42 @@ bool conclude(const shared_ptr<SoftGeom>& geom, bool force, const shared_ptr<Int
 
 } // namespace
 
-bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2, const State& state1,
-                                          const State& state2, const Vector3r&, const bool& force, const shared_ptr<Interaction>& I)
+bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
+					  const shared_ptr<Shape>& shape2, const State& state1,
+					  const State& state2, const Vector3r&, const bool& force,
+					  const shared_ptr<Interaction>& I)
 {
 	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
 	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
 	if (!grain1.assembly || grain1.assembly != grain2.assembly) return I->isReal();
 	const auto geom = geometryOf(*I, grain1.assembly);
-	grain1.assembly->search(*geom->pair, std::min(grain1.index, grain2.index), std::max(grain1.index, grain2.index), scene->dt);
+	grain1.assembly->search(*geom->pair, std::min(grain1.index, grain2.index),
+				std::max(grain1.index, grain2.index), scene->dt);
 	geom->refR1 = grain1.radius;
 	geom->refR2 = grain2.radius;
 	geom->aggregate(state2.pos - state1.pos);
 	return conclude(geom, force, I);
 }
 
-bool Ig2_SoftGrain_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2, const State& state1,
-                                                 const State& state2, const Vector3r& shift2, const bool& force,
-                                                 const shared_ptr<Interaction>& I)
+bool Ig2_SoftGrain_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1,
+						 const shared_ptr<Shape>& shape2,
+						 const State& state1, const State& state2,
+						 const Vector3r& shift2, const bool& force,
+						 const shared_ptr<Interaction>& I)
 {
 	return go(shape1, shape2, state1, state2, shift2, force, I);
 }
 
-bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2, const State& state1,
-                                     const State& state2, const Vector3r&, const bool& force, const shared_ptr<Interaction>& I)
+bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
+				     const shared_ptr<Shape>& shape2, const State& state1,
+				     const State& state2, const Vector3r&, const bool& force,
+				     const shared_ptr<Interaction>& I)
 {
 	const Wall& wall = static_cast<Wall&>(*shape1);
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
 	if (!grain.assembly) return I->isReal();
 	const auto geom = geometryOf(*I, grain.assembly);
-	softgrain::WallDescription plane{ I->getId1(), state1.pos, Vec3::Zero(), state1.vel };
+	softgrain::WallDescription plane { I->getId1(), state1.pos, Vec3::Zero(), state1.vel };
 	const double side = state2.pos[wall.axis] > state1.pos[wall.axis] ? 1 : -1;
 	plane.normal[wall.axis] = side;
 	if (wall.sense == 0 || wall.sense == side)
@@ -133,16 +146,18 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1, const shar
 	return conclude(geom, force, I);
 }
 
-bool Ig2_Wall_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2, const State& state1,
-                                            const State& state2, const Vector3r& shift2, const bool& force,
-                                            const shared_ptr<Interaction>& I)
+bool Ig2_Wall_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1,
+					    const shared_ptr<Shape>& shape2, const State& state1,
+					    const State& state2, const Vector3r& shift2,
+					    const bool& force, const shared_ptr<Interaction>& I)
 {
 	return go(shape2, shape1, state2, state1, -shift2, force, I);
 }
 
 namespace {
 
-void makePhys(const shared_ptr<Interaction>& I, Real frictionAngle1, Real frictionAngle2, Real stiffness)
+void makePhys(const shared_ptr<Interaction>& I, Real frictionAngle1, Real frictionAngle2,
+	      Real stiffness)
 {
 	const auto phys = shared_ptr<SoftPhys>(new SoftPhys);
 	phys->tangensOfFrictionAngle = std::tan(std::min(frictionAngle1, frictionAngle2));
@@ -152,21 +167,27 @@ void makePhys(const shared_ptr<Interaction>& I, Real frictionAngle1, Real fricti
 
 } // namespace
 
-void Ip2_SoftMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1, const shared_ptr<Material>& m2, const shared_ptr<Interaction>& I)
+void Ip2_SoftMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1,
+				      const shared_ptr<Material>& m2,
+				      const shared_ptr<Interaction>& I)
 {
 	if (I->phys) return;
 	const SoftMat &soft1 = static_cast<SoftMat&>(*m1), &soft2 = static_cast<SoftMat&>(*m2);
-	makePhys(I, soft1.frictionAngle, soft2.frictionAngle, 2 * soft1.young * soft2.young / (soft1.young + soft2.young));
+	makePhys(I, soft1.frictionAngle, soft2.frictionAngle,
+		 2 * soft1.young * soft2.young / (soft1.young + soft2.young));
 }
 
-void Ip2_FrictMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1, const shared_ptr<Material>& m2, const shared_ptr<Interaction>& I)
+void Ip2_FrictMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1,
+				       const shared_ptr<Material>& m2,
+				       const shared_ptr<Interaction>& I)
 {
 	if (I->phys) return;
 	const SoftMat& soft = static_cast<SoftMat&>(*m2);
 	makePhys(I, static_cast<FrictMat&>(*m1).frictionAngle, soft.frictionAngle, soft.young);
 }
 
-bool Law2_SoftGeom_SoftPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IPhys>& phys, Interaction*)
+bool Law2_SoftGeom_SoftPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IPhys>& phys,
+					  Interaction*)
 {
 	SoftGeom& g = static_cast<SoftGeom&>(*geom);
 	g.pair->setFriction(static_cast<SoftPhys&>(*phys).tangensOfFrictionAngle);

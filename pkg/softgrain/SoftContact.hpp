@@ -1,5 +1,5 @@
-// Contacts of soft grains as YADE sees them: one interaction per pair of bodies, its many contact points
-// in one SoftGeom, solved together by SoftGrainIntegrator.
+// Contacts of soft grains as YADE sees them: one interaction per pair of bodies, its many contact
+// points in one SoftGeom, solved together by SoftGrainIntegrator.
 #pragma once
 
 #include "GrainAssembly.hpp"
@@ -15,7 +15,8 @@ public:
 	std::shared_ptr<softgrain::GrainAssembly> assembly;
 	std::unique_ptr<softgrain::PairContacts> pair;
 
-	/// Makes `pair` one of `present`, its impulses taken over from the last assembly or the saved ones.
+	/// Makes `pair` one of `present`, its impulses taken over from the last assembly or the
+	/// saved ones.
 	void bind(const std::shared_ptr<softgrain::GrainAssembly>& present);
 	/// Fills the attributes of the base class with means over the contact points.
 	void aggregate(const softgrain::Vec3& fromFirstToSecond);
@@ -52,42 +53,50 @@ REGISTER_SERIALIZABLE(SoftPhys);
 
 class Ig2_SoftGrain_SoftGrain_SoftGeom : public IGeomFunctor {
 public:
-	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&, const Vector3r& shift2, const bool& force,
-	        const shared_ptr<Interaction>&) override;
-	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&, const Vector3r& shift2,
-	               const bool& force, const shared_ptr<Interaction>&) override;
+	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
+		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
+	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
+		       const State&, const Vector3r& shift2, const bool& force,
+		       const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(SoftGrain, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(SoftGrain, SoftGrain);
-	YADE_CLASS_BASE_DOC(Ig2_SoftGrain_SoftGrain_SoftGeom, IGeomFunctor, "Finds the contact points of two :yref:`SoftGrains<SoftGrain>`.");
+	YADE_CLASS_BASE_DOC(Ig2_SoftGrain_SoftGrain_SoftGeom, IGeomFunctor,
+			    "Finds the contact points of two :yref:`SoftGrains<SoftGrain>`.");
 };
 REGISTER_SERIALIZABLE(Ig2_SoftGrain_SoftGrain_SoftGeom);
 
 class Ig2_Wall_SoftGrain_SoftGeom : public IGeomFunctor {
 public:
-	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&, const Vector3r& shift2, const bool& force,
-	        const shared_ptr<Interaction>&) override;
-	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&, const Vector3r& shift2,
-	               const bool& force, const shared_ptr<Interaction>&) override;
+	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
+		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
+	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
+		       const State&, const Vector3r& shift2, const bool& force,
+		       const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(Wall, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(Wall, SoftGrain);
 	YADE_CLASS_BASE_DOC(Ig2_Wall_SoftGrain_SoftGeom, IGeomFunctor,
-	                    "Finds the contact points of a :yref:`SoftGrain` on a :yref:`Wall`, which moves as its :yref:`State.vel` says.");
+			    "Finds the contact points of a :yref:`SoftGrain` on a :yref:`Wall`, "
+			    "which moves as its :yref:`State.vel` says.");
 };
 REGISTER_SERIALIZABLE(Ig2_Wall_SoftGrain_SoftGeom);
 
 class Ip2_SoftMat_SoftMat_SoftPhys : public IPhysFunctor {
 public:
-	void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
+	void go(const shared_ptr<Material>&, const shared_ptr<Material>&,
+		const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(SoftMat, SoftMat);
-	YADE_CLASS_BASE_DOC(Ip2_SoftMat_SoftMat_SoftPhys, IPhysFunctor, "Friction of two soft grains: μ = tan(min(φ₁, φ₂)).");
+	YADE_CLASS_BASE_DOC(Ip2_SoftMat_SoftMat_SoftPhys, IPhysFunctor,
+			    "Friction of two soft grains: μ = tan(min(φ₁, φ₂)).");
 };
 REGISTER_SERIALIZABLE(Ip2_SoftMat_SoftMat_SoftPhys);
 
 class Ip2_FrictMat_SoftMat_SoftPhys : public IPhysFunctor {
 public:
-	void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
+	void go(const shared_ptr<Material>&, const shared_ptr<Material>&,
+		const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(FrictMat, SoftMat);
-	YADE_CLASS_BASE_DOC(Ip2_FrictMat_SoftMat_SoftPhys, IPhysFunctor, "Friction of a rigid body and a soft grain: μ = tan(min(φ₁, φ₂)).");
+	YADE_CLASS_BASE_DOC(Ip2_FrictMat_SoftMat_SoftPhys, IPhysFunctor,
+			    "Friction of a rigid body and a soft grain: μ = tan(min(φ₁, φ₂)).");
 };
 REGISTER_SERIALIZABLE(Ip2_FrictMat_SoftMat_SoftPhys);
 
@@ -96,7 +105,9 @@ public:
 	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
 	FUNCTOR2D(SoftGeom, SoftPhys);
 	YADE_CLASS_BASE_DOC(Law2_SoftGeom_SoftPhys_Nonsmooth, LawFunctor,
-	                    "Unilateral contact with Coulomb friction, without stiffness. It keeps the books of the pair; all contacts of the step are solved together by :yref:`SoftGrainIntegrator`.");
+			    "Unilateral contact with Coulomb friction, without stiffness. It keeps "
+			    "the books of the pair; all contacts of the step are solved together "
+			    "by :yref:`SoftGrainIntegrator`.");
 };
 REGISTER_SERIALIZABLE(Law2_SoftGeom_SoftPhys_Nonsmooth);
 

@@ -10,11 +10,13 @@ YADE_PLUGIN((SoftGrain)(Bo1_SoftGrain_Aabb));
 namespace {
 
 template <class Choice>
-Choice choose(const char* parameter, const string& value, const string& first, Choice firstChoice, const string& second, Choice secondChoice)
+Choice choose(const char* parameter, const string& value, const string& first, Choice firstChoice,
+	      const string& second, Choice secondChoice)
 {
 	if (value == first) return firstChoice;
 	if (value == second) return secondChoice;
-	throw std::invalid_argument(string(parameter) + " = '" + value + "' is unknown; known: '" + first + "', '" + second + "'");
+	throw std::invalid_argument(string(parameter) + " = '" + value + "' is unknown; known: '" +
+				    first + "', '" + second + "'");
 }
 
 } // namespace
@@ -28,9 +30,10 @@ softgrain::TemplateRecipe SoftGrain::recipe() const
 	r.order = order;
 	r.nodeSpacing = nodeSpacing;
 	r.surfaceSpacing = surfaceSpacing;
-	r.quadrature
-	        = choose("quadrature", quadrature, "cutCell", QuadratureRule::cutCell, "lattice", QuadratureRule::lattice);
-	r.contact = choose("contact", contact, "surface", ContactGeometry::surface, "points", ContactGeometry::points);
+	r.quadrature = choose("quadrature", quadrature, "cutCell", QuadratureRule::cutCell,
+			      "lattice", QuadratureRule::lattice);
+	r.contact = choose("contact", contact, "surface", ContactGeometry::surface, "points",
+			   ContactGeometry::points);
 	return r;
 }
 
@@ -42,7 +45,8 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.dim = dim;
 	d.recipe = recipe();
 	d.law = material.constitutiveLaw();
-	d.condition = dim == 3 ? softgrain::Condition::solid : softgrain::conditionByName(material.condition);
+	d.condition = dim == 3 ? softgrain::Condition::solid
+			       : softgrain::conditionByName(material.condition);
 	d.constants = material.constants();
 	d.radius = radius;
 	d.position = body.state->pos;
@@ -64,14 +68,19 @@ void SoftGrain::postLoad(SoftGrain&)
 {
 	recipe().validate();
 	if (!(radius > 0) || !math::isfinite(radius))
-		throw std::invalid_argument("radius = " + std::to_string(radius) + " is outside the admissible range (0, inf) m");
-	if (dim != 2 && dim != 3) throw std::invalid_argument("dim = " + std::to_string(dim) + " is outside the admissible range 2, 3");
+		throw std::invalid_argument("radius = " + std::to_string(radius) +
+					    " is outside the admissible range (0, inf) m");
+	if (dim != 2 && dim != 3)
+		throw std::invalid_argument("dim = " + std::to_string(dim) +
+					    " is outside the admissible range 2, 3");
 }
 
 softgrain::GrainAssembly& SoftGrain::assembled()
 {
 	if (!assembly) assembleScene(*Omega::instance().getScene());
-	if (!assembly) throw std::runtime_error("this SoftGrain belongs to no body of the scene; add it with O.bodies.append first");
+	if (!assembly)
+		throw std::runtime_error("this SoftGrain belongs to no body of the scene; add it "
+					 "with O.bodies.append first");
 	return *assembly;
 }
 
@@ -114,11 +123,12 @@ Real SoftGrain::presentVolume()
 	return sum;
 }
 
-void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body*)
+void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound,
+			    const Se3r& se3, const Body*)
 {
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
 	if (!bound) bound = shared_ptr<Bound>(new Aabb);
-	softgrain::Box<3> box{ se3.position, se3.position };
+	softgrain::Box<3> box { se3.position, se3.position };
 	if (tryAssemble(grain, *scene))
 		box = grain.assembly->box(grain.index).grown(margin * grain.radius);
 	else

@@ -7,7 +7,8 @@ namespace yade {
 
 class SoftGrain : public Shape {
 public:
-	/// The system this grain computes in, and its index there; null until the scene is assembled.
+	/// The system this grain computes in, and its index there; null until the scene is
+	/// assembled.
 	std::shared_ptr<softgrain::GrainAssembly> assembly;
 	int index = -1;
 	/// What the assembly was built with, to notice changes of the material.
@@ -62,7 +63,8 @@ REGISTER_SERIALIZABLE(SoftGrain);
 
 class Bo1_SoftGrain_Aabb : public BoundFunctor {
 public:
-	void go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body) override;
+	void go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3,
+		const Body* body) override;
 	FUNCTOR1D(SoftGrain);
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Bo1_SoftGrain_Aabb, BoundFunctor,

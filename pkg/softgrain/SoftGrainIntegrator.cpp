@@ -21,16 +21,21 @@ void require(bool holds, const char* name, Real value, const char* range)
 	throw std::invalid_argument(message.str());
 }
 
-SoftGrain& grainOf(const Scene& scene, int id) { return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape); }
+SoftGrain& grainOf(const Scene& scene, int id)
+{
+	return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape);
+}
 
 } // namespace
 
 void SoftGrainIntegrator::postLoad(SoftGrainIntegrator&)
 {
-	require(timeStepFraction > 0 && timeStepFraction <= 1, "timeStepFraction", timeStepFraction, "(0, 1]");
+	require(timeStepFraction > 0 && timeStepFraction <= 1, "timeStepFraction", timeStepFraction,
+		"(0, 1]");
 	require(tolerance > 0, "tolerance", tolerance, "(0, inf)");
 	require(maxSweeps >= 1, "maxSweeps", maxSweeps, "1, 2, ...");
-	require(overlapRelaxation >= 0 && overlapRelaxation <= 1, "overlapRelaxation", overlapRelaxation, "[0, 1]");
+	require(overlapRelaxation >= 0 && overlapRelaxation <= 1, "overlapRelaxation",
+		overlapRelaxation, "[0, 1]");
 	require(overlapSpeed >= 0, "overlapSpeed", overlapSpeed, "[0, inf)");
 	require(maxOverlap > 0, "maxOverlap", maxOverlap, "(0, inf)");
 }
@@ -42,15 +47,17 @@ void SoftGrainIntegrator::action()
 		advance();
 	} catch (const softgrain::StepError& e) {
 		std::ostringstream message;
-		message << "SoftGrainIntegrator, step " << scene->iter << ": soft grain #" << assembly_->idOf(e.grain);
+		message << "SoftGrainIntegrator, step " << scene->iter << ": soft grain #"
+			<< assembly_->idOf(e.grain);
 		if (e.point >= 0) message << ", material point " << e.point;
 		message << ": " << e.what()
-		        << ". Hint: load more slowly, reduce timeStepFraction (now " << timeStepFraction
-		        << "), or refine the grain (smaller zeta).";
+			<< ". Hint: load more slowly, reduce timeStepFraction (now "
+			<< timeStepFraction << "), or refine the grain (smaller zeta).";
 		lastError = message.str();
 		throw std::runtime_error(lastError);
 	} catch (const std::exception& e) {
-		lastError = "SoftGrainIntegrator, step " + std::to_string(scene->iter) + ": " + e.what();
+		lastError = "SoftGrainIntegrator, step " + std::to_string(scene->iter) + ": " +
+			    e.what();
 		throw std::runtime_error(lastError);
 	}
 }
@@ -110,8 +117,9 @@ void SoftGrainIntegrator::checkEngines() const
 		if (engine.get() == this) seenThis = true;
 		if (seenThis && YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return;
 	}
-	throw std::runtime_error("there is no NewtonIntegrator after it in O.engines; soft grains need one to carry their State along. "
-	                         "See sg.engines()");
+	throw std::runtime_error("there is no NewtonIntegrator after it in O.engines; soft grains "
+				 "need one to carry their State along. "
+				 "See sg.engines()");
 }
 
 int SoftGrainIntegrator::threads() const
@@ -123,16 +131,18 @@ int SoftGrainIntegrator::threads() const
 #endif
 }
 
-/// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg set
-/// for the undeformed scene before the first step); a value of the user's is only checked.
+/// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
+/// set for the undeformed scene before the first step); a value of the user's is only checked.
 void SoftGrainIntegrator::chooseTimeStep(double stiffening)
 {
 	const Real undeformed = assembly_->criticalTimeStep();
 	criticalDt = undeformed / std::sqrt(stiffening);
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
-	const bool automatic = scene->dt == dtSet || scene->dt == Scene().dt || std::abs(scene->dt - own) <= 1e-9 * own;
+	const bool automatic = scene->dt == dtSet || scene->dt == Scene().dt ||
+			       std::abs(scene->dt - own) <= 1e-9 * own;
 	if (automatic) {
-		// changed seldom: each change costs a little of the integrator's conservation of energy
+		// changed seldom: each change costs a little of the integrator's conservation of
+		// energy
 		const Real limit = timeStepFraction * criticalDt;
 		if (dtSet == 0 || dtSet != scene->dt)
 			dtSet = std::min(timeStepFraction * undeformed, criticalDt);
@@ -140,8 +150,10 @@ void SoftGrainIntegrator::chooseTimeStep(double stiffening)
 		scene->dt = dtSet;
 	} else if (!(scene->dt <= criticalDt && scene->dt > 0)) {
 		std::ostringstream message;
-		message << "O.dt = " << scene->dt << " s is outside the admissible range (0, " << criticalDt
-		        << "] s for the soft grains as deformed now; assign a smaller O.dt or call sg.set_time_step()";
+		message << "O.dt = " << scene->dt << " s is outside the admissible range (0, "
+			<< criticalDt
+			<< "] s for the soft grains as deformed now; assign a smaller O.dt or call "
+			   "sg.set_time_step()";
 		throw std::runtime_error(message.str());
 	}
 }
@@ -153,24 +165,30 @@ void SoftGrainIntegrator::applyUserMotions()
 		const State& state = *(*scene->bodies)[assembly_->idOf(g)]->state;
 		const softgrain::GrainMotion& written = grainOf(*scene, assembly_->idOf(g)).written;
 		const Real radius = grainOf(*scene, assembly_->idOf(g)).radius;
-		// Newton's integrator adds vel dt to pos and turns ori: equal up to rounding, unless changed
+		// Newton's integrator adds vel dt to pos and turns ori: equal up to rounding,
+		// unless changed
 		const Vec3 shift = state.pos - written.position;
 		const Rotation turn = state.ori * written.orientation.conjugate();
-		const Vec3 velocity = state.vel - written.velocity, spin = state.angVel - written.angularVelocity;
+		const Vec3 velocity = state.vel - written.velocity,
+			   spin = state.angVel - written.angularVelocity;
 		const bool moved = shift.norm() > 1e-9 * (radius + state.pos.norm());
 		const bool turned = turn.vec().norm() > 1e-9;
 		const bool pushed = velocity.norm() > 1e-12 * state.vel.norm();
-		const bool spun = spin.norm() > 1e-9 * state.angVel.norm() && spin.norm() * radius > 1e-12 * state.vel.norm();
+		const bool spun = spin.norm() > 1e-9 * state.angVel.norm() &&
+				  spin.norm() * radius > 1e-12 * state.vel.norm();
 		if (moved || turned || pushed || spun)
-			assembly_->moveRigidly(g, turned ? turn : Rotation(Rotation::Identity()), moved ? shift : Vec3(Vec3::Zero()),
-			                       pushed ? velocity : Vec3(Vec3::Zero()), spun ? spin : Vec3(Vec3::Zero()));
+			assembly_->moveRigidly(g, turned ? turn : Rotation(Rotation::Identity()),
+					       moved ? shift : Vec3(Vec3::Zero()),
+					       pushed ? velocity : Vec3(Vec3::Zero()),
+					       spun ? spin : Vec3(Vec3::Zero()));
 	}
 }
 
 Vector3r SoftGrainIntegrator::gravity() const
 {
 	for (const auto& engine : scene->engines)
-		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return newton->gravity;
+		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine))
+			return newton->gravity;
 	return Vector3r::Zero();
 }
 
@@ -180,7 +198,8 @@ void SoftGrainIntegrator::applyLoads()
 	const Vector3r g0 = gravity();
 	for (int g = 0; g < assembly_->grains(); ++g) {
 		const int id = assembly_->idOf(g);
-		const Vector3r force = scene->forces.getForce(id), torque = scene->forces.getTorque(id);
+		const Vector3r force = scene->forces.getForce(id),
+			       torque = scene->forces.getTorque(id);
 		Vec3 angular = Vec3::Zero();
 		Vec3 acceleration = g0;
 		if (!force.isZero(0) || !torque.isZero(0)) {
@@ -203,18 +222,24 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 		}
 		const auto &b1 = (*scene->bodies)[I->getId1()], &b2 = (*scene->bodies)[I->getId2()];
 		if (!b1 || !b2) continue;
-		const bool soft1 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b1->shape)), soft2 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b2->shape));
+		const bool soft1 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b1->shape)),
+			   soft2 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b2->shape));
 		if ((soft1 || soft2) && !I->functorCache.geomExists) {
 			const auto& other = soft1 ? b2 : b1;
-			throw std::runtime_error("soft grain #" + std::to_string((soft1 ? b1 : b2)->getId()) + " comes near body #"
-			                         + std::to_string(other->getId()) + " of shape " + other->shape->getClassName()
-			                         + ", for which the InteractionLoop has no Ig2 functor. Soft grains touch SoftGrain "
-			                           "(Ig2_SoftGrain_SoftGrain_SoftGeom) and Wall (Ig2_Wall_SoftGrain_SoftGeom) in this version");
+			throw std::runtime_error(
+				"soft grain #" + std::to_string((soft1 ? b1 : b2)->getId()) +
+				" comes near body #" + std::to_string(other->getId()) +
+				" of shape " + other->shape->getClassName() +
+				", for which the InteractionLoop has no Ig2 functor. Soft grains "
+				"touch SoftGrain "
+				"(Ig2_SoftGrain_SoftGrain_SoftGeom) and Wall "
+				"(Ig2_Wall_SoftGrain_SoftGeom) in this version");
 		}
 	}
 	// the container's order depends on threads and history; sums of forces must not
 	std::sort(found.begin(), found.end(), [](const Interaction* a, const Interaction* b) {
-		return std::minmax(a->getId1(), a->getId2()) < std::minmax(b->getId1(), b->getId2());
+		return std::minmax(a->getId1(), a->getId2()) <
+		       std::minmax(b->getId1(), b->getId2());
 	});
 	return found;
 }
@@ -225,9 +250,10 @@ void SoftGrainIntegrator::stopOnOverlap(const std::vector<Interaction*>& interac
 		const Real deepest = static_cast<SoftGeom&>(*I->geom).pair->deepest();
 		if (deepest <= maxOverlap) continue;
 		std::ostringstream message;
-		message << "bodies #" << I->getId1() << " and #" << I->getId2() << " overlap by " << deepest
-		        << " point spacings, more than maxOverlap = " << maxOverlap
-		        << ". Hint: start from less overlap (sg.soften(overlap='shrink')), load more slowly, or reduce tolerance";
+		message << "bodies #" << I->getId1() << " and #" << I->getId2() << " overlap by "
+			<< deepest << " point spacings, more than maxOverlap = " << maxOverlap
+			<< ". Hint: start from less overlap (sg.soften(overlap='shrink')), load "
+			   "more slowly, or reduce tolerance";
 		throw std::runtime_error(message.str());
 	}
 }
@@ -251,9 +277,12 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 	for (Interaction* I : interactions) {
 		SoftGeom& geom = static_cast<SoftGeom&>(*I->geom);
 		SoftPhys& phys = static_cast<SoftPhys&>(*I->phys);
-		// records act on the first grain of the pair if side == 0; is that body #2 of the interaction?
-		const auto soft1 = YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId1()]->shape);
-		const auto soft2 = YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId2()]->shape);
+		// records act on the first grain of the pair if side == 0; is that body #2 of the
+		// interaction?
+		const auto soft1 =
+			YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId1()]->shape);
+		const auto soft2 =
+			YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId2()]->shape);
 		const bool firstIsBody2 = !soft1 || (soft2 && soft2->index < soft1->index);
 		Vec3 normalImpulse = Vec3::Zero(), shearImpulse = Vec3::Zero();
 		phys.contacts = phys.activeContacts = 0;
@@ -286,8 +315,10 @@ void SoftGrainIntegrator::publishMotions()
 		state.mass = written.mass;
 		state.pos = written.position - dt * written.velocity;
 		const Real rate = written.angularVelocity.norm();
-		const Rotation turn = rate > 0 ? Rotation(Eigen::AngleAxisd(-rate * dt, written.angularVelocity / rate))
-		                               : Rotation(Rotation::Identity());
+		const Rotation turn =
+			rate > 0 ? Rotation(Eigen::AngleAxisd(-rate * dt,
+							      written.angularVelocity / rate))
+				 : Rotation(Rotation::Identity());
 		state.ori = turn * written.orientation;
 	}
 }
@@ -308,9 +339,11 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 void SoftGrainIntegrator::publishEnergy()
 {
 	const auto e = assembly_->energy();
-	const std::pair<const char*, Real> entries[] = { { "softKinetic", e.kinetic }, { "softElastic", e.elastic },
-		                                         { "softFriction", e.friction }, { "softImpact", e.impact },
-		                                         { "softWalls", e.planes }, { "softLoads", e.loads } };
+	const std::pair<const char*, Real> entries[] = {
+		{ "softKinetic", e.kinetic },   { "softElastic", e.elastic },
+		{ "softFriction", e.friction }, { "softImpact", e.impact },
+		{ "softWalls", e.planes },      { "softLoads", e.loads }
+	};
 	for (int k = 0; k < 6; ++k)
 		scene->energy->set(entries[k].second, entries[k].first, energyIds_[k]);
 }
@@ -334,8 +367,10 @@ void SoftGrainIntegrator::callColliderIfNeeded() const
 	for (int g = 0; g < assembly_->grains(); ++g) {
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
 		if (!body.bound) continue;
-		const auto box = assembly_->box(g).grown(0.1 * assembly_->pointSpacing(g)); // contacts start before touch
-		if ((box.low.array() < body.bound->min.array()).any() || (box.high.array() > body.bound->max.array()).any()) {
+		const auto box = assembly_->box(g).grown(
+			0.1 * assembly_->pointSpacing(g)); // contacts start before touch
+		if ((box.low.array() < body.bound->min.array()).any() ||
+		    (box.high.array() > body.bound->max.array()).any()) {
 			scene->doSort = true;
 			return;
 		}

@@ -11,7 +11,8 @@ class SoftPhys;
 class SoftGrainIntegrator : public GlobalEngine {
 public:
 	void action() override;
-	void postLoad(SoftGrainIntegrator&); ///< checks all attributes, throws std::invalid_argument
+	void
+	postLoad(SoftGrainIntegrator&); ///< checks all attributes, throws std::invalid_argument
 	py::dict energyDict() const;
 
 	// clang-format off

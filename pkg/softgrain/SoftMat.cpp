@@ -10,8 +10,8 @@ void SoftMat::postLoad(SoftMat&)
 	constitutiveLaw();
 	softgrain::conditionByName(condition);
 	if (!(frictionAngle >= 0 && frictionAngle < Mathr::PI / 2))
-		throw std::invalid_argument("frictionAngle = " + std::to_string(frictionAngle)
-		                            + " is outside the admissible range [0, pi/2) rad");
+		throw std::invalid_argument("frictionAngle = " + std::to_string(frictionAngle) +
+					    " is outside the admissible range [0, pi/2) rad");
 }
 
 } // namespace yade

@@ -1,8 +1,9 @@
 // The one place where YADE's headers enter.
 //
-// Each REGISTER_SERIALIZABLE in a header of YADE instantiates that class once more in every translation
-// unit. Here the macro that does it is empty while YADE's own headers are read, which cuts the size of
-// our objects to a third; our own classes, declared afterwards, are registered as usual.
+// Each REGISTER_SERIALIZABLE in a header of YADE instantiates that class once more in every
+// translation unit. Here the macro that does it is empty while YADE's own headers are read, which
+// cuts the size of our objects to a third; our own classes, declared afterwards, are registered as
+// usual.
 #pragma once
 
 #include <lib/factory/ClassFactory.hpp>

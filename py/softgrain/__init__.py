@@ -1,13 +1,13 @@
 """Soft, deformable grains for the YADE discrete-element platform.
 
-Each grain is a continuum solved by the explicit total-Lagrangian material point method; contacts are
-solved by contact dynamics, without any stiffness parameter. Import it inside a YADE script, a
+Each grain is a continuum solved by the explicit total-Lagrangian material point method; contacts
+are solved by contact dynamics, without any stiffness parameter. Import it inside a YADE script, a
 ``yade-batch`` job, or plain Python with YADE on the path::
 
     import softgrain as sg
 
-The YADE classes (``SoftMat``, ``SoftGrain``, ``SoftGrainIntegrator``, ...) become part of ``yade`` and of
-this package; the functions are listed in ``__all__``.
+The YADE classes (``SoftMat``, ``SoftGrain``, ``SoftGrainIntegrator``, ...) become part of ``yade``
+and of this package; the functions are listed in ``__all__``.
 """
 
 from softgrain import _host

@@ -28,7 +28,8 @@ def load_plugin():
     plugin.registerClasses()
     if not plugin.layoutMatches():
         raise ImportError(
-            "softgrain was compiled for a YADE whose objects are laid out differently in memory than "
+            "softgrain was compiled for a YADE whose objects are laid out differently in memory "
+            "than "
             f"those of the running one ({yade.config.libDir}). Rebuild softgrain against it "
             "(-DYADE_SOURCE_DIR=, -DYADE_PREFIX=)"
         )
@@ -39,7 +40,9 @@ def load_plugin():
     if hasattr(yade, "__all__"):
         yade.__all__ += [n for n in classes if n not in yade.__all__]
     main = sys.modules["__main__"]
-    if hasattr(main, "O"):  # a YADE script has the names of yade; those that came late are ours to add
+    if hasattr(
+        main, "O"
+    ):  # a YADE script has the names of yade; those that came late are ours to add
         vars(main).update({n: c for n, c in classes.items() if not hasattr(main, n)})
     sys.modules["yade.softgrain"] = yade.softgrain = sys.modules["softgrain"]
     _refresh_dispatchers(yade.O)
@@ -62,7 +65,8 @@ _OWN_CLASSES = (
 
 
 def _import_shared_object():
-    # vtables, type information and boost::serialization's singletons are shared with YADE's libraries
+    # vtables, type information and boost::serialization's singletons are shared with YADE's
+    # libraries
     flags = sys.getdlopenflags()
     sys.setdlopenflags(os.RTLD_NOW | os.RTLD_GLOBAL)
     try:
@@ -77,8 +81,10 @@ def _check_version(plugin, config):
     running = (config.version, config.highPrecisionBits)
     if built_for != running:
         raise ImportError(
-            f"softgrain was built for YADE {built_for[0]} with {built_for[1]}-bit numbers, the running one is "
-            f"YADE {running[0]} with {running[1]}-bit numbers. Rebuild softgrain with -DYADE_SOURCE_DIR= of "
+            f"softgrain was built for YADE {built_for[0]} with {built_for[1]}-bit numbers, the "
+            "running one is "
+            f"YADE {running[0]} with {running[1]}-bit numbers. Rebuild softgrain with "
+            "-DYADE_SOURCE_DIR= of "
             "that version"
         )
 

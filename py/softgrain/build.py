@@ -1,4 +1,4 @@
-"""Making soft grains: new ones, or out of the spheres of a scene; engines and time step for them."""
+"""Making soft grains, new or out of the spheres of a scene; engines and time step for them."""
 
 import math
 
@@ -16,22 +16,24 @@ from yade import (
 )
 from yade import utils
 
-#: Overlaps up to this share of the smaller radius are left to be worked off; rigid packings of usual
-#: stiffness stay below.
+#: Overlaps up to this share of the smaller radius are left to be worked off; rigid packings of
+#: usual stiffness stay below.
 WORKABLE_OVERLAP = 0.05
 
 
 def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
-    """A soft disk in the xy-plane, as ``utils.sphere`` makes a sphere. All quantities are per metre of
-    thickness.
+    """A soft disk in the xy-plane, as ``utils.sphere`` makes a sphere. All quantities are per metre
+    of thickness.
 
     Args:
         center (Vector3): position of the centre [m].
         radius (float): radius of the undeformed disk, > 0 [m].
-        material (int | str | SoftMat): id, label or instance; -1 is the last one, made if there is none.
+        material (int | str | SoftMat): id, label or instance; -1 is the last one, made if there is
+            none.
         color (Vector3 | None): colour, random if None.
         mask (int): ``Body.mask``.
-        **shape: attributes of ``SoftGrain``: zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact.
+        **shape: attributes of ``SoftGrain``: zeta, order, nodeSpacing, surfaceSpacing, quadrature,
+            contact.
 
     Returns:
         Body: to be added with ``O.bodies.append``.
@@ -55,7 +57,12 @@ def _soft_body(center, radius, dim, material, color, mask, shape):
     volume = _volume(radius, dim)
     inertia = volume * radius**2 * (0.5 if dim == 2 else 0.4)
     utils._commonBodySetup(
-        body, volume, Vector3(inertia, inertia, inertia), _soft_material(material), pos=center, fixed=True
+        body,
+        volume,
+        Vector3(inertia, inertia, inertia),
+        _soft_material(material),
+        pos=center,
+        fixed=True,
     )
     body.mask = mask
     return body
@@ -77,21 +84,24 @@ def _soft_material(material):
     return material
 
 
-def soften(ids=None, material=-1, zeta=0.11, dim=None, overlap="relax", time_step_fraction=0.5, **shape):
-    """Turn spheres of the scene into soft grains in place, keeping position, velocity, spin and radius.
+def soften(
+    ids=None, material=-1, zeta=0.11, dim=None, overlap="relax", time_step_fraction=0.5, **shape
+):
+    """Turn spheres of the scene into soft grains in place, keeping position, velocity, spin and
+    radius.
 
     Spheres become disks (dim = 2) where the scene is two-dimensional: all of them in one plane
-    z = const, with the out-of-plane degrees of freedom ``z``, ``X`` and ``Y`` blocked. Interactions of the
-    converted spheres are dropped; the contacts of the soft grains are found in the next step. ``O.dt`` is
-    set for the scene (see :func:`set_time_step`).
+    z = const, with the out-of-plane degrees of freedom ``z``, ``X`` and ``Y`` blocked. Interactions
+    of the converted spheres are dropped; the contacts of the soft grains are found in the next
+    step. ``O.dt`` is set for the scene (see :func:`set_time_step`).
 
     Rigid packings carry their load by overlaps. They are treated by choice:
 
-    * ``overlap='relax'`` (default): radii are kept; the overlaps are worked off over several steps with a
-      capped speed (``SoftGrainIntegrator.overlapRelaxation``, ``overlapSpeed``), which turns them into
-      deformation. Refused if an overlap is larger than 5 % of the smaller radius.
-    * ``overlap='shrink'``: all radii are reduced by one common factor so that no two grains, and no grain
-      and wall, overlap.
+    * ``overlap='relax'`` (default): radii are kept; the overlaps are worked off over several steps
+      with a capped speed (``SoftGrainIntegrator.overlapRelaxation``, ``overlapSpeed``), which turns
+      them into deformation. Refused if an overlap is larger than 5 % of the smaller radius.
+    * ``overlap='shrink'``: all radii are reduced by one common factor so that no two grains, and no
+      grain and wall, overlap.
     * ``overlap='refuse'``: any overlap is an error.
 
     Args:
@@ -107,8 +117,8 @@ def soften(ids=None, material=-1, zeta=0.11, dim=None, overlap="relax", time_ste
         list of int: ids of the converted bodies.
 
     Raises:
-        ValueError: a body is no sphere, the scene's dimension is not clear, an overlap is refused, or a
-            parameter is out of its range. Nothing has been changed then.
+        ValueError: a body is no sphere, the scene's dimension is not clear, an overlap is refused,
+            or a parameter is out of its range. Nothing has been changed then.
     """
     bodies = _spheres(ids)
     dim = _dimension(bodies) if dim is None else dim
@@ -137,7 +147,9 @@ def _spheres(ids):
         bodies = [O.bodies[i] for i in ids]
         for i, body in zip(ids, bodies):
             if body is None or not isinstance(body.shape, Sphere) or body.isClumpMember:
-                raise ValueError(f"ids: body #{i} is not a sphere outside clumps; only these can be softened")
+                raise ValueError(
+                    f"ids: body #{i} is not a sphere outside clumps; only these can be softened"
+                )
     if not bodies:
         raise ValueError("ids: there is no sphere to soften")
     return bodies
@@ -153,7 +165,8 @@ def _dimension(bodies):
     if solid and (not one_layer or len(bodies) == 1):
         return 3
     raise ValueError(
-        "dim: the scene is neither clearly 2D (one layer z = const, blockedDOFs including 'zXY') nor clearly "
+        "dim: the scene is neither clearly 2D (one layer z = const, blockedDOFs including 'zXY') "
+        "nor clearly "
         "3D; give dim=2 or dim=3"
     )
 
@@ -171,16 +184,20 @@ def _overlap_factor(bodies, overlap):
     limit = {"relax": WORKABLE_OVERLAP, "shrink": 1.0, "refuse": 0.0}[overlap]
     if worst > limit:
         raise ValueError(
-            f"overlap = {overlap!r}: bodies #{pair[0]} and #{pair[1]} overlap by {100 * worst:.2g} % of the smaller "
-            f"radius, more than the admissible {100 * limit:g} %; relax the rigid packing further or use overlap='shrink'"
+            f"overlap = {overlap!r}: bodies #{pair[0]} and #{pair[1]} overlap by "
+            f"{100 * worst:.2g} % of the smaller "
+            f"radius, more than the admissible {100 * limit:g} %; relax the rigid packing further "
+            "or use overlap='shrink'"
         )
     return factor if overlap == "shrink" else 1.0
 
 
 def _near_pairs(bodies):
-    """Distance, sum of radii, smaller radius and ids of the pairs of spheres (and sphere-wall pairs) that
-    may overlap, by sorting along x."""
-    rows = sorted(((b.state.pos[0] - b.shape.radius, b.id, b) for b in bodies), key=lambda row: row[:2])
+    """Distance, sum of radii, smaller radius and ids of the pairs of spheres (and sphere-wall
+    pairs) that may overlap, by sorting along x."""
+    rows = sorted(
+        ((b.state.pos[0] - b.shape.radius, b.id, b) for b in bodies), key=lambda row: row[:2]
+    )
     active = []
     for low, _, b in rows:
         active = [a for a in active if a.state.pos[0] + a.shape.radius > low]
@@ -215,7 +232,8 @@ def _convert(body, grain, material):
     if grain.dim == 2:
         velocity = (velocity[0], velocity[1], 0)
         spin = (0, 0, spin[2])
-    state.blockedDOFs = "xyzXYZ"  # NewtonIntegrator then carries the state along and applies no force
+    # NewtonIntegrator then carries the state along and applies no force
+    state.blockedDOFs = "xyzXYZ"
     state.vel, state.angVel = velocity, spin
 
 
@@ -223,8 +241,8 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
     """Ready-made list of engines for soft grains and walls.
 
     Args:
-        verlet_distance (float | None): ``InsertionSortCollider.verletDist`` [m]; None: a twentieth of the
-            smallest soft grain's radius.
+        verlet_distance (float | None): ``InsertionSortCollider.verletDist`` [m]; None: a twentieth
+            of the smallest soft grain's radius.
         gravity (Vector3): ``NewtonIntegrator.gravity`` [m/s²].
         label (str | None): label of the ``SoftGrainIntegrator``.
         **integrator: attributes of ``SoftGrainIntegrator``.
@@ -233,7 +251,8 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
         list of Engine: for ``O.engines``.
 
     Raises:
-        ValueError: an attribute is out of its range, or there is no soft grain and no verlet_distance.
+        ValueError: an attribute is out of its range, or there is no soft grain and no
+            verlet_distance.
     """
     if verlet_distance is None:
         radii = [b.shape.radius for b in O.bodies if b and isinstance(b.shape, wrapper.SoftGrain)]
@@ -272,8 +291,8 @@ def critical_time_step():
 
 
 def set_time_step(fraction=0.5):
-    """Set ``O.dt`` to a fraction of the critical step and let the integrator keep it there while the grains
-    deform.
+    """Set ``O.dt`` to a fraction of the critical step and let the integrator keep it there while
+    the grains deform.
 
     Args:
         fraction (float): in (0, 1] [-].

@@ -37,7 +37,10 @@ def packing_fraction(box_area, nominal=False):
         float: phi or phi0 [-].
     """
     if nominal:
-        areas = [np.pi * b.shape.radius**2 if b.shape.dim == 2 else 4 / 3 * np.pi * b.shape.radius**3 for b in soft_bodies()]
+        areas = [
+            np.pi * b.shape.radius**2 if b.shape.dim == 2 else 4 / 3 * np.pi * b.shape.radius**3
+            for b in soft_bodies()
+        ]
     else:
         areas = [grain_area(b) for b in soft_bodies()]
     return sum(areas) / box_area
@@ -63,7 +66,8 @@ def wall_force(body_id):
 
 
 def coordination_number():
-    """Mean number of neighbours per soft grain, walls included, that it exchanges force with [-]."""
+    """Mean number of neighbours per soft grain, walls included, that it exchanges force with "
+    "[-]."""
     bodies = soft_bodies()
     ids = {b.id for b in bodies}
     ends = 0
@@ -74,10 +78,11 @@ def coordination_number():
 
 
 class Balance:
-    """Relative closure of the energy balance since this object was made; needs ``O.trackEnergy = True``.
+    """Relative closure of the energy balance since this object was made; needs ``O.trackEnergy =
+    True``.
 
-    The work of walls and loads must be found again as kinetic and elastic energy and as what friction and
-    impacts dissipated.
+    The work of walls and loads must be found again as kinetic and elastic energy and as what
+    friction and impacts dissipated.
     """
 
     def __init__(self):
@@ -90,7 +95,8 @@ class Balance:
         return found - energy["walls"] - energy["loads"]
 
     def error(self):
-        """|work - change of energy - dissipation| over the largest of their magnitudes so far [-]."""
+        """|work - change of energy - dissipation| over the largest of their magnitudes so far "
+        "[-]."""
         energy = integrator().energy()
         self._scale = max([self._scale] + [abs(value) for value in energy.values()])
         if self._scale == 0:

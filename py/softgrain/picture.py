@@ -17,8 +17,8 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         box (tuple | None): (xmin, xmax, ymin, ymax) of the walls to draw [m].
         field (str | None): 'von_mises' or 'pressure' of the Cauchy stress; None: plain grains.
         scale (float | None): stresses are divided by it (e.g. Young's modulus); None: in kPa.
-        limits (tuple | None): (low, high) of the colours; None: from 0 (pressure: the lowest) to the 99th
-            percentile.
+        limits (tuple | None): (low, high) of the colours; None: from 0 (pressure: the lowest) to
+            the 99th percentile.
         title (str | None): above the picture.
         dpi (int): resolution of bitmaps.
 
@@ -41,7 +41,9 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
     axes.add_collection(LineCollection(closed, colors="black", linewidths=0.5))
     if box is not None:
         left, right, low, high = box
-        axes.plot([left, right, right, left, left], [low, low, high, high, low], color="black", lw=1.4)
+        axes.plot(
+            [left, right, right, left, left], [low, low, high, high, low], color="black", lw=1.4
+        )
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.autoscale_view()
@@ -91,7 +93,8 @@ def _point_values(body, field):
 
 
 def _draw_grain(axes, points, stress, outline, limits):
-    """Smooth shading between the material points, carried on to the outline by the nearest point."""
+    """Smooth shading between the material points, carried on to the outline by the nearest "
+    "point."""
     distances = np.linalg.norm(outline[:, None, :] - points[None, :, :], axis=2)
     vertices = np.vstack([points, outline])
     shades = np.concatenate([stress, stress[distances.argmin(axis=1)]])

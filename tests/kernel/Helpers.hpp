@@ -20,14 +20,18 @@ namespace softgrain::testing {
 class Random {
 public:
 	explicit Random(unsigned seed)
-	        : generator_(seed)
+		: generator_(seed)
 	{
 	}
 	double uniform(double low, double high)
 	{
-		return low + (high - low) * (generator_() / static_cast<double>(std::mt19937::max()));
+		return low +
+		       (high - low) * (generator_() / static_cast<double>(std::mt19937::max()));
 	}
-	int index(int count) { return static_cast<int>(generator_() % static_cast<unsigned>(count)); }
+	int index(int count)
+	{
+		return static_cast<int>(generator_() % static_cast<unsigned>(count));
+	}
 	template <int dim> Vec<dim> vector(double size = 1)
 	{
 		Vec<dim> value;
@@ -56,9 +60,10 @@ public:
 		if constexpr (dim == 2)
 			return Eigen::Rotation2Dd(uniform(-3, 3)).toRotationMatrix();
 		else
-			return Eigen::Quaterniond(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1))
-			        .normalized()
-			        .toRotationMatrix();
+			return Eigen::Quaterniond(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1),
+						  uniform(-1, 1))
+				.normalized()
+				.toRotationMatrix();
 	}
 
 private:
@@ -77,7 +82,8 @@ inline std::string complaintOf(const std::function<void()>& call)
 }
 
 /// Condition that a test without interest in it uses.
-template <int dim> constexpr Condition usualCondition = dim == 2 ? Condition::planeStrain : Condition::solid;
+template <int dim>
+constexpr Condition usualCondition = dim == 2 ? Condition::planeStrain : Condition::solid;
 
 /// The grain of the paper: R = 10 mm, E = 1 MPa, nu = 0.45, rho = 1000 kg/m^3.
 template <int dim> GrainParameters<dim> paperGrain()
@@ -98,8 +104,9 @@ inline TemplateRecipe recipe(double zeta, int order = 3, double nodeSpacing = 2)
 }
 
 template <int dim>
-Batch<dim> singleGrain(const TemplateRecipe& r, const GrainParameters<dim>& grain = paperGrain<dim>(),
-                       Condition condition = usualCondition<dim>)
+Batch<dim> singleGrain(const TemplateRecipe& r,
+		       const GrainParameters<dim>& grain = paperGrain<dim>(),
+		       Condition condition = usualCondition<dim>)
 {
 	return Batch<dim>(makeGrainTemplate<dim>(r), Law::neoHookean, condition, { grain });
 }
@@ -115,13 +122,15 @@ template <int dim> void deform(Batch<dim>& batch, int g, const Mat<dim>& F)
 template <int dim> void shake(Batch<dim>& batch, int g, double size, Random& random)
 {
 	for (int I = 0; I < batch.reference->nodes(); ++I)
-		batch.x.set(g, I, batch.x.get(g, I) + random.vector<dim>(size * batch.grain[g].radius));
+		batch.x.set(g, I,
+			    batch.x.get(g, I) + random.vector<dim>(size * batch.grain[g].radius));
 }
 
 /// The contact nodes of an undeformed grain anywhere in space. `reference` must outlive it.
 template <int dim>
-ContactBody<dim> contactBody(const GrainTemplate<dim>& reference, double radius, const Vec<dim>& centre,
-                             const Mat<dim>& rotation = Mat<dim>::Identity())
+ContactBody<dim> contactBody(const GrainTemplate<dim>& reference, double radius,
+			     const Vec<dim>& centre,
+			     const Mat<dim>& rotation = Mat<dim>::Identity())
 {
 	ContactBody<dim> body;
 	body.mesh = &reference.contactMesh;

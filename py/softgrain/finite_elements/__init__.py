@@ -19,7 +19,9 @@ def disk_between_plates(condition):
         ValueError: unknown condition.
     """
     if condition not in ("plane_strain", "plane_stress"):
-        raise ValueError(f"condition = {condition!r} is unknown; known: 'plane_strain', 'plane_stress'")
+        raise ValueError(
+            f"condition = {condition!r} is unknown; known: 'plane_strain', 'plane_stress'"
+        )
     file = resources.files(__name__) / f"disk_{condition}_nu0.45.csv"
     with file.open() as lines:
         rows = [line for line in lines if not line.startswith("#")]

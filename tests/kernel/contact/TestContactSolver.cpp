@@ -1,5 +1,5 @@
-#include "contact/ContactSolver.hpp"
 #include "Helpers.hpp"
+#include "contact/ContactSolver.hpp"
 
 #include <Eigen/Dense>
 #include <catch2/catch_template_test_macros.hpp>
@@ -10,8 +10,8 @@ using namespace softgrain::testing;
 
 namespace {
 
-/// Two bodies with dense random mobility, six contacts between them and two against a moving plane, and
-/// the same problem once more as one dense matrix: u = u0 + A r for all relative velocities u.
+/// Two bodies with dense random mobility, six contacts between them and two against a moving plane,
+/// and the same problem once more as one dense matrix: u = u0 + A r for all relative velocities u.
 template <int dim> struct Problem {
 	static constexpr int nodes = 6;
 
@@ -21,7 +21,7 @@ template <int dim> struct Problem {
 	ContactList<dim> pair, plane;
 	double dt = 0.5;
 	SolverSettings settings;
-	std::vector<Eigen::MatrixXd> W; ///< of both bodies
+	std::vector<Eigen::MatrixXd> W;           ///< of both bodies
 	std::vector<std::vector<Vec<dim>>> start; ///< velocities without contact
 
 	Problem(unsigned seed, double friction)
@@ -36,7 +36,8 @@ template <int dim> struct Problem {
 			for (int i = 0; i < nodes; ++i)
 				for (int j = 0; j < nodes; ++j)
 					L(i, j) = random.uniform(-1, 1);
-			W.push_back(L * L.transpose() / nodes + 0.3 * Eigen::MatrixXd::Identity(nodes, nodes));
+			W.push_back(L * L.transpose() / nodes +
+				    0.3 * Eigen::MatrixXd::Identity(nodes, nodes));
 			body[b].delassusScale = b + 2;
 			for (int i = 0; i < nodes; ++i) {
 				for (int j = 0; j < nodes; ++j)
@@ -57,7 +58,8 @@ template <int dim> struct Problem {
 		pair.second = 1;
 		pair.friction = friction;
 		plane.friction = 1.5 * friction;
-		plane.plane = { Vec<dim>::Zero(), random.direction<dim>(), random.vector<dim>(0.5) };
+		plane.plane = { Vec<dim>::Zero(), random.direction<dim>(),
+				random.vector<dim>(0.5) };
 		for (int side : { 0, 1 })
 			for (int n = 0; n < 3; ++n) {
 				Contact<dim> c;
@@ -94,7 +96,10 @@ template <int dim> struct Problem {
 				all.push_back(&c);
 		return all;
 	}
-	double friction(int c) { return c < static_cast<int>(pair.contacts.size()) ? pair.friction : plane.friction; }
+	double friction(int c)
+	{
+		return c < static_cast<int>(pair.contacts.size()) ? pair.friction : plane.friction;
+	}
 	bool onPlane(int c) const { return c >= static_cast<int>(pair.contacts.size()); }
 
 	void restart()
@@ -132,7 +137,8 @@ template <int dim> struct Problem {
 		Eigen::MatrixXd A(n, n);
 		for (int c = 0; c < n; ++c)
 			for (int d = 0; d < n; ++d)
-				A(c, d) = shares(c, 0).dot(W[0] * shares(d, 0)) + shares(c, 1).dot(W[1] * shares(d, 1));
+				A(c, d) = shares(c, 0).dot(W[0] * shares(d, 0)) +
+					  shares(c, 1).dot(W[1] * shares(d, 1));
 		return A;
 	}
 	/// Relative velocities without impulses, with the bias b n added.
@@ -148,7 +154,9 @@ template <int dim> struct Problem {
 			if (onPlane(c)) sum -= plane.plane.velocity;
 			const double gap = all[c]->gap;
 			double bias = gap / dt;
-			if (gap < 0) bias = -std::min(settings.overlapRelaxation * -gap / dt, settings.overlapSpeed);
+			if (gap < 0)
+				bias = -std::min(settings.overlapRelaxation * -gap / dt,
+						 settings.overlapSpeed);
 			u.push_back(sum + bias * all[c]->normal);
 		}
 		return u;
@@ -259,7 +267,8 @@ struct Ball {
 	ContactList<2> list;
 	ContactSolver<2> solver;
 
-	Ball(const Vec<2>& velocity, double gap, double friction, const Vec<2>& planeVelocity = Vec<2>::Zero())
+	Ball(const Vec<2>& velocity, double gap, double friction,
+	     const Vec<2>& planeVelocity = Vec<2>::Zero())
 	{
 		table.append(0, 1);
 		table.closeRow();
@@ -280,7 +289,7 @@ struct Ball {
 	Ball(const Ball&) = delete;
 	void solve(double dt, const SolverSettings& settings = {})
 	{
-		std::vector<ContactList<2>*> lists{ &list };
+		std::vector<ContactList<2>*> lists { &list };
 		solver.prepare(body, lists, dt, settings);
 		solver.warmStart();
 		solver.solve();
@@ -289,7 +298,8 @@ struct Ball {
 
 } // namespace
 
-TEMPLATE_TEST_CASE_SIG("Solver: frictionless problems against enumeration", "[contact]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Solver: frictionless problems against enumeration", "[contact]",
+		       ((int dim), dim), 2, 3)
 {
 	int active = 0, open = 0;
 	for (unsigned seed = 1; seed <= 30; ++seed) {
@@ -312,8 +322,8 @@ TEMPLATE_TEST_CASE_SIG("Solver: frictionless problems against enumeration", "[co
 	CHECK(open > 20);
 }
 
-TEMPLATE_TEST_CASE_SIG("Solver: friction against damped projections, and all conditions", "[contact]",
-                       ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Solver: friction against damped projections, and all conditions",
+		       "[contact]", ((int dim), dim), 2, 3)
 {
 	States seen;
 	for (unsigned seed = 1; seed <= 30; ++seed) {
@@ -338,8 +348,8 @@ TEMPLATE_TEST_CASE_SIG("Solver: friction against damped projections, and all con
 	CHECK(seen.slip > 10);
 }
 
-TEMPLATE_TEST_CASE_SIG("Solver: any warm start leads to the same impulses, the solution at once", "[contact]",
-                       ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Solver: any warm start leads to the same impulses, the solution at once",
+		       "[contact]", ((int dim), dim), 2, 3)
 {
 	for (unsigned seed = 1; seed <= 5; ++seed) {
 		Problem<dim> problem(seed, 0.3);
@@ -362,7 +372,8 @@ TEMPLATE_TEST_CASE_SIG("Solver: any warm start leads to the same impulses, the s
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Solver: residual sees what is not solved", "[contact]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Solver: residual sees what is not solved", "[contact]", ((int dim), dim), 2,
+		       3)
 {
 	Problem<dim> problem(4, 0.3);
 	ContactSolver<dim> solver;
@@ -389,7 +400,8 @@ TEMPLATE_TEST_CASE_SIG("Solver: residual sees what is not solved", "[contact]", 
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Solver: the cap on sweeps is kept and reported", "[contact]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Solver: the cap on sweeps is kept and reported", "[contact]",
+		       ((int dim), dim), 2, 3)
 {
 	Problem<dim> problem(2, 0.3);
 	problem.settings.maxSweeps = 3;
@@ -423,8 +435,8 @@ TEST_CASE("Solver: nothing to do", "[contact]")
 	CHECK(solver.residual() == 0);
 }
 
-TEMPLATE_TEST_CASE_SIG("Solver: momentum, velocities and work follow from the impulses", "[contact]", ((int dim), dim),
-                       2, 3)
+TEMPLATE_TEST_CASE_SIG("Solver: momentum, velocities and work follow from the impulses",
+		       "[contact]", ((int dim), dim), 2, 3)
 {
 	constexpr int nodes = Problem<dim>::nodes;
 	for (unsigned seed = 1; seed <= 5; ++seed) {
@@ -442,7 +454,8 @@ TEMPLATE_TEST_CASE_SIG("Solver: momentum, velocities and work follow from the im
 		for (const Contact<dim>& c : problem.plane.contacts)
 			fromPlane += c.impulse;
 		CHECK(size > 0.1);
-		CHECK((sum - fromPlane).norm() < 1e-14 * size); // between the bodies nothing is gained
+		CHECK((sum - fromPlane).norm() <
+		      1e-14 * size); // between the bodies nothing is gained
 
 		double gained = 0;
 		for (int b = 0; b < 2; ++b)
@@ -451,11 +464,13 @@ TEMPLATE_TEST_CASE_SIG("Solver: momentum, velocities and work follow from the im
 				for (int j = 0; j < nodes; ++j)
 					v += problem.W[b](i, j) * problem.body[b].impulse[j];
 				CHECK((v - problem.body[b].velocity[i]).norm() < 1e-11);
-				gained += 0.5 * problem.body[b].impulse[i].dot(problem.body[b].velocityBefore[i] + v);
+				gained += 0.5 * problem.body[b].impulse[i].dot(
+							problem.body[b].velocityBefore[i] + v);
 			}
 		const ContactWork work = solver.work();
 		auto total = [](const ContactWork::Halves& h) { return h.before + h.after; };
-		CHECK(std::abs(total(work.planes) - total(work.impact) - total(work.friction) - gained) < 1e-11);
+		CHECK(std::abs(total(work.planes) - total(work.impact) - total(work.friction) -
+			       gained) < 1e-11);
 		CHECK(work.friction.after > -1e-12); // sliding opposite to the force takes energy
 	}
 }
@@ -466,7 +481,8 @@ TEST_CASE("Solver: one ball on a plane, by hand", "[contact]")
 	{
 		Ball ball({ 1, -2 }, 0, 0.6);
 		ball.solve(0.1);
-		CHECK((ball.list.contacts[0].impulse - Vec<2>(-2, 4)).norm() < 1e-14); // m = 2, sticks
+		CHECK((ball.list.contacts[0].impulse - Vec<2>(-2, 4)).norm() <
+		      1e-14); // m = 2, sticks
 		CHECK(ball.body[0].velocity[0].norm() < 1e-14);
 		const ContactWork w = ball.solver.work();
 		CHECK(std::abs(w.impact.before + w.impact.after - 4) < 1e-14);

@@ -1,5 +1,5 @@
-#include "contact/Search.hpp"
 #include "Helpers.hpp"
+#include "contact/Search.hpp"
 
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
@@ -74,8 +74,11 @@ template <int dim> Errors searchErrors(double gap, double reach, double spacing)
 		errors.contacts += static_cast<int>(list.contacts.size());
 		for (const Contact<dim>& c : list.contacts) {
 			const int from = c.key.side, to = 1 - c.key.side;
-			const Vec<dim> exact = (balls.body[from].position[c.key.node] - balls.centre[to]).normalized();
-			errors.gap = std::max(errors.gap, std::abs(c.gap - balls.gap(from, c.key.node, to)));
+			const Vec<dim> exact =
+				(balls.body[from].position[c.key.node] - balls.centre[to])
+					.normalized();
+			errors.gap = std::max(errors.gap,
+					      std::abs(c.gap - balls.gap(from, c.key.node, to)));
 			errors.normal = std::max(errors.normal, (c.normal - exact).norm());
 		}
 	}
@@ -86,8 +89,8 @@ template <int dim> Errors searchErrors(double gap, double reach, double spacing)
 
 TEST_CASE("Search: gap and normal of two disks", "[contact]")
 {
-	// The bulge leaves h^4 of the arc, and gap h^2 because the foot is sought on the chord; without it
-	// the gap would be off by h^2/8.
+	// The bulge leaves h^4 of the arc, and gap h^2 because the foot is sought on the chord;
+	// without it the gap would be off by h^2/8.
 	double last = 0;
 	for (double h : { 0.2, 0.1, 0.05 }) {
 		const Errors e = searchErrors<2>(-0.003, 0.01, h);
@@ -116,8 +119,8 @@ TEST_CASE("Search: gap and normal of two balls", "[contact]")
 	CHECK(last.gap < 5e-5);
 }
 
-TEMPLATE_TEST_CASE_SIG("Search: all nodes within reach, in both directions, and no others", "[contact]",
-                       ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Search: all nodes within reach, in both directions, and no others",
+		       "[contact]", ((int dim), dim), 2, 3)
 {
 	const double h = 0.1, reach = 0.05, margin = 2e-3; // of the outline's own error
 	for (unsigned seed = 1; seed <= 10; ++seed)
@@ -142,8 +145,9 @@ TEMPLATE_TEST_CASE_SIG("Search: all nodes within reach, in both directions, and 
 				deepest = std::max(deepest, -c.gap / h);
 			}
 			CHECK(found.size() == list.contacts.size());
-			CHECK(std::is_sorted(list.contacts.begin(), list.contacts.end(),
-			                     [](const auto& a, const auto& b) { return a.key < b.key; }));
+			CHECK(std::is_sorted(
+				list.contacts.begin(), list.contacts.end(),
+				[](const auto& a, const auto& b) { return a.key < b.key; }));
 			CHECK(list.deepest == deepest);
 			int sides[2] = { 0, 0 };
 			for (int side : { 0, 1 })
@@ -168,7 +172,8 @@ TEMPLATE_TEST_CASE_SIG("Search: nothing beyond reach", "[contact]", ((int dim), 
 	CHECK(list.deepest == 0);
 }
 
-TEMPLATE_TEST_CASE_SIG("Search: exchanging the bodies exchanges the sides", "[contact]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Search: exchanging the bodies exchanges the sides", "[contact]",
+		       ((int dim), dim), 2, 3)
 {
 	const auto balls = twoBalls<dim>(-0.03, 0.15, 5);
 	auto forth = pairList<dim>(), back = pairList<dim>();
@@ -191,7 +196,8 @@ TEMPLATE_TEST_CASE_SIG("Search: exchanging the bodies exchanges the sides", "[co
 	CHECK(forth.deepest == back.deepest);
 }
 
-TEMPLATE_TEST_CASE_SIG("Search: impulses follow their contacts", "[contact]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Search: impulses follow their contacts", "[contact]", ((int dim), dim), 2,
+		       3)
 {
 	auto balls = twoBalls<dim>(-0.03, 0.1, 6);
 	auto list = pairList<dim>();
@@ -228,14 +234,16 @@ TEMPLATE_TEST_CASE_SIG("Search: impulses follow their contacts", "[contact]", ((
 	CHECK(kept < static_cast<int>(before.size()));
 }
 
-TEMPLATE_TEST_CASE_SIG("Search: disks about points against each other", "[contact]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Search: disks about points against each other", "[contact]",
+		       ((int dim), dim), 2, 3)
 {
 	TemplateRecipe r = recipe(dim == 2 ? 0.11 : 0.25);
 	r.contact = ContactGeometry::points;
 	const auto reference = makeGrainTemplate<dim>(r);
 	Random random(2);
 	const Vec<dim> way = random.direction<dim>();
-	const auto first = contactBody<dim>(*reference, 1, Vec<dim>::Zero(), random.rotation<dim>());
+	const auto first =
+		contactBody<dim>(*reference, 1, Vec<dim>::Zero(), random.rotation<dim>());
 	const auto second = contactBody<dim>(*reference, 0.8, 1.75 * way, random.rotation<dim>());
 	const double touch = 0.5 * r.zeta * 1.8, reach = 0.02;
 	auto list = pairList<dim>();
@@ -302,16 +310,18 @@ TEMPLATE_TEST_CASE_SIG("Search: against a plane", "[contact]", ((int dim), dim),
 		list.plane.point += 0.05 * normal;
 		findContacts(body, reach, list);
 		for (const Contact<dim>& c : list.contacts)
-			CHECK(c.impulse == Vec<dim>(Vec<dim>::Constant(found.count(c.key.node) ? c.key.node : 0)));
+			CHECK(c.impulse == Vec<dim>(Vec<dim>::Constant(
+						   found.count(c.key.node) ? c.key.node : 0)));
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Search: too deep is reported and not pushed out", "[contact]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Search: too deep is reported and not pushed out", "[contact]",
+		       ((int dim), dim), 2, 3)
 {
 	Random random(4);
 	Balls<dim> balls;
 	balls.add(1, Vec<dim>::Zero(), random.rotation<dim>(), 0.1);
-	balls.add(1, 1.6 * Vec<dim>::Unit(0), random.rotation<dim>(), 0.1); // overlap 4 dr
+	balls.add(1, 1.6 * Vec<dim>::Unit(0), random.rotation<dim>(), 0.1);    // overlap 4 dr
 	balls.add(0.5, 0.01 * Vec<dim>::Unit(1), random.rotation<dim>(), 0.1); // inside the first
 	auto list = pairList<dim>();
 	findContacts(balls.body[0], balls.body[1], 0.02, list);
@@ -324,7 +334,8 @@ TEMPLATE_TEST_CASE_SIG("Search: too deep is reported and not pushed out", "[cont
 	CHECK(std::isinf(list.deepest));
 }
 
-TEMPLATE_TEST_CASE_SIG("Contact body: normals, box and mobilities", "[contact]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Contact body: normals, box and mobilities", "[contact]", ((int dim), dim),
+		       2, 3)
 {
 	Random random(5);
 	const auto reference = makeGrainTemplate<dim>(recipe(0.25));

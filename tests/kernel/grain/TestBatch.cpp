@@ -1,5 +1,5 @@
-#include "grain/Batch.hpp"
 #include "Helpers.hpp"
+#include "grain/Batch.hpp"
 #include "grain/InternalForce.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
@@ -18,7 +18,8 @@ template <int dim> std::vector<GrainParameters<dim>> motley(int count)
 	std::vector<GrainParameters<dim>> grains(count);
 	for (GrainParameters<dim>& grain : grains) {
 		grain.radius = random.uniform(0.001, 10);
-		grain.constants = { random.uniform(1e5, 1e9), random.uniform(-0.2, 0.49), random.uniform(100, 8000) };
+		grain.constants = { random.uniform(1e5, 1e9), random.uniform(-0.2, 0.49),
+				    random.uniform(100, 8000) };
 		grain.origin = random.vector<dim>(5);
 	}
 	return grains;
@@ -26,7 +27,8 @@ template <int dim> std::vector<GrainParameters<dim>> motley(int count)
 
 } // namespace
 
-TEMPLATE_TEST_CASE_SIG("Batch: a grain among others is bitwise the grain alone", "[grain]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Batch: a grain among others is bitwise the grain alone", "[grain]",
+		       ((int dim), dim), 2, 3)
 {
 	const auto reference = makeGrainTemplate<dim>(recipe(dim == 2 ? 0.2 : 0.35));
 	const auto grains = motley<dim>(19);
@@ -55,8 +57,8 @@ TEMPLATE_TEST_CASE_SIG("Batch: a grain among others is bitwise the grain alone",
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Batch: masses and energies scale with size, density and modulus", "[grain]", ((int dim), dim),
-                       2, 3)
+TEMPLATE_TEST_CASE_SIG("Batch: masses and energies scale with size, density and modulus", "[grain]",
+		       ((int dim), dim), 2, 3)
 {
 	const auto reference = makeGrainTemplate<dim>(recipe(dim == 2 ? 0.2 : 0.35));
 	GrainParameters<dim> small, large;
@@ -69,19 +71,23 @@ TEMPLATE_TEST_CASE_SIG("Batch: masses and energies scale with size, density and 
 	CHECK(std::abs(batch.mass(0) - UnitBall<dim>::volume()) < 1e-12);
 	CHECK(std::abs(batch.mass(1) / batch.mass(0) / (7 * size) - 1) < 1e-14);
 	for (int I = 0; I < reference->nodes(); ++I)
-		CHECK(std::abs(batch.nodeMass(1, I) / batch.nodeMass(0, I) / (7 * size) - 1) < 1e-14);
+		CHECK(std::abs(batch.nodeMass(1, I) / batch.nodeMass(0, I) / (7 * size) - 1) <
+		      1e-14);
 
 	Random random(3);
 	const Mat<dim> F = random.deformation<dim>(0.3);
 	deform<dim>(batch, 0, F);
 	deform<dim>(batch, 1, F);
 	computeInternalForce(batch, 1);
-	CHECK(std::abs(batch.report[1].elasticEnergy / batch.report[0].elasticEnergy / (5 * size) - 1) < 1e-12);
+	CHECK(std::abs(batch.report[1].elasticEnergy / batch.report[0].elasticEnergy / (5 * size) -
+		       1) < 1e-12);
 	for (int I = 0; I < reference->nodes(); ++I) // forces as modulus times R^(dim - 1)
-		CHECK((batch.force.get(1, I) - 5 * size / 3 * batch.force.get(0, I)).norm() < 1e-10);
+		CHECK((batch.force.get(1, I) - 5 * size / 3 * batch.force.get(0, I)).norm() <
+		      1e-10);
 }
 
-TEMPLATE_TEST_CASE_SIG("Batch: placing and moving a grain rigidly", "[grain]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Batch: placing and moving a grain rigidly", "[grain]", ((int dim), dim), 2,
+		       3)
 {
 	Random random(4);
 	GrainParameters<dim> grain = paperGrain<dim>();
@@ -101,12 +107,14 @@ TEMPLATE_TEST_CASE_SIG("Batch: placing and moving a grain rigidly", "[grain]", (
 	shake(batch, 0, 0.05, random);
 	const Batch<dim> before = batch;
 	const Mat<dim> turn = random.rotation<dim>();
-	const Vec<dim> centre = random.vector<dim>(0.01), shift = random.vector<dim>(), push = random.vector<dim>();
+	const Vec<dim> centre = random.vector<dim>(0.01), shift = random.vector<dim>(),
+		       push = random.vector<dim>();
 	batch.moveRigidly(0, centre, turn, shift, push, spin);
 	for (int I = 0; I < batch.reference->nodes(); ++I) {
 		const Vec<dim> arm = turn * (before.x.get(0, I) - centre);
 		CHECK((batch.x.get(0, I) - centre - shift - arm).norm() < 1e-15);
-		CHECK((batch.v.get(0, I) - turn * before.v.get(0, I) - push - spin * arm).norm() < 1e-15);
+		CHECK((batch.v.get(0, I) - turn * before.v.get(0, I) - push - spin * arm).norm() <
+		      1e-15);
 	}
 }
 
@@ -118,15 +126,19 @@ TEST_CASE("Batch: inadmissible grains are named", "[grain]")
 		GrainParameters<2> bad = paperGrain<2>();
 		bad.radius = radius;
 		bad.constants.poisson = poisson;
-		return complaintOf([&] { Batch<2>(reference2, Law::neoHookean, condition, { paperGrain<2>(), bad }); });
+		return complaintOf([&] {
+			Batch<2>(reference2, Law::neoHookean, condition, { paperGrain<2>(), bad });
+		});
 	};
 	CHECK(complaint(1, 0.3, Condition::planeStress) == "");
 	CHECK(complaint(0, 0.3, Condition::planeStrain).starts_with("radius = 0 "));
 	CHECK(complaint(-2, 0.3, Condition::planeStrain).starts_with("radius = -2 "));
-	CHECK(complaint(std::numeric_limits<double>::quiet_NaN(), 0.3, Condition::planeStrain).starts_with("radius = "));
+	CHECK(complaint(std::numeric_limits<double>::quiet_NaN(), 0.3, Condition::planeStrain)
+		      .starts_with("radius = "));
 	CHECK(complaint(1, 0.5, Condition::planeStrain).starts_with("poisson = 0.5 "));
 	CHECK(complaint(1, 0.3, Condition::solid).find("condition") != std::string::npos);
-	CHECK(complaintOf([&] { Batch<3>(reference3, Law::neoHookean, Condition::planeStrain, { paperGrain<3>() }); })
-	              .find("condition")
-	      != std::string::npos);
+	CHECK(complaintOf([&] {
+		      Batch<3>(reference3, Law::neoHookean, Condition::planeStrain,
+			       { paperGrain<3>() });
+	      }).find("condition") != std::string::npos);
 }

@@ -1,5 +1,5 @@
-#include "grain/CriticalTimeStep.hpp"
 #include "Helpers.hpp"
+#include "grain/CriticalTimeStep.hpp"
 #include "grain/InternalForce.hpp"
 #include "material/Points.hpp"
 
@@ -17,11 +17,12 @@ namespace {
 Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A)
 {
 	const Eigen::MatrixXd symmetric = 0.5 * (A + A.transpose());
-	return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+	return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly)
+		.eigenvalues();
 }
 
-/// M^-1/2 K M^-1/2 of the undeformed grain, with K from the internal force itself by differences; its
-/// eigenvalues are the squares of the angular frequencies.
+/// M^-1/2 K M^-1/2 of the undeformed grain, with K from the internal force itself by differences;
+/// its eigenvalues are the squares of the angular frequencies.
 template <int dim> Eigen::MatrixXd dynamicMatrix(Batch<dim> batch)
 {
 	const int n = batch.reference->nodes() * dim;
@@ -33,7 +34,8 @@ template <int dim> Eigen::MatrixXd dynamicMatrix(Batch<dim> batch)
 			batch.x.set(0, j / dim, x + side * eps * Vec<dim>::Unit(j % dim));
 			computeInternalForce(batch, 1);
 			for (int i = 0; i < n; ++i) {
-				const double f = -side * batch.force.get(0, i / dim)[i % dim] / (2 * eps);
+				const double f =
+					-side * batch.force.get(0, i / dim)[i % dim] / (2 * eps);
 				K(i, j) = side > 0 ? f : K(i, j) + f;
 			}
 		}
@@ -41,14 +43,16 @@ template <int dim> Eigen::MatrixXd dynamicMatrix(Batch<dim> batch)
 	}
 	for (int i = 0; i < n; ++i)
 		for (int j = 0; j < n; ++j)
-			K(i, j) /= std::sqrt(batch.nodeMass(0, i / dim) * batch.nodeMass(0, j / dim));
+			K(i, j) /=
+				std::sqrt(batch.nodeMass(0, i / dim) * batch.nodeMass(0, j / dim));
 	return K;
 }
 
 /// Rows and columns of the nodes that are at least half as heavy as the heaviest.
 template <int dim> std::vector<int> heavyComponents(const GrainTemplate<dim>& reference)
 {
-	const double heaviest = *std::max_element(reference.nodeMass.begin(), reference.nodeMass.end());
+	const double heaviest =
+		*std::max_element(reference.nodeMass.begin(), reference.nodeMass.end());
 	std::vector<int> list;
 	for (int i = 0; i < reference.nodes() * dim; ++i)
 		if (reference.nodeMass[i / dim] > 0.5 * heaviest) list.push_back(i);
@@ -64,13 +68,17 @@ template <int dim> double growth(Batch<dim> batch, double dt, int steps)
 	for (int n = 0; n < steps; ++n) {
 		computeInternalForce(batch, 1);
 		for (int I = 0; I < batch.reference->nodes(); ++I) {
-			batch.v.set(0, I, batch.v.get(0, I) + dt / batch.nodeMass(0, I) * batch.force.get(0, I));
+			batch.v.set(0, I,
+				    batch.v.get(0, I) +
+					    dt / batch.nodeMass(0, I) * batch.force.get(0, I));
 			batch.x.set(0, I, batch.x.get(0, I) + dt * batch.v.get(0, I));
 		}
 	}
 	double largest = 0;
 	for (int I = 0; I < batch.reference->nodes(); ++I)
-		largest = std::max(largest, (batch.x.get(0, I) / batch.grain[0].radius - batch.reference->nodePosition[I]).norm());
+		largest = std::max(largest, (batch.x.get(0, I) / batch.grain[0].radius -
+					     batch.reference->nodePosition[I])
+						    .norm());
 	for (const BulkReport& report : batch.report)
 		if (report.invertedPoint >= 0) return std::numeric_limits<double>::infinity();
 	return largest / noise;
@@ -78,7 +86,8 @@ template <int dim> double growth(Batch<dim> batch, double dt, int steps)
 
 } // namespace
 
-TEMPLATE_TEST_CASE("Critical time step: highest frequency of the internal force", "[grain]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Critical time step: highest frequency of the internal force", "[grain]",
+		   PlaneStrain, PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	for (int order : { 1, 2, 3 })
@@ -86,17 +95,21 @@ TEMPLATE_TEST_CASE("Critical time step: highest frequency of the internal force"
 			CAPTURE(order, poisson);
 			GrainParameters<dim> grain = paperGrain<dim>();
 			grain.constants.poisson = poisson;
-			const auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.23 : 0.5, order), grain, TestType::condition);
+			const auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.23 : 0.5, order),
+							    grain, TestType::condition);
 			const Eigen::MatrixXd dynamics = dynamicMatrix(batch);
 			const Eigen::VectorXd squares = eigenvalues(dynamics);
-			const double largest = squares[squares.size() - 1], exact = 2 / std::sqrt(largest);
-			const double found = criticalTimeStep(*batch.reference, TestType::condition, grain);
+			const double largest = squares[squares.size() - 1],
+				     exact = 2 / std::sqrt(largest);
+			const double found =
+				criticalTimeStep(*batch.reference, TestType::condition, grain);
 			CAPTURE(found / exact);
 			CHECK(found < exact); // on the safe side
 			CHECK(found > 0.985 * exact);
-			CHECK(squares.head(dim == 2 ? 3 : 6).cwiseAbs().maxCoeff() < 1e-7 * largest); // rigid motions
-			// No hourglass modes: with the rim held fast, nothing inside moves without stiffness. (Free
-			// rims do have soft modes, of the light nodes.)
+			CHECK(squares.head(dim == 2 ? 3 : 6).cwiseAbs().maxCoeff() <
+			      1e-7 * largest); // rigid motions
+			// No hourglass modes: with the rim held fast, nothing inside moves without
+			// stiffness. (Free rims do have soft modes, of the light nodes.)
 			const std::vector<int> heavy = heavyComponents(*batch.reference);
 			REQUIRE(heavy.size() >= dim);
 			const Eigen::MatrixXd inside = dynamics(heavy, heavy);
@@ -104,12 +117,15 @@ TEMPLATE_TEST_CASE("Critical time step: highest frequency of the internal force"
 		}
 }
 
-TEMPLATE_TEST_CASE_SIG("Critical time step: separates stable from unstable free grains", "[grain]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Critical time step: separates stable from unstable free grains", "[grain]",
+		       ((int dim), dim), 2, 3)
 {
 	for (int order : { 2, 3 }) {
 		const auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.2 : 0.4, order));
-		const double dt = criticalTimeStep(*batch.reference, batch.condition, batch.grain[0]);
-		const double stable = growth(batch, 0.99 * dt, 1500), unstable = growth(batch, 1.05 * dt, 60);
+		const double dt =
+			criticalTimeStep(*batch.reference, batch.condition, batch.grain[0]);
+		const double stable = growth(batch, 0.99 * dt, 1500),
+			     unstable = growth(batch, 1.05 * dt, 60);
 		CAPTURE(order, stable, unstable);
 		CHECK(stable < 100);
 		CHECK(unstable > 1e4);
@@ -121,10 +137,12 @@ TEST_CASE("Critical time step: as a Courant number", "[grain]")
 	// omega_max h/c of fine disks: 1.40 cubic, 1.74 quadratic, 2.27 linear, h = 2 dr.
 	const GrainParameters<2> grain = paperGrain<2>();
 	const double c = grain.constants.waveSpeed(Condition::planeStrain);
-	for (auto [order, expected] : { std::pair(3, 1.40), std::pair(2, 1.74), std::pair(1, 2.27) }) {
+	for (auto [order, expected] :
+	     { std::pair(3, 1.40), std::pair(2, 1.74), std::pair(1, 2.27) }) {
 		const auto reference = makeGrainTemplate<2>(recipe(0.1, order));
 		const double h = 2 * 0.1 * grain.radius;
-		const double number = 2 / criticalTimeStep(*reference, Condition::planeStrain, grain) * h / c;
+		const double number =
+			2 / criticalTimeStep(*reference, Condition::planeStrain, grain) * h / c;
 		CAPTURE(order, number);
 		CHECK(std::abs(number / expected - 1) < 0.03);
 	}
@@ -138,5 +156,6 @@ TEST_CASE("Critical time step: scales with size and wave speed", "[grain]")
 	grain.radius *= 3;
 	grain.constants.young *= 4;
 	grain.constants.density *= 16;
-	CHECK(std::abs(criticalTimeStep(*reference, Condition::planeStrain, grain) / (6 * dt) - 1) < 1e-12);
+	CHECK(std::abs(criticalTimeStep(*reference, Condition::planeStrain, grain) / (6 * dt) - 1) <
+	      1e-12);
 }

@@ -1,5 +1,5 @@
-#include "grain/InternalForce.hpp"
 #include "Helpers.hpp"
+#include "grain/InternalForce.hpp"
 #include "material/Points.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
@@ -10,7 +10,8 @@ using namespace softgrain::testing;
 
 namespace {
 
-template <class Case> Batch<Case::dim> randomGrain(Random& random, double zeta = Case::dim == 2 ? 0.2 : 0.35)
+template <class Case>
+Batch<Case::dim> randomGrain(Random& random, double zeta = Case::dim == 2 ? 0.2 : 0.35)
 {
 	auto batch = singleGrain<Case::dim>(recipe(zeta), paperGrain<Case::dim>(), Case::condition);
 	deform<Case::dim>(batch, 0, random.deformation<Case::dim>(0.2));
@@ -35,7 +36,8 @@ template <int dim> double forceScale(const Batch<dim>& batch)
 
 } // namespace
 
-TEMPLATE_TEST_CASE("Internal force: minus the derivative of the elastic energy", "[grain]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Internal force: minus the derivative of the elastic energy", "[grain]",
+		   PlaneStrain, PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(1);
@@ -60,7 +62,8 @@ TEMPLATE_TEST_CASE("Internal force: minus the derivative of the elastic energy",
 	}
 }
 
-TEMPLATE_TEST_CASE("Internal force: no resultant and no moment", "[grain]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Internal force: no resultant and no moment", "[grain]", PlaneStrain,
+		   PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(2);
@@ -81,11 +84,13 @@ TEMPLATE_TEST_CASE("Internal force: no resultant and no moment", "[grain]", Plan
 	}
 }
 
-TEMPLATE_TEST_CASE("Internal force: none in a grain moved rigidly", "[grain]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Internal force: none in a grain moved rigidly", "[grain]", PlaneStrain,
+		   PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(3);
-	auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.11 : 0.3), paperGrain<dim>(), TestType::condition);
+	auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.11 : 0.3), paperGrain<dim>(),
+				      TestType::condition);
 	const Vec<dim> shift = random.vector<dim>(0.05);
 	deform<dim>(batch, 0, random.rotation<dim>());
 	for (int I = 0; I < batch.reference->nodes(); ++I)
@@ -99,11 +104,13 @@ TEMPLATE_TEST_CASE("Internal force: none in a grain moved rigidly", "[grain]", P
 		CHECK(r.cauchy.norm() < 1e-10 * c.young);
 }
 
-TEMPLATE_TEST_CASE("Internal force: a homogeneous deformation is met exactly", "[grain]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Internal force: a homogeneous deformation is met exactly", "[grain]",
+		   PlaneStrain, PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(4);
-	auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.2 : 0.35), paperGrain<dim>(), TestType::condition);
+	auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.2 : 0.35), paperGrain<dim>(),
+				      TestType::condition);
 	const auto& c = batch.grain[0].constants;
 	for (int n = 0; n < 5; ++n) {
 		const Mat<dim> F = random.deformation<dim>(0.3);
@@ -115,7 +122,8 @@ TEMPLATE_TEST_CASE("Internal force: a homogeneous deformation is met exactly", "
 		CHECK(std::abs(batch.report[0].stiffening / law.stiffening - 1) < 1e-9);
 		Mat<dim> virial = Mat<dim>::Zero(); // - sum_I f_I (x) X_I = V P
 		for (int I = 0; I < batch.reference->nodes(); ++I)
-			virial -= batch.force.get(0, I) * 0.01 * batch.reference->nodePosition[I].transpose();
+			virial -= batch.force.get(0, I) * 0.01 *
+				  batch.reference->nodePosition[I].transpose();
 		CHECK((virial - volume * law.P).norm() < 1e-10 * volume * law.P.norm());
 		for (const auto& r : pointResponses(batch, 0)) {
 			CHECK((r.F - F).norm() < 1e-11);
@@ -124,7 +132,8 @@ TEMPLATE_TEST_CASE("Internal force: a homogeneous deformation is met exactly", "
 	}
 }
 
-TEMPLATE_TEST_CASE("Point responses: Cauchy stress is that of the 3D law", "[grain]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Point responses: Cauchy stress is that of the 3D law", "[grain]", PlaneStrain,
+		   PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(5);
@@ -134,18 +143,21 @@ TEMPLATE_TEST_CASE("Point responses: Cauchy stress is that of the 3D law", "[gra
 		F.topLeftCorner<dim, dim>() = r.F;
 		if (dim == 2) F(2, 2) = r.F33;
 		if (TestType::condition == Condition::planeStrain) CHECK(r.F33 == 1);
-		const Mat<3> sigma = respond<Solid>(F, batch.grain[0].constants).P * F.transpose() / F.determinant();
+		const Mat<3> sigma = respond<Solid>(F, batch.grain[0].constants).P * F.transpose() /
+				     F.determinant();
 		const double scale = 1e6;
 		CHECK((r.cauchy - sigma.topLeftCorner<dim, dim>()).norm() < 1e-9 * scale);
 		if (dim == 2) CHECK(std::abs(r.cauchy33 - sigma(2, 2)) < 1e-9 * scale);
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Internal force: the first inverted point is reported", "[grain]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Internal force: the first inverted point is reported", "[grain]",
+		       ((int dim), dim), 2, 3)
 {
 	Random random(6);
 	const auto reference = makeGrainTemplate<dim>(recipe(0.35));
-	Batch<dim> batch(reference, Law::neoHookean, usualCondition<dim>, std::vector(10, paperGrain<dim>()));
+	Batch<dim> batch(reference, Law::neoHookean, usualCondition<dim>,
+			 std::vector(10, paperGrain<dim>()));
 	const int broken = 8; // in the second block
 	for (int I = 0; I < reference->nodes(); ++I) {
 		Vec<dim> x = batch.x.get(broken, I);

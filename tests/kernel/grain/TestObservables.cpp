@@ -1,5 +1,5 @@
-#include "grain/Observables.hpp"
 #include "Helpers.hpp"
+#include "grain/Observables.hpp"
 
 #include <Eigen/Dense>
 #include <catch2/catch_template_test_macros.hpp>
@@ -18,13 +18,14 @@ TEST_CASE("Observables: spin matrix is the cross product", "[grain]")
 	CHECK((spinMatrix<2>(rate) * Vec<2>(0, 1) - Vec<2>(-2, 0)).norm() == 0);
 }
 
-TEMPLATE_TEST_CASE_SIG("Observables: a grain moving as a rigid body", "[grain]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Observables: a grain moving as a rigid body", "[grain]", ((int dim), dim),
+		       2, 3)
 {
 	Random random(2);
 	GrainParameters<dim> grain = paperGrain<dim>();
 	grain.constants.density = 1700;
-	Batch<dim> batch(makeGrainTemplate<dim>(recipe(dim == 2 ? 0.11 : 0.25)), Law::neoHookean, usualCondition<dim>,
-	                 { paperGrain<dim>(), grain });
+	Batch<dim> batch(makeGrainTemplate<dim>(recipe(dim == 2 ? 0.11 : 0.25)), Law::neoHookean,
+			 usualCondition<dim>, { paperGrain<dim>(), grain });
 	const int g = 1;
 	typename WholeGrain<dim>::Angular omega;
 	for (int a = 0; a < omega.size(); ++a)
@@ -32,7 +33,8 @@ TEMPLATE_TEST_CASE_SIG("Observables: a grain moving as a rigid body", "[grain]",
 	const Mat<dim> Q = random.rotation<dim>();
 	const Vec<dim> velocity = random.vector<dim>(), shift = random.vector<dim>(0.1);
 	batch.place(g, Q, velocity, spinMatrix<dim>(omega));
-	batch.moveRigidly(g, Vec<dim>::Zero(), Mat<dim>::Identity(), shift, Vec<dim>::Zero(), Mat<dim>::Zero());
+	batch.moveRigidly(g, Vec<dim>::Zero(), Mat<dim>::Identity(), shift, Vec<dim>::Zero(),
+			  Mat<dim>::Zero());
 
 	const auto whole = wholeGrain(batch, g);
 	const double R = grain.radius, mass = 1700 * UnitBall<dim>::volume() * std::pow(R, dim);
@@ -41,7 +43,8 @@ TEMPLATE_TEST_CASE_SIG("Observables: a grain moving as a rigid body", "[grain]",
 	CHECK((whole.velocity - velocity).norm() < 1e-13);
 	CHECK((whole.angularVelocity - omega).norm() < 1e-10);
 	CHECK((whole.rotation - Q).norm() < 1e-12);
-	CHECK((whole.angularMomentum - whole.inertia * omega).norm() < 1e-12 * whole.angularMomentum.norm());
+	CHECK((whole.angularMomentum - whole.inertia * omega).norm() <
+	      1e-12 * whole.angularMomentum.norm());
 	// m R^2/2 (disk), 2/5 m R^2 (ball); mass lumped to the nodes lies a little further out.
 	const double exact = (dim == 2 ? 0.5 : 0.4) * mass * R * R;
 	for (int a = 0; a < omega.size(); ++a) {
@@ -50,20 +53,23 @@ TEMPLATE_TEST_CASE_SIG("Observables: a grain moving as a rigid body", "[grain]",
 	}
 
 	const double energy = kineticEnergy(batch, batch.v, batch.v, g);
-	const double rigid = 0.5 * mass * velocity.squaredNorm() + 0.5 * omega.dot(whole.inertia * omega);
+	const double rigid =
+		0.5 * mass * velocity.squaredNorm() + 0.5 * omega.dot(whole.inertia * omega);
 	CHECK(std::abs(energy / rigid - 1) < 1e-12);
 	NodalField<dim> doubled = batch.v;
 	for (int I = 0; I < batch.reference->nodes(); ++I)
 		doubled.set(g, I, 2 * batch.v.get(g, I));
 	CHECK(std::abs(kineticEnergy(batch, batch.v, doubled, g) / rigid - 2) < 1e-12);
-	CHECK(std::abs(currentVolume(batch, g) / (UnitBall<dim>::volume() * std::pow(R, dim)) - 1) < 1e-11);
+	CHECK(std::abs(currentVolume(batch, g) / (UnitBall<dim>::volume() * std::pow(R, dim)) - 1) <
+	      1e-11);
 
 	const auto other = wholeGrain(batch, 0); // the neighbour in the next lane has not moved
 	CHECK(other.velocity.norm() == 0);
 	CHECK((other.rotation - Mat<dim>::Identity()).norm() < 1e-12);
 }
 
-TEMPLATE_TEST_CASE_SIG("Observables: rotation and volume of a deformed grain", "[grain]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Observables: rotation and volume of a deformed grain", "[grain]",
+		       ((int dim), dim), 2, 3)
 {
 	Random random(3);
 	Batch<dim> batch = singleGrain<dim>(recipe(dim == 2 ? 0.2 : 0.35));
@@ -77,7 +83,8 @@ TEMPLATE_TEST_CASE_SIG("Observables: rotation and volume of a deformed grain", "
 		const auto whole = wholeGrain(batch, 0);
 		CHECK((whole.rotation - Q).norm() < 1e-11);
 		CHECK(std::abs(whole.rotation.determinant() - 1) < 1e-12);
-		const double volume = stretch.prod() * UnitBall<dim>::volume() * batch.pointScale[0];
+		const double volume =
+			stretch.prod() * UnitBall<dim>::volume() * batch.pointScale[0];
 		CHECK(std::abs(currentVolume(batch, 0) / volume - 1) < 1e-11);
 	}
 }

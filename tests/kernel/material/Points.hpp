@@ -25,7 +25,9 @@ template <int dim> struct PointResult {
 	double J, energy, stiffening;
 };
 
-template <int dim> void setLane(PointLanes<dim>& point, LameConstants& lame, int lane, const Mat<dim>& F, const ElasticConstants& c)
+template <int dim>
+void setLane(PointLanes<dim>& point, LameConstants& lame, int lane, const Mat<dim>& F,
+	     const ElasticConstants& c)
 {
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
@@ -47,7 +49,8 @@ template <int dim> PointResult<dim> getLane(const PointLanes<dim>& point, int la
 }
 
 /// Response of the law to F, computed in one lane beside seven undeformed ones.
-template <class Case> PointResult<Case::dim> respond(const Mat<Case::dim>& F, const ElasticConstants& c, int lane = 3)
+template <class Case>
+PointResult<Case::dim> respond(const Mat<Case::dim>& F, const ElasticConstants& c, int lane = 3)
 {
 	constexpr int dim = Case::dim;
 	PointLanes<dim> point;

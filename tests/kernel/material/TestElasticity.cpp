@@ -1,5 +1,5 @@
-#include "material/Elasticity.hpp"
 #include "Helpers.hpp"
+#include "material/Elasticity.hpp"
 
 #include <catch2/catch_test_macros.hpp>
 #include <limits>
@@ -9,19 +9,21 @@ using namespace softgrain::testing;
 
 TEST_CASE("Elastic constants: Lame's constants and wave speeds", "[material]")
 {
-	const ElasticConstants c{ 2e6, 0.3, 1500 };
+	const ElasticConstants c { 2e6, 0.3, 1500 };
 	CHECK(std::abs(c.mu() / (2e6 / 2.6) - 1) < 1e-14);
 	CHECK(std::abs(c.lambda() / (2e6 * 0.3 / (1.3 * 0.4)) - 1) < 1e-14);
 	// Pressure waves: rho c^2 is the constrained modulus, in plane stress that of a plate.
 	const double constrained = 2e6 * 0.7 / (1.3 * 0.4), plate = 2e6 / (1 - 0.09);
-	CHECK(std::abs(c.waveSpeed(Condition::planeStrain) / std::sqrt(constrained / 1500) - 1) < 1e-14);
+	CHECK(std::abs(c.waveSpeed(Condition::planeStrain) / std::sqrt(constrained / 1500) - 1) <
+	      1e-14);
 	CHECK(std::abs(c.waveSpeed(Condition::solid) / std::sqrt(constrained / 1500) - 1) < 1e-14);
 	CHECK(std::abs(c.waveSpeed(Condition::planeStress) / std::sqrt(plate / 1500) - 1) < 1e-14);
 }
 
 TEST_CASE("Elastic constants: inadmissible values are named", "[material]")
 {
-	const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+	const double nan = std::numeric_limits<double>::quiet_NaN(),
+		     inf = std::numeric_limits<double>::infinity();
 	auto complaint = [](ElasticConstants c) { return complaintOf([&] { c.validate(); }); };
 	CHECK(complaint({ 1e6, 0.45, 1000 }) == "");
 	CHECK(complaint({ 1e6, -0.9, 1000 }) == "");

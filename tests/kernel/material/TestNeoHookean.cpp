@@ -12,7 +12,9 @@ using namespace softgrain::testing;
 
 namespace {
 
-const std::vector<ElasticConstants> materials{ { 1, 0.45, 1 }, { 1, 0.3, 1 }, { 2.5, 0, 1 }, { 1, -0.1, 1 } };
+const std::vector<ElasticConstants> materials {
+	{ 1, 0.45, 1 }, { 1, 0.3, 1 }, { 2.5, 0, 1 }, { 1, -0.1, 1 }
+};
 
 /// Directions that cover the half circle (half sphere).
 template <int dim> std::vector<Vec<dim>> directions()
@@ -20,7 +22,8 @@ template <int dim> std::vector<Vec<dim>> directions()
 	std::vector<Vec<dim>> list;
 	if constexpr (dim == 2) {
 		for (int k = 0; k < 360; ++k)
-			list.emplace_back(std::cos(k * std::numbers::pi / 360), std::sin(k * std::numbers::pi / 360));
+			list.emplace_back(std::cos(k * std::numbers::pi / 360),
+					  std::sin(k * std::numbers::pi / 360));
 	} else {
 		const int count = 1500; // spiral of the golden angle
 		for (int k = 0; k < count; ++k) {
@@ -33,7 +36,8 @@ template <int dim> std::vector<Vec<dim>> directions()
 }
 
 /// Largest eigenvalue over all N of the acoustic tensor Q_ik = dP_iJ/dF_kL N_J N_L, by differences.
-template <class Case> double largestAcousticModulus(const Mat<Case::dim>& F, const ElasticConstants& c)
+template <class Case>
+double largestAcousticModulus(const Mat<Case::dim>& F, const ElasticConstants& c)
 {
 	constexpr int dim = Case::dim;
 	const double eps = 1e-6;
@@ -43,7 +47,8 @@ template <class Case> double largestAcousticModulus(const Mat<Case::dim>& F, con
 			Mat<dim> forth = F, back = F;
 			forth(k, l) += eps;
 			back(k, l) -= eps;
-			slope[k][l] = (respond<Case>(forth, c).P - respond<Case>(back, c).P) / (2 * eps);
+			slope[k][l] =
+				(respond<Case>(forth, c).P - respond<Case>(back, c).P) / (2 * eps);
 		}
 	double largest = 0;
 	for (const Vec<dim>& N : directions<dim>()) {
@@ -52,14 +57,17 @@ template <class Case> double largestAcousticModulus(const Mat<Case::dim>& F, con
 			for (int l = 0; l < dim; ++l)
 				Q.col(k) += slope[k][l] * N * N[l];
 		const Mat<dim> symmetric = 0.5 * (Q + Q.transpose());
-		largest = std::max(largest, Eigen::SelfAdjointEigenSolver<Mat<dim>>(symmetric).eigenvalues().maxCoeff());
+		largest = std::max(largest, Eigen::SelfAdjointEigenSolver<Mat<dim>>(symmetric)
+						    .eigenvalues()
+						    .maxCoeff());
 	}
 	return largest;
 }
 
 } // namespace
 
-TEMPLATE_TEST_CASE("Neo-Hookean: P is the derivative of the energy", "[material]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Neo-Hookean: P is the derivative of the energy", "[material]", PlaneStrain,
+		   PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(1);
@@ -74,35 +82,43 @@ TEMPLATE_TEST_CASE("Neo-Hookean: P is the derivative of the energy", "[material]
 					Mat<dim> forth = F, back = F;
 					forth(a, b) += eps;
 					back(a, b) -= eps;
-					const double slope
-					        = (respond<TestType>(forth, c).energy - respond<TestType>(back, c).energy) / (2 * eps);
-					CHECK(std::abs(r.P(a, b) - slope) < 1e-7 * std::max(1., r.P.norm()));
+					const double slope = (respond<TestType>(forth, c).energy -
+							      respond<TestType>(back, c).energy) /
+							     (2 * eps);
+					CHECK(std::abs(r.P(a, b) - slope) <
+					      1e-7 * std::max(1., r.P.norm()));
 				}
 		}
 }
 
-TEMPLATE_TEST_CASE("Neo-Hookean: objective and isotropic", "[material]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Neo-Hookean: objective and isotropic", "[material]", PlaneStrain, PlaneStress,
+		   Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(2);
 	for (const ElasticConstants& c : materials)
 		for (int n = 0; n < 20; ++n) {
-			const Mat<dim> F = random.deformation<dim>(0.4), Q = random.rotation<dim>(), S = random.rotation<dim>();
-			const auto r = respond<TestType>(F, c), rotated = respond<TestType>(Q * F * S, c);
+			const Mat<dim> F = random.deformation<dim>(0.4), Q = random.rotation<dim>(),
+				       S = random.rotation<dim>();
+			const auto r = respond<TestType>(F, c),
+				   rotated = respond<TestType>(Q * F * S, c);
 			CHECK((rotated.P - Q * r.P * S).norm() < 1e-12 * std::max(1., r.P.norm()));
 			CHECK(std::abs(rotated.energy - r.energy) < 1e-12 * std::max(1., r.energy));
 			CHECK(std::abs(rotated.stiffening - r.stiffening) < 1e-12 * r.stiffening);
-			CHECK((r.P * F.transpose() - F * r.P.transpose()).norm() < 1e-12 * std::max(1., r.P.norm()));
+			CHECK((r.P * F.transpose() - F * r.P.transpose()).norm() <
+			      1e-12 * std::max(1., r.P.norm()));
 		}
 }
 
-TEMPLATE_TEST_CASE("Neo-Hookean: nothing at identity and at rotations", "[material]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Neo-Hookean: nothing at identity and at rotations", "[material]", PlaneStrain,
+		   PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(3);
 	for (const ElasticConstants& c : materials)
 		for (int n = 0; n < 10; ++n) {
-			const Mat<dim> F = n == 0 ? Mat<dim>(Mat<dim>::Identity()) : random.rotation<dim>();
+			const Mat<dim> F =
+				n == 0 ? Mat<dim>(Mat<dim>::Identity()) : random.rotation<dim>();
 			const auto r = respond<TestType>(F, c);
 			CHECK(r.P.norm() < 1e-14 * c.young * 10);
 			CHECK(std::abs(r.energy) < 1e-14 * c.young * 10);
@@ -111,17 +127,21 @@ TEMPLATE_TEST_CASE("Neo-Hookean: nothing at identity and at rotations", "[materi
 	CHECK(respond<TestType>(2 * Mat<dim>::Identity(), materials[0]).energy > 0.1);
 }
 
-TEMPLATE_TEST_CASE("Neo-Hookean: Hooke's law at small strain", "[material]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Neo-Hookean: Hooke's law at small strain", "[material]", PlaneStrain,
+		   PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(4);
 	for (const ElasticConstants& c : materials) {
 		const double E = c.young, nu = c.poisson;
-		// Written with Young's modulus and Poisson's ratio, apart from the constants of the kernel.
-		const double direct = TestType::condition == Condition::planeStress ? E / (1 - nu * nu)
-		                                                                    : E * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
-		const double lateral = TestType::condition == Condition::planeStress ? E * nu / (1 - nu * nu)
-		                                                                     : E * nu / ((1 + nu) * (1 - 2 * nu));
+		// Written with Young's modulus and Poisson's ratio, apart from the constants of the
+		// kernel.
+		const double direct = TestType::condition == Condition::planeStress
+					      ? E / (1 - nu * nu)
+					      : E * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+		const double lateral = TestType::condition == Condition::planeStress
+					       ? E * nu / (1 - nu * nu)
+					       : E * nu / ((1 + nu) * (1 - 2 * nu));
 		const double shear = E / (2 * (1 + nu));
 		const double size = 1e-6;
 		const Mat<dim> H = random.matrix<dim>();
@@ -143,49 +163,60 @@ TEST_CASE("Neo-Hookean: the plane conditions are the 3D law in the plane", "[mat
 	for (const ElasticConstants& c : materials)
 		for (int n = 0; n < 30; ++n) {
 			Mat<2> F = random.deformation<2>(0.5);
-			// Newton's method for the thickness has most to do at the ends of what it promises.
+			// Newton's method for the thickness has most to do at the ends of what it
+			// promises.
 			if (n < 2) F *= std::sqrt((n == 0 ? 0.051 : 19.9) / F.determinant());
 			Mat<3> F3 = Mat<3>::Identity();
 			F3.topLeftCorner<2, 2>() = F;
 			const auto strain2 = respond<PlaneStrain>(F, c);
 			const auto strain3 = respond<Solid>(F3, c);
-			CHECK((strain2.P - strain3.P.topLeftCorner<2, 2>()).norm() < 1e-12 * std::max(1., strain2.P.norm()));
-			CHECK(std::abs(strain2.energy - strain3.energy) < 1e-12 * std::max(1., strain2.energy));
+			CHECK((strain2.P - strain3.P.topLeftCorner<2, 2>()).norm() <
+			      1e-12 * std::max(1., strain2.P.norm()));
+			CHECK(std::abs(strain2.energy - strain3.energy) <
+			      1e-12 * std::max(1., strain2.energy));
 
-			F3(2, 2) = std::exp(detail::thicknessStrain(std::log(F.determinant()), c.lambda(), c.mu()));
+			F3(2, 2) = std::exp(detail::thicknessStrain(std::log(F.determinant()),
+								    c.lambda(), c.mu()));
 			const auto stress2 = respond<PlaneStress>(F, c);
 			const auto stress3 = respond<Solid>(F3, c);
 			CHECK(std::abs(stress3.P(2, 2)) < 1e-12 * std::max(1., stress3.P.norm()));
-			CHECK((stress2.P - stress3.P.topLeftCorner<2, 2>()).norm() < 1e-12 * std::max(1., stress2.P.norm()));
-			CHECK(std::abs(stress2.energy - stress3.energy) < 1e-12 * std::max(1., stress2.energy));
+			CHECK((stress2.P - stress3.P.topLeftCorner<2, 2>()).norm() <
+			      1e-12 * std::max(1., stress2.P.norm()));
+			CHECK(std::abs(stress2.energy - stress3.energy) <
+			      1e-12 * std::max(1., stress2.energy));
 		}
 }
 
-TEMPLATE_TEST_CASE("Neo-Hookean: stiffening bounds the acoustic tensor", "[material]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Neo-Hookean: stiffening bounds the acoustic tensor", "[material]", PlaneStrain,
+		   PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(6);
 	int stiffened = 0;
 	for (const ElasticConstants& c : materials) {
 		const double rest = largestAcousticModulus<TestType>(Mat<dim>::Identity(), c);
-		CHECK(std::abs(rest / (c.effectiveLambda(TestType::condition) + 2 * c.mu()) - 1) < 1e-6);
+		CHECK(std::abs(rest / (c.effectiveLambda(TestType::condition) + 2 * c.mu()) - 1) <
+		      1e-6);
 		for (int n = 0; n < 12; ++n) {
 			const Mat<dim> F = random.deformation<dim>(0.4);
 			const double ratio = largestAcousticModulus<TestType>(F, c) / rest;
 			const double stiffening = respond<TestType>(F, c).stiffening;
 			CAPTURE(c.poisson, F, ratio, stiffening);
-			CHECK(std::max(1., stiffening) > (1 - 1e-5) * ratio); // what governs the time step
-			// Exact in 2D (up to the directions sampled); in 3D at most 4/3 of the largest stretch.
+			CHECK(std::max(1., stiffening) >
+			      (1 - 1e-5) * ratio); // what governs the time step
+			// Exact in 2D (up to the directions sampled); in 3D at most 4/3 of the
+			// largest stretch.
 			if (stiffening > 1) {
 				CHECK(stiffening > (1 - 1e-5) * ratio);
 				CHECK(stiffening < (dim == 2 ? 1.001 : 1.34) * ratio);
 				++stiffened;
 			}
 		}
-		// Where the grain is stretched so far that pressure waves are slower than shear waves, the time
-		// step is that of the state at rest.
+		// Where the grain is stretched so far that pressure waves are slower than shear
+		// waves, the time step is that of the state at rest.
 		const Mat<dim> F = 2.5 * Mat<dim>::Identity();
-		CHECK(std::max(1., respond<TestType>(F, c).stiffening) > largestAcousticModulus<TestType>(F, c) / rest);
+		CHECK(std::max(1., respond<TestType>(F, c).stiffening) >
+		      largestAcousticModulus<TestType>(F, c) / rest);
 	}
 	CHECK(stiffened > 10);
 }
@@ -203,16 +234,19 @@ TEMPLATE_TEST_CASE("Neo-Hookean: lanes do not mix", "[material]", PlaneStrain, P
 		constants.push_back({ random.uniform(1, 3), random.uniform(0, 0.49), 1 });
 		setLane<dim>(point, lame, l, F[l], constants[l]);
 	}
-	withLaw<dim>(Law::neoHookean, TestType::condition, [&](auto law) { law.evaluate(point, lame); });
+	withLaw<dim>(Law::neoHookean, TestType::condition,
+		     [&](auto law) { law.evaluate(point, lame); });
 	for (int l = 0; l < laneWidth; ++l) {
-		const auto together = getLane<dim>(point, l), alone = respond<TestType>(F[l], constants[l], 0);
+		const auto together = getLane<dim>(point, l),
+			   alone = respond<TestType>(F[l], constants[l], 0);
 		CHECK(together.P == alone.P);
 		CHECK(together.energy == alone.energy);
 		CHECK(together.stiffening == alone.stiffening);
 	}
 }
 
-TEMPLATE_TEST_CASE("Neo-Hookean: an inverted point is not finite", "[material]", PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Neo-Hookean: an inverted point is not finite", "[material]", PlaneStrain,
+		   PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Mat<dim> F = Mat<dim>::Identity();

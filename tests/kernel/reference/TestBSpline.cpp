@@ -1,5 +1,5 @@
-#include "reference/BSpline.hpp"
 #include "Helpers.hpp"
+#include "reference/BSpline.hpp"
 
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -12,7 +12,7 @@ namespace {
 /// Random coordinates, and the knots where the pieces of the splines meet.
 std::vector<double> coordinates()
 {
-	std::vector<double> x{ -2, -1.5, -1, -0.5, 0, 0.5, 1, 1.5, 2 };
+	std::vector<double> x { -2, -1.5, -1, -0.5, 0, 0.5, 1, 1.5, 2 };
 	Random random(1);
 	for (int k = 0; k < 200; ++k)
 		x.push_back(random.uniform(-5, 5));
@@ -50,8 +50,8 @@ TEST_CASE("B-splines: sums that define them", "[reference]")
 		CHECK(std::abs(position - x) < 1e-13);
 		CHECK(std::abs(slope) < 1e-14);
 		CHECK(std::abs(unit - 1) < 1e-13);
-		// A B-spline is the density of the sum of order + 1 uniform variables, each of variance 1/12;
-		// from order 2 on the sum over the integers meets the integral.
+		// A B-spline is the density of the sum of order + 1 uniform variables, each of
+		// variance 1/12; from order 2 on the sum over the integers meets the integral.
 		if (order > 1) CHECK(std::abs(variance - (order + 1) / 12.) < 1e-13);
 		for (int k = order + 1; k <= maxSplineOrder; ++k) {
 			CHECK(s.value[k] == 0);
@@ -68,11 +68,13 @@ TEST_CASE("B-splines: gradients are the derivatives of the values", "[reference]
 	for (int n = 0; n < 200; ++n) {
 		const double x = random.uniform(-5, 5);
 		CAPTURE(order, x);
-		if (std::abs(2 * x - std::round(2 * x)) < 1e-4) continue; // a knot between x - eps and x + eps
+		if (std::abs(2 * x - std::round(2 * x)) < 1e-4)
+			continue; // a knot between x - eps and x + eps
 		const SplineStencil s = splineStencil(order, x);
 		for (int k = 0; k <= order; ++k) {
 			const int i = s.first + k;
-			const double slope = (spline(order, x + eps, i) - spline(order, x - eps, i)) / (2 * eps);
+			const double slope =
+				(spline(order, x + eps, i) - spline(order, x - eps, i)) / (2 * eps);
 			CHECK(std::abs(s.gradient[k] - slope) < 1e-9);
 		}
 	}
@@ -89,6 +91,7 @@ TEST_CASE("B-splines: values at a node and support", "[reference]")
 	for (int order : { 1, 2, 3 }) { // continuous across all knots
 		for (double knot = -2.5; knot <= 2.5; knot += 0.5)
 			for (int i = -5; i <= 5; ++i)
-				CHECK(std::abs(spline(order, knot - 1e-12, i) - spline(order, knot + 1e-12, i)) < 1e-11);
+				CHECK(std::abs(spline(order, knot - 1e-12, i) -
+					       spline(order, knot + 1e-12, i)) < 1e-11);
 	}
 }

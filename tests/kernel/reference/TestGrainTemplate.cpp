@@ -1,6 +1,6 @@
-#include "reference/GrainTemplate.hpp"
 #include "Helpers.hpp"
 #include "reference/BackgroundGrid.hpp"
+#include "reference/GrainTemplate.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -17,7 +17,8 @@ template <int dim> std::vector<TemplateRecipe> recipes()
 {
 	std::vector<TemplateRecipe> list;
 	for (int order : { 1, 2, 3 })
-		for (double zeta : dim == 2 ? std::vector<double>{ 0.07, 0.11, 0.2, 0.29 } : std::vector<double>{ 0.2, 0.29 })
+		for (double zeta : dim == 2 ? std::vector<double> { 0.07, 0.11, 0.2, 0.29 }
+					    : std::vector<double> { 0.2, 0.29 })
 			for (double nodeSpacing : { 1.5, 2., 2.5 })
 				list.push_back(recipe(zeta, order, nodeSpacing));
 	list.push_back(recipe(0.2));
@@ -29,19 +30,20 @@ template <int dim> std::vector<TemplateRecipe> recipes()
 
 template <int dim> double lightest(const GrainTemplate<dim>& t)
 {
-	return *std::min_element(t.nodeMass.begin(), t.nodeMass.end())
-	        / *std::max_element(t.nodeMass.begin(), t.nodeMass.end());
+	return *std::min_element(t.nodeMass.begin(), t.nodeMass.end()) /
+	       *std::max_element(t.nodeMass.begin(), t.nodeMass.end());
 }
 
 } // namespace
 
-TEMPLATE_TEST_CASE_SIG("Grain template: masses are positive and sum to the volume", "[reference]", ((int dim), dim),
-                       2, 3)
+TEMPLATE_TEST_CASE_SIG("Grain template: masses are positive and sum to the volume", "[reference]",
+		       ((int dim), dim), 2, 3)
 {
 	std::vector<TemplateRecipe> list = recipes<dim>();
 	Random random(3); // which nodes are light depends on where the outline cuts the grid
 	for (int k = 0; k < (dim == 2 ? 60 : 6); ++k)
-		list.push_back(recipe(random.uniform(dim == 2 ? 0.08 : 0.2, 0.5), 1 + k % 3, random.uniform(1.5, 4)));
+		list.push_back(recipe(random.uniform(dim == 2 ? 0.08 : 0.2, 0.5), 1 + k % 3,
+				      random.uniform(1.5, 4)));
 	for (const TemplateRecipe& r : list) {
 		CAPTURE(r.zeta, r.order, r.nodeSpacing);
 		const auto t = makeGrainTemplate<dim>(r);
@@ -49,13 +51,14 @@ TEMPLATE_TEST_CASE_SIG("Grain template: masses are positive and sum to the volum
 		for (double m : t->nodeMass)
 			sum += m;
 		CHECK(std::abs(sum / UnitBall<dim>::volume() - 1) < 1e-13);
-		CHECK(lightest(*t) > 0.1 * lightNodeShare); // light nodes are tied, and tying makes none negative
+		CHECK(lightest(*t) >
+		      0.1 * lightNodeShare); // light nodes are tied, and tying makes none negative
 		CHECK(static_cast<int>(t->nodeMass.size()) == t->nodes());
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Grain template: shape functions reproduce affine fields at material points", "[reference]",
-                       ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Grain template: shape functions reproduce affine fields at material points",
+		       "[reference]", ((int dim), dim), 2, 3)
 {
 	for (const TemplateRecipe& r : recipes<dim>()) {
 		CAPTURE(r.zeta, r.order, r.nodeSpacing);
@@ -86,8 +89,8 @@ TEMPLATE_TEST_CASE_SIG("Grain template: shape functions reproduce affine fields 
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Grain template: gradients are the derivatives of the shape functions", "[reference]",
-                       ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Grain template: gradients are the derivatives of the shape functions",
+		       "[reference]", ((int dim), dim), 2, 3)
 {
 	// On a grid with tied nodes too, so that the extrapolation carries the gradients with it.
 	const double zeta = dim == 2 ? 0.13 : 0.25;
@@ -112,14 +115,18 @@ TEMPLATE_TEST_CASE_SIG("Grain template: gradients are the derivatives of the sha
 			const Eigen::MatrixXd here = dense(X);
 			for (int a = 0; a < dim; ++a) {
 				const Vec<dim> step = eps * Vec<dim>::Unit(a);
-				const Eigen::VectorXd slope = (dense(X + step).col(0) - dense(X - step).col(0)) / (2 * eps);
-				CHECK((slope - here.col(1 + a)).cwiseAbs().maxCoeff() < (order == 2 ? 1e-3 : 1e-6));
+				const Eigen::VectorXd slope =
+					(dense(X + step).col(0) - dense(X - step).col(0)) /
+					(2 * eps);
+				CHECK((slope - here.col(1 + a)).cwiseAbs().maxCoeff() <
+				      (order == 2 ? 1e-3 : 1e-6));
 			}
 		}
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Grain template: contact nodes follow affine motions", "[reference]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Grain template: contact nodes follow affine motions", "[reference]",
+		       ((int dim), dim), 2, 3)
 {
 	for (const TemplateRecipe& r : recipes<dim>()) {
 		CAPTURE(r.zeta, r.order, r.nodeSpacing);
@@ -131,7 +138,8 @@ TEMPLATE_TEST_CASE_SIG("Grain template: contact nodes follow affine motions", "[
 			Vec<dim> X = Vec<dim>::Zero();
 			for (int k = t->contactShapes.begin(s); k < t->contactShapes.end(s); ++k) {
 				N += t->contactShapes.value[k];
-				X += t->contactShapes.value[k] * t->nodePosition[t->contactShapes.column[k]];
+				X += t->contactShapes.value[k] *
+				     t->nodePosition[t->contactShapes.column[k]];
 			}
 			unity = std::max(unity, std::abs(N - 1));
 			position = std::max(position, (X - t->contactMesh.vertex[s]).norm());
@@ -141,13 +149,14 @@ TEMPLATE_TEST_CASE_SIG("Grain template: contact nodes follow affine motions", "[
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Grain template: a large share of tied nodes keeps mass and affine fields", "[reference]",
-                       ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Grain template: a large share of tied nodes keeps mass and affine fields",
+		       "[reference]", ((int dim), dim), 2, 3)
 {
 	// The default share ties few nodes; a large one exercises the extrapolation.
 	const double zeta = dim == 2 ? 0.11 : 0.25;
 	const auto quadrature = makeQuadrature<dim>(QuadratureRule::cutCell, zeta);
-	const BackgroundGrid<dim> all(3, 2 * zeta, quadrature, 0), tied(3, 2 * zeta, quadrature, 0.2);
+	const BackgroundGrid<dim> all(3, 2 * zeta, quadrature, 0),
+		tied(3, 2 * zeta, quadrature, 0.2);
 	CHECK(tied.position().size() < 0.8 * all.position().size());
 	double sum = 0;
 	for (double m : tied.mass()) {
@@ -169,14 +178,16 @@ TEMPLATE_TEST_CASE_SIG("Grain template: a large share of tied nodes keeps mass a
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Grain template: Delassus table is N M^-1 N^T", "[reference]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Grain template: Delassus table is N M^-1 N^T", "[reference]",
+		       ((int dim), dim), 2, 3)
 {
 	for (ContactGeometry contact : { ContactGeometry::surface, ContactGeometry::points }) {
 		TemplateRecipe r = recipe(dim == 2 ? 0.11 : 0.25);
 		r.contact = contact;
 		const auto t = makeGrainTemplate<dim>(r);
 		const int n = t->contactNodes();
-		Eigen::MatrixXd N = Eigen::MatrixXd::Zero(n, t->nodes()), W = Eigen::MatrixXd::Zero(n, n);
+		Eigen::MatrixXd N = Eigen::MatrixXd::Zero(n, t->nodes()),
+				W = Eigen::MatrixXd::Zero(n, n);
 		for (int s = 0; s < n; ++s) {
 			for (int k = t->contactShapes.begin(s); k < t->contactShapes.end(s); ++k)
 				N(s, t->contactShapes.column[k]) += t->contactShapes.value[k];
@@ -185,8 +196,9 @@ TEMPLATE_TEST_CASE_SIG("Grain template: Delassus table is N M^-1 N^T", "[referen
 				W(s, t->delassus.column[k]) = t->delassus.value[k];
 			}
 		}
-		const Eigen::VectorXd inverseMass
-		        = Eigen::Map<const Eigen::VectorXd>(t->nodeMass.data(), t->nodes()).cwiseInverse();
+		const Eigen::VectorXd inverseMass =
+			Eigen::Map<const Eigen::VectorXd>(t->nodeMass.data(), t->nodes())
+				.cwiseInverse();
 		const Eigen::MatrixXd exact = N * inverseMass.asDiagonal() * N.transpose();
 		CHECK((W - exact).norm() < 1e-12 * exact.norm());
 		CHECK((W - W.transpose()).norm() < 1e-14 * W.norm());
@@ -195,7 +207,8 @@ TEMPLATE_TEST_CASE_SIG("Grain template: Delassus table is N M^-1 N^T", "[referen
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Grain template: contact nodes of both geometries", "[reference]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Grain template: contact nodes of both geometries", "[reference]",
+		       ((int dim), dim), 2, 3)
 {
 	TemplateRecipe r = recipe(0.2);
 	r.surfaceSpacing = 1.25;
@@ -220,7 +233,8 @@ TEST_CASE("Grain template: inadmissible recipes name the parameter and its value
 		change(r);
 		return complaintOf([&] { makeGrainTemplate<2>(r); });
 	};
-	auto names = [](const std::string& message, const std::string& name, const std::string& value) {
+	auto names = [](const std::string& message, const std::string& name,
+			const std::string& value) {
 		CAPTURE(message, name);
 		CHECK(message.starts_with(name + " = " + value));
 		CHECK(message.find("range") != std::string::npos);
@@ -228,14 +242,18 @@ TEST_CASE("Grain template: inadmissible recipes name the parameter and its value
 	names(complaint([](TemplateRecipe& r) { r.zeta = 3; }), "zeta", "3");
 	names(complaint([](TemplateRecipe& r) { r.zeta = 0; }), "zeta", "0");
 	names(complaint([](TemplateRecipe& r) { r.zeta = -0.1; }), "zeta", "-0.1");
-	names(complaint([](TemplateRecipe& r) { r.zeta = std::numeric_limits<double>::quiet_NaN(); }), "zeta", "nan");
+	names(complaint(
+		      [](TemplateRecipe& r) { r.zeta = std::numeric_limits<double>::quiet_NaN(); }),
+	      "zeta", "nan");
 	names(complaint([](TemplateRecipe& r) { r.order = 5; }), "order", "5");
 	names(complaint([](TemplateRecipe& r) { r.order = 0; }), "order", "0");
 	names(complaint([](TemplateRecipe& r) { r.nodeSpacing = 1; }), "nodeSpacing", "1");
 	names(complaint([](TemplateRecipe& r) { r.nodeSpacing = 5; }), "nodeSpacing", "5");
-	names(complaint([](TemplateRecipe& r) { r.surfaceSpacing = 0.1; }), "surfaceSpacing", "0.1");
+	names(complaint([](TemplateRecipe& r) { r.surfaceSpacing = 0.1; }), "surfaceSpacing",
+	      "0.1");
 	names(complaint([](TemplateRecipe& r) { r.surfaceSpacing = 7; }), "surfaceSpacing", "7");
-	CHECK(complaint([](TemplateRecipe& r) { r.zeta = 0.5; }) == ""); // the ends of the ranges are inside
+	CHECK(complaint([](TemplateRecipe& r) { r.zeta = 0.5; }) ==
+	      ""); // the ends of the ranges are inside
 }
 
 TEST_CASE("Grain template: recipes that differ anywhere are not taken for congruent", "[reference]")

@@ -1,5 +1,5 @@
-#include "reference/Outline.hpp"
 #include "Helpers.hpp"
+#include "reference/Outline.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
@@ -19,7 +19,8 @@ Vec<2> areaVector(const OutlineMesh<2>& m, int f)
 }
 Vec<3> areaVector(const OutlineMesh<3>& m, int f)
 {
-	const Vec<3>&a = m.vertex[m.facet[f][0]], &b = m.vertex[m.facet[f][1]], &c = m.vertex[m.facet[f][2]];
+	const Vec<3>&a = m.vertex[m.facet[f][0]], &b = m.vertex[m.facet[f][1]],
+	      &c = m.vertex[m.facet[f][2]];
 	return 0.5 * (b - a).cross(c - a);
 }
 
@@ -60,7 +61,8 @@ TEST_CASE("Outline: volume and signed distance of the unit ball", "[reference]")
 	CHECK(UnitBall<3>::signedDistance({ 0, 3, 4 }) == 4);
 }
 
-TEMPLATE_TEST_CASE_SIG("Outline: vertices on the ball, facets outwards", "[reference]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Outline: vertices on the ball, facets outwards", "[reference]",
+		       ((int dim), dim), 2, 3)
 {
 	for (double spacing : { 0.05, 0.11, 0.3, 1., 2. }) {
 		CAPTURE(spacing);
@@ -75,7 +77,8 @@ TEMPLATE_TEST_CASE_SIG("Outline: vertices on the ball, facets outwards", "[refer
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Outline: closed, every edge once in each direction", "[reference]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Outline: closed, every edge once in each direction", "[reference]",
+		       ((int dim), dim), 2, 3)
 {
 	for (double spacing : { 0.07, 0.2, 0.5 }) {
 		const auto mesh = UnitBall<dim>::mesh(spacing);
@@ -100,21 +103,26 @@ TEMPLATE_TEST_CASE_SIG("Outline: closed, every edge once in each direction", "[r
 					++edges[{ f[i], f[(i + 1) % 3] }];
 			bool paired = true;
 			for (const auto& [edge, count] : edges)
-				paired = paired && count == 1 && edges.count({ edge.second, edge.first });
+				paired = paired && count == 1 &&
+					 edges.count({ edge.second, edge.first });
 			CHECK(paired);
-			const int V = mesh.vertex.size(), E = edges.size() / 2, F = mesh.facet.size();
+			const int V = mesh.vertex.size(), E = edges.size() / 2,
+				  F = mesh.facet.size();
 			CHECK(V - E + F == 2);
 		}
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Outline: enclosed volume converges at second order from below", "[reference]",
-                       ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Outline: enclosed volume converges at second order from below",
+		       "[reference]", ((int dim), dim), 2, 3)
 {
 	double last = 0;
 	for (int n : { 1, 2, 4, 8 }) {
-		const double spacing = 0.52575 / n; // halves the edges in 3D too, where they divide the icosahedron's
-		const double error = 1 - enclosed(UnitBall<dim>::mesh(spacing)) / UnitBall<dim>::volume();
+		const double spacing =
+			0.52575 /
+			n; // halves the edges in 3D too, where they divide the icosahedron's
+		const double error =
+			1 - enclosed(UnitBall<dim>::mesh(spacing)) / UnitBall<dim>::volume();
 		CAPTURE(spacing, error);
 		CHECK(error > 0);
 		if (n > 1) {
@@ -126,7 +134,8 @@ TEMPLATE_TEST_CASE_SIG("Outline: enclosed volume converges at second order from 
 	CHECK(last < 1e-2);
 }
 
-TEMPLATE_TEST_CASE_SIG("Outline: mean edge near the spacing asked for", "[reference]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Outline: mean edge near the spacing asked for", "[reference]",
+		       ((int dim), dim), 2, 3)
 {
 	for (double spacing : { 0.05, 0.11, 0.2, 0.25 }) {
 		CAPTURE(spacing);

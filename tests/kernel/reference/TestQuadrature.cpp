@@ -1,6 +1,6 @@
-#include "reference/Quadrature.hpp"
 #include "Helpers.hpp"
 #include "reference/Outline.hpp"
+#include "reference/Quadrature.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,8 @@ using namespace softgrain;
 
 namespace {
 
-template <int dim> constexpr double exactVolume = dim == 2 ? std::numbers::pi : 4 * std::numbers::pi / 3;
+template <int dim>
+constexpr double exactVolume = dim == 2 ? std::numbers::pi : 4 * std::numbers::pi / 3;
 
 template <int dim> Mat<dim> secondMoment(const Quadrature<dim>& q)
 {
@@ -49,16 +50,18 @@ TEMPLATE_TEST_CASE_SIG("Quadrature: moments of the ball", "[reference]", ((int d
 		}
 }
 
-TEMPLATE_TEST_CASE_SIG("Quadrature: cut cells miss the second moment by that of a cell", "[reference]",
-                       ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Quadrature: cut cells miss the second moment by that of a cell",
+		       "[reference]", ((int dim), dim), 2, 3)
 {
-	// Exact: V/(dim + 2). A centroid rule loses the moment of each cell about its centroid, dr^2/12 per
-	// unit of volume and less where cells are cut, hence second order and always from below.
+	// Exact: V/(dim + 2). A centroid rule loses the moment of each cell about its centroid,
+	// dr^2/12 per unit of volume and less where cells are cut, hence second order and always
+	// from below.
 	const double exact = exactVolume<dim> / (dim + 2);
 	for (double spacing : { 0.1, 0.11, 0.2, 0.25, 0.37 }) {
 		if (dim == 3 && spacing < 0.11) continue;
 		CAPTURE(spacing);
-		const Mat<dim> moment = secondMoment(makeQuadrature<dim>(QuadratureRule::cutCell, spacing));
+		const Mat<dim> moment =
+			secondMoment(makeQuadrature<dim>(QuadratureRule::cutCell, spacing));
 		const double cell = exactVolume<dim> * spacing * spacing / 12;
 		for (int a = 0; a < dim; ++a)
 			for (int b = 0; b < dim; ++b)
@@ -70,8 +73,8 @@ TEMPLATE_TEST_CASE_SIG("Quadrature: cut cells miss the second moment by that of 
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Quadrature: points inside, one a cell and one a part of a cell at the rim", "[reference]", ((int dim), dim),
-                       2, 3)
+TEMPLATE_TEST_CASE_SIG("Quadrature: points inside, one a cell and one a part of a cell at the rim",
+		       "[reference]", ((int dim), dim), 2, 3)
 {
 	for (double spacing : { 0.15, 0.2, 0.33 }) {
 		CAPTURE(spacing);
@@ -80,16 +83,19 @@ TEMPLATE_TEST_CASE_SIG("Quadrature: points inside, one a cell and one a part of 
 		std::set<std::array<int, dim>> cells;
 		std::size_t whole = 0;
 		for (std::size_t p = 0; p < q.point.size(); ++p) {
-			CHECK(q.point[p].norm() < 1 + spacing / (dim == 2 ? 64 : 16)); // the resolution of the cuts
+			CHECK(q.point[p].norm() <
+			      1 + spacing / (dim == 2 ? 64 : 16)); // the resolution of the cuts
 			CHECK(q.weight[p] > 0);
-			// The sum is scaled to the exact volume; the scale tells how well the cuts were resolved.
+			// The sum is scaled to the exact volume; the scale tells how well the cuts
+			// were resolved.
 			const double most = dim == 2 ? 1 + 1e-5 : 1 + 1e-3;
 			CHECK(q.weight[p] < most * cell);
 			CHECK(cells.insert(cellOf<dim>(q.point[p], 0.5 * spacing)).second);
 			Vec<dim> centre;
 			for (int a = 0; a < dim; ++a)
 				centre[a] = (std::floor(q.point[p][a] / spacing) + 0.5) * spacing;
-			if (centre.norm() > 1 - 0.499 * spacing) CHECK(q.weight[p] < most * cell / (1 << dim));
+			if (centre.norm() > 1 - 0.499 * spacing)
+				CHECK(q.weight[p] < most * cell / (1 << dim));
 			if (centre.norm() < 1 - 0.501 * spacing) ++whole;
 		}
 		const double uncut = *std::max_element(q.weight.begin(), q.weight.end());
@@ -99,7 +105,8 @@ TEMPLATE_TEST_CASE_SIG("Quadrature: points inside, one a cell and one a part of 
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Quadrature: lattice points have uniform weights", "[reference]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Quadrature: lattice points have uniform weights", "[reference]",
+		       ((int dim), dim), 2, 3)
 {
 	const double spacing = 0.2;
 	const auto q = makeQuadrature<dim>(QuadratureRule::lattice, spacing);
@@ -115,14 +122,15 @@ TEMPLATE_TEST_CASE_SIG("Quadrature: lattice points have uniform weights", "[refe
 	for (std::size_t p = 0; p < q.point.size(); ++p) {
 		CHECK(q.weight[p] == q.weight[0]);
 		for (int a = 0; a < dim; ++a) {
-			const double inCell = q.point[p][a] / spacing - std::floor(q.point[p][a] / spacing);
+			const double inCell =
+				q.point[p][a] / spacing - std::floor(q.point[p][a] / spacing);
 			CHECK(std::abs(inCell - 0.5) < 1e-12);
 		}
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Quadrature: boundary points, one a cell beside an empty one", "[reference]", ((int dim), dim),
-                       2, 3)
+TEMPLATE_TEST_CASE_SIG("Quadrature: boundary points, one a cell beside an empty one", "[reference]",
+		       ((int dim), dim), 2, 3)
 {
 	const double spacing = 0.2;
 	for (QuadratureRule rule : { QuadratureRule::cutCell, QuadratureRule::lattice }) {

@@ -1,4 +1,5 @@
-// A system with its pairs and planes, driven as the host does: forces, search, step, motion of the planes.
+// A system with its pairs and planes, driven as the host does: forces, search, step, motion of the
+// planes.
 #pragma once
 
 #include "Helpers.hpp"
@@ -34,7 +35,7 @@ template <int dim> struct Scene {
 			}
 	}
 	ContactList<dim>& addPlane(int grain, const Vec<dim>& point, const Vec<dim>& normal,
-	                           const Vec<dim>& velocity = Vec<dim>::Zero(), double friction = 0)
+				   const Vec<dim>& velocity = Vec<dim>::Zero(), double friction = 0)
 	{
 		ContactList<dim> list;
 		list.first = grain;
@@ -49,10 +50,11 @@ template <int dim> struct Scene {
 		std::vector<ContactList<dim>*> pointers;
 		for (ContactList<dim>& list : lists) {
 			if (list.second < 0)
-				findContacts(system.body(list.first), system.reach(list.first, list.plane, dt), list);
+				findContacts(system.body(list.first),
+					     system.reach(list.first, list.plane, dt), list);
 			else
 				findContacts(system.body(list.first), system.body(list.second),
-				             system.reach(list.first, list.second, dt), list);
+					     system.reach(list.first, list.second, dt), list);
 			pointers.push_back(&list);
 		}
 		const StepReport report = system.step(settings, pointers);
@@ -68,9 +70,13 @@ template <int dim> struct Scene {
 	StepReport advance()
 	{
 		system.updateForces(settings.threads);
-		return advance(courant * system.criticalTimeStep() / std::sqrt(system.stiffening()));
+		return advance(courant * system.criticalTimeStep() /
+			       std::sqrt(system.stiffening()));
 	}
-	WholeGrain<dim> whole(int g) const { return wholeGrain(system.batchOf(g), system.laneOf(g)); }
+	WholeGrain<dim> whole(int g) const
+	{
+		return wholeGrain(system.batchOf(g), system.laneOf(g));
+	}
 	Vec<dim> momentum() const
 	{
 		Vec<dim> sum = Vec<dim>::Zero();
@@ -85,8 +91,10 @@ template <int dim> struct Scene {
 		for (int g = 0; g < system.grains(); ++g)
 			for (int I = 0; I < system.batchOf(g).reference->nodes(); ++I)
 				for (int a = 0; a < dim; ++a) {
-					all.push_back(system.batchOf(g).x.get(system.laneOf(g), I)[a]);
-					all.push_back(system.batchOf(g).v.get(system.laneOf(g), I)[a]);
+					all.push_back(
+						system.batchOf(g).x.get(system.laneOf(g), I)[a]);
+					all.push_back(
+						system.batchOf(g).v.get(system.laneOf(g), I)[a]);
 				}
 		return all;
 	}

@@ -25,8 +25,9 @@ struct Compression {
 /// Both planes close in at `speed`/2; the force is the mean over a window of approaches about each
 /// reference, wide enough for the grain to bounce at least once to and fro.
 template <int dim>
-Compression compress(const TemplateRecipe& r, double speed, const std::vector<Reference>& references,
-                     Condition condition = usualCondition<dim>)
+Compression compress(const TemplateRecipe& r, double speed,
+		     const std::vector<Reference>& references,
+		     Condition condition = usualCondition<dim>)
 {
 	const double R = 0.01, D = 2 * R, E = 1e6, window = 0.006;
 	Scene<dim> scene;
@@ -48,7 +49,8 @@ Compression compress(const TemplateRecipe& r, double speed, const std::vector<Re
 				for (const Contact<dim>& c : list.contacts)
 					impulse += 0.5 * c.impulse.norm();
 		}
-		result.error.push_back(impulse / span / (E * std::pow(D, dim - 1)) / reference.force - 1);
+		result.error.push_back(
+			impulse / span / (E * std::pow(D, dim - 1)) / reference.force - 1);
 	}
 	const EnergyBalance& e = scene.system.energy();
 	result.imbalance = (e.planes - e.impact - e.friction - e.kinetic - e.elastic) / e.planes;

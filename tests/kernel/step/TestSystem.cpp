@@ -15,7 +15,8 @@ namespace {
 
 /// Grains at the given places, 10 mm in radius unless told, all of one batch.
 template <int dim>
-Batch<dim> grainsAt(double zeta, const std::vector<Vec<dim>>& places, const std::vector<double>& radii = {})
+Batch<dim> grainsAt(double zeta, const std::vector<Vec<dim>>& places,
+		    const std::vector<double>& radii = {})
 {
 	std::vector<GrainParameters<dim>> grains;
 	for (std::size_t g = 0; g < places.size(); ++g) {
@@ -23,7 +24,8 @@ Batch<dim> grainsAt(double zeta, const std::vector<Vec<dim>>& places, const std:
 		grains.back().origin = places[g];
 		if (g < radii.size()) grains.back().radius = radii[g];
 	}
-	return Batch<dim>(makeGrainTemplate<dim>(recipe(zeta)), Law::neoHookean, usualCondition<dim>, grains);
+	return Batch<dim>(makeGrainTemplate<dim>(recipe(zeta)), Law::neoHookean,
+			  usualCondition<dim>, grains);
 }
 
 template <int dim> void setVelocity(Batch<dim>& batch, int g, const Vec<dim>& v)
@@ -40,7 +42,8 @@ template <int dim> Mat<dim> angularMomentum(const Scene<dim>& scene)
 		const Batch<dim>& batch = scene.system.batchOf(g);
 		const int lane = scene.system.laneOf(g);
 		for (int I = 0; I < batch.reference->nodes(); ++I)
-			sum += batch.nodeMass(lane, I) * batch.position(lane, I) * batch.v.get(lane, I).transpose();
+			sum += batch.nodeMass(lane, I) * batch.position(lane, I) *
+			       batch.v.get(lane, I).transpose();
 	}
 	return sum - sum.transpose();
 }
@@ -52,8 +55,15 @@ Scene<2> squeezedPacking(int threads, bool shuffled)
 	scene.settings.threads = threads;
 	scene.settings.trackEnergy = true;
 	const double a = 0.0202;
-	scene.add(grainsAt<2>(0.35, { { 0, 0 }, { a, 0 }, { 2 * a, 0 }, { 0, a }, { a, a }, { 2 * a, a }, { 0, 2 * a },
-	                              { a, 2 * a }, { 2 * a, 2 * a } }));
+	scene.add(grainsAt<2>(0.35, { { 0, 0 },
+				      { a, 0 },
+				      { 2 * a, 0 },
+				      { 0, a },
+				      { a, a },
+				      { 2 * a, a },
+				      { 0, 2 * a },
+				      { a, 2 * a },
+				      { 2 * a, 2 * a } }));
 	scene.add(grainsAt<2>(0.4, { { 0.5 * a, 0.5 * a } }, { 0.0035 }));
 	scene.addPairs(0.3);
 	for (int g = 0; g < scene.system.grains(); ++g) {
@@ -110,7 +120,8 @@ TEMPLATE_TEST_CASE_SIG("Impact: two grains head-on", "[step]", ((int dim), dim),
 		scene.advance();
 		const EnergyBalance& e = scene.system.energy();
 		elastic = std::max(elastic, e.elastic);
-		imbalance = std::max(imbalance, std::abs(e.kinetic + e.elastic + e.impact + e.friction - initial));
+		imbalance = std::max(imbalance, std::abs(e.kinetic + e.elastic + e.impact +
+							 e.friction - initial));
 	}
 	const EnergyBalance& e = scene.system.energy();
 	const double v0 = scene.whole(0).velocity[0], v1 = scene.whole(1).velocity[0];
@@ -128,11 +139,13 @@ TEMPLATE_TEST_CASE_SIG("Impact: two grains head-on", "[step]", ((int dim), dim),
 	CHECK(scene.failures == 0);
 }
 
-TEMPLATE_TEST_CASE_SIG("Impact: off-centre with friction and different sizes", "[step]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Impact: off-centre with friction and different sizes", "[step]",
+		       ((int dim), dim), 2, 3)
 {
 	const double zeta = dim == 2 ? 0.15 : 0.3;
-	auto batch = grainsAt<dim>(zeta, { Vec<dim>::Zero(), 0.017 * Vec<dim>::Unit(0) + 0.006 * Vec<dim>::Unit(1) },
-	                           { 0.01, 0.008 });
+	auto batch = grainsAt<dim>(
+		zeta, { Vec<dim>::Zero(), 0.017 * Vec<dim>::Unit(0) + 0.006 * Vec<dim>::Unit(1) },
+		{ 0.01, 0.008 });
 	setVelocity<dim>(batch, 1, Vec<dim>(-0.7 * Vec<dim>::Unit(0)));
 	Scene<dim> scene;
 	scene.settings.trackEnergy = true;
@@ -145,10 +158,11 @@ TEMPLATE_TEST_CASE_SIG("Impact: off-centre with friction and different sizes", "
 		scene.advance();
 	const EnergyBalance& e = scene.system.energy();
 	const double lost = (angularMomentum(scene) - turning).norm() / turning.norm();
-	CAPTURE(lost, e.friction / initial, e.impact / initial, (e.kinetic + e.elastic + e.friction + e.impact) / initial - 1);
+	CAPTURE(lost, e.friction / initial, e.impact / initial,
+		(e.kinetic + e.elastic + e.friction + e.impact) / initial - 1);
 	CHECK((scene.momentum() - before).norm() < 1e-13 * before.norm());
-	// Impulses act on the chord of an outline, not on its arc: friction has a lever of gap and bulge,
-	// h^2/8R, here half a per cent of that of the impact.
+	// Impulses act on the chord of an outline, not on its arc: friction has a lever of gap and
+	// bulge, h^2/8R, here half a per cent of that of the impact.
 	CHECK(lost < 1e-2);
 	CHECK(scene.whole(0).angularVelocity.norm() > 1);
 	CHECK(e.friction > 1e-3 * initial);
@@ -156,9 +170,11 @@ TEMPLATE_TEST_CASE_SIG("Impact: off-centre with friction and different sizes", "
 	CHECK(std::abs(e.kinetic + e.elastic + e.friction + e.impact - initial) < 5e-3 * initial);
 }
 
-TEMPLATE_TEST_CASE_SIG("System: an inverted point stops the step and leaves the state", "[step]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("System: an inverted point stops the step and leaves the state", "[step]",
+		       ((int dim), dim), 2, 3)
 {
-	auto batch = grainsAt<dim>(0.35, { Vec<dim>::Zero(), 0.03 * Vec<dim>::Unit(0), 0.06 * Vec<dim>::Unit(0) });
+	auto batch = grainsAt<dim>(
+		0.35, { Vec<dim>::Zero(), 0.03 * Vec<dim>::Unit(0), 0.06 * Vec<dim>::Unit(0) });
 	for (int I = 0; I < batch.reference->nodes(); ++I) {
 		Vec<dim> x = batch.x.get(1, I);
 		if (x[0] > 0.004) x[0] = 0.002 - x[0]; // folds one side over
@@ -170,7 +186,9 @@ TEMPLATE_TEST_CASE_SIG("System: an inverted point stops the step and leaves the 
 		if (!(responses[p].J > 0)) point = p;
 	REQUIRE(point >= 0);
 	Scene<dim> scene;
-	scene.add(grainsAt<dim>(0.35, { 0.1 * Vec<dim>::Unit(1) })); // so that the index in the system is not the lane
+	scene.add(grainsAt<dim>(
+		0.35,
+		{ 0.1 * Vec<dim>::Unit(1) })); // so that the index in the system is not the lane
 	scene.add(std::move(batch));
 	const auto before = scene.state();
 	try {
@@ -184,8 +202,9 @@ TEMPLATE_TEST_CASE_SIG("System: an inverted point stops the step and leaves the 
 	CHECK(scene.state() == before);
 }
 
-TEMPLATE_TEST_CASE_SIG("System: a velocity that is not finite stops the step and leaves the positions", "[step]",
-                       ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG(
+	"System: a velocity that is not finite stops the step and leaves the positions", "[step]",
+	((int dim), dim), 2, 3)
 {
 	Scene<dim> scene;
 	scene.add(grainsAt<dim>(0.35, { Vec<dim>::Zero(), 0.03 * Vec<dim>::Unit(0) }));
@@ -212,8 +231,9 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 	scene.add(grainsAt<2>(0.35, { { 0, 0 }, { 0.03, 0 } }, { 0.01, 0.005 }));
 	scene.add(grainsAt<2>(0.35, { { 0, 0.03 } }));
 	const auto& small = scene.system.batchOf(1);
-	CHECK(std::abs(scene.system.criticalTimeStep() / criticalTimeStep(*small.reference, small.condition, small.grain[1]) - 1)
-	      < 1e-14);
+	CHECK(std::abs(scene.system.criticalTimeStep() /
+			       criticalTimeStep(*small.reference, small.condition, small.grain[1]) -
+		       1) < 1e-14);
 	scene.system.updateForces(1);
 	CHECK(std::abs(scene.system.stiffening() - 1) < 1e-6);
 	deform<2>(scene.system.batchOf(2), 0, 0.8 * Mat<2>::Identity());
@@ -228,7 +248,7 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 	setVelocity<2>(scene.system.batchOf(1), 1, { 0, -2 });
 	scene.system.updateSurfaces(1);
 	CHECK(std::abs(scene.system.reach(0, 1, dt) - 2 * dt * 7) < 1e-12);
-	const Plane<2> plane{ { 0, 0 }, { 0, 1 }, { 0, 1 } };
+	const Plane<2> plane { { 0, 0 }, { 0, 1 }, { 0, 1 } };
 	CHECK(std::abs(scene.system.reach(0, plane, dt) - 2 * dt * 6) < 1e-12);
 }
 

@@ -12,7 +12,7 @@ namespace softgrain {
 
 /// Names a contact from step to step: the node, and for disk against disk the other node too.
 struct ContactKey {
-	int side;  ///< 0: the node belongs to the pair's first body, 1: to the second
+	int side; ///< 0: the node belongs to the pair's first body, 1: to the second
 	int node;
 	int other; ///< node of the other body, or -1 against an outline or a plane
 
@@ -26,11 +26,11 @@ struct ContactKey {
 /// One contact node of one body against a place on another body.
 template <int dim> struct Contact {
 	ContactKey key;
-	int partners = 0;                   ///< nodes of the other body it leans on: 0 (plane), 1 or dim
-	std::array<int, dim> partner{};     ///< these nodes
-	std::array<double, dim> weight{};   ///< their shares, sum 1
-	Vec<dim> normal = Vec<dim>::Zero(); ///< unit, from the other body to the node
-	double gap = 0;                     ///< m, negative for an overlap
+	int partners = 0; ///< nodes of the other body it leans on: 0 (plane), 1 or dim
+	std::array<int, dim> partner {};     ///< these nodes
+	std::array<double, dim> weight {};   ///< their shares, sum 1
+	Vec<dim> normal = Vec<dim>::Zero();  ///< unit, from the other body to the node
+	double gap = 0;                      ///< m, negative for an overlap
 	Vec<dim> impulse = Vec<dim>::Zero(); ///< r on the node, -r on the partners, N s
 };
 
@@ -43,15 +43,19 @@ template <int dim> struct Plane {
 
 /// All contacts of two bodies, sorted by key.
 template <int dim> struct ContactList {
-	int first = -1;        ///< index of the first body
-	int second = -1;       ///< index of the second body; negative: `plane`, the number its name
+	int first = -1;  ///< index of the first body
+	int second = -1; ///< index of the second body; negative: `plane`, the number its name
 	Plane<dim> plane;
-	double friction = 0;   ///< coefficient mu
-	double deepest = 0;    ///< largest overlap met by the search, in dr; infinite for nested grains
+	double friction = 0; ///< coefficient mu
+	double deepest =
+		0; ///< largest overlap met by the search, in dr; infinite for nested grains
 	std::vector<Contact<dim>> contacts;
 
 	/// By first body; its planes in the order of their names, then its grains.
-	std::tuple<int, bool, int> sweepOrder() const { return { first, second >= 0, std::abs(second) }; }
+	std::tuple<int, bool, int> sweepOrder() const
+	{
+		return { first, second >= 0, std::abs(second) };
+	}
 };
 
 } // namespace softgrain

@@ -1,5 +1,5 @@
-// What contact sees of a grain: positions and velocities of its contact nodes, and the constant table
-// that turns impulses on them into velocities of them. Nothing of the background grid.
+// What contact sees of a grain: positions and velocities of its contact nodes, and the constant
+// table that turns impulses on them into velocities of them. Nothing of the background grid.
 #pragma once
 
 #include "Vector.hpp"
@@ -15,7 +15,8 @@ template <int dim> struct Box {
 
 	bool overlaps(const Box& other) const
 	{
-		return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+		return (low.array() <= other.high.array()).all() &&
+		       (other.low.array() <= high.array()).all();
 	}
 	bool contains(const Vec<dim>& x) const
 	{
@@ -26,19 +27,22 @@ template <int dim> struct Box {
 };
 
 template <int dim> struct ContactBody {
-	const OutlineMesh<dim>* mesh = nullptr;    ///< facets; without any the contact nodes are disks (spheres)
+	const OutlineMesh<dim>* mesh =
+		nullptr; ///< facets; without any the contact nodes are disks (spheres)
 	const SparseRows<double>* delassus = nullptr;
 	double delassusScale = 0; ///< 1/(rho R^dim); table times this is W_ss', 1/kg
 	double nodeRadius = 0;    ///< of the disk about a contact node, m; 0 on a surface
 	double pointSpacing = 0;  ///< dr, m: the measure of overlaps
 
 	std::vector<Vec<dim>> position; ///< xs at t_n, m
-	std::vector<Vec<dim>> normal;   ///< outward unit normals at the contact nodes; empty without facets
+	std::vector<Vec<dim>>
+		normal; ///< outward unit normals at the contact nodes; empty without facets
 	std::vector<Vec<dim>> velocity; ///< vs at t_n + dt/2, being solved, m/s
-	std::vector<Vec<dim>> velocityBefore; ///< vs at t_n - dt/2, m/s; empty unless energies are tracked
-	std::vector<Vec<dim>> impulse;        ///< sum of the reactions on each node, N s
-	Box<dim> box;                         ///< of the positions, node radii included
-	double fastest = 0;                   ///< largest speed of a node, m/s
+	std::vector<Vec<dim>>
+		velocityBefore;        ///< vs at t_n - dt/2, m/s; empty unless energies are tracked
+	std::vector<Vec<dim>> impulse; ///< sum of the reactions on each node, N s
+	Box<dim> box;                  ///< of the positions, node radii included
+	double fastest = 0;            ///< largest speed of a node, m/s
 
 	int nodes() const { return static_cast<int>(position.size()); }
 	bool isSurface() const { return !mesh->facet.empty(); }

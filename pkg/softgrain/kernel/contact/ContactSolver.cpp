@@ -18,42 +18,51 @@ template <int dim> Vec<dim> onCone(const Vec<dim>& r, const Vec<dim>& n, double 
 	return normal * n + (bound / size) * tangential;
 }
 
-template <int dim> double inverseMobility(const Contact<dim>& contact, const ContactBody<dim>& body, const ContactBody<dim>* partner)
+template <int dim>
+double inverseMobility(const Contact<dim>& contact, const ContactBody<dim>& body,
+		       const ContactBody<dim>* partner)
 {
 	double W = body.mobility(contact.key.node, contact.key.node);
 	for (int i = 0; i < contact.partners; ++i)
 		for (int j = 0; j < contact.partners; ++j)
-			W += contact.weight[i] * contact.weight[j] * partner->mobility(contact.partner[i], contact.partner[j]);
+			W += contact.weight[i] * contact.weight[j] *
+			     partner->mobility(contact.partner[i], contact.partner[j]);
 	return 1 / W;
 }
 
 } // namespace
 
 template <int dim>
-void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, std::vector<ContactList<dim>*>& lists, double dt,
-                                 const SolverSettings& settings)
+void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
+				 std::vector<ContactList<dim>*>& lists, double dt,
+				 const SolverSettings& settings)
 {
 	settings_ = settings;
 	constraints_.clear();
 	for (ContactList<dim>* list : lists)
 		for (Contact<dim>& contact : list->contacts) {
 			ContactBody<dim>* first = &bodies[list->first];
-			ContactBody<dim>* second = list->second < 0 ? nullptr : &bodies[list->second];
+			ContactBody<dim>* second =
+				list->second < 0 ? nullptr : &bodies[list->second];
 			Constraint c;
 			c.contact = &contact;
 			c.body = contact.key.side == 0 ? first : second;
 			c.partner = contact.key.side == 0 ? second : first;
-			c.planeVelocity = second ? Vec<dim>(Vec<dim>::Zero()) : list->plane.velocity;
+			c.planeVelocity =
+				second ? Vec<dim>(Vec<dim>::Zero()) : list->plane.velocity;
 			c.inverseW = inverseMobility(contact, *c.body, c.partner);
-			c.bias = contact.gap >= 0 ? contact.gap / dt
-			                          : std::max(settings.overlapRelaxation * contact.gap / dt, -settings.overlapSpeed);
+			c.bias = contact.gap >= 0
+					 ? contact.gap / dt
+					 : std::max(settings.overlapRelaxation * contact.gap / dt,
+						    -settings.overlapSpeed);
 			c.friction = list->friction;
 			constraints_.push_back(c);
 		}
 }
 
 template <int dim>
-Vec<dim> ContactSolver<dim>::relativeVelocity(const Constraint& c, std::vector<Vec<dim>> ContactBody<dim>::*field) const
+Vec<dim> ContactSolver<dim>::relativeVelocity(const Constraint& c,
+					      std::vector<Vec<dim>> ContactBody<dim>::* field) const
 {
 	const Contact<dim>& contact = *c.contact;
 	Vec<dim> u = (c.body->*field)[contact.key.node] - c.planeVelocity;
@@ -70,7 +79,8 @@ template <int dim> void ContactSolver<dim>::applyImpulse(const Constraint& c, co
 		c.partner->push(contact.partner[i], -contact.weight[i] * J);
 }
 
-template <int dim> Vec<dim> ContactSolver<dim>::solvedImpulse(const Constraint& c, const Vec<dim>& r) const
+template <int dim>
+Vec<dim> ContactSolver<dim>::solvedImpulse(const Constraint& c, const Vec<dim>& r) const
 {
 	const Vec<dim>& n = c.contact->normal;
 	const Vec<dim> u = relativeVelocity(c, &ContactBody<dim>::velocity);
@@ -122,7 +132,9 @@ template <int dim> double ContactSolver<dim>::residual() const
 	double largest = 0, violation = 0;
 	for (const Constraint& c : constraints_) {
 		largest = std::max(largest, c.contact->impulse.norm());
-		violation = std::max(violation, (solvedImpulse(c, c.contact->impulse) - c.contact->impulse).norm());
+		violation = std::max(
+			violation,
+			(solvedImpulse(c, c.contact->impulse) - c.contact->impulse).norm());
 	}
 	return largest > 0 ? violation / largest : violation;
 }
@@ -133,7 +145,8 @@ template <int dim> void ContactSolver<dim>::collectImpulses()
 		const Contact<dim>& contact = *c.contact;
 		c.body->impulse[contact.key.node] += contact.impulse;
 		for (int i = 0; i < contact.partners; ++i)
-			c.partner->impulse[contact.partner[i]] -= contact.weight[i] * contact.impulse;
+			c.partner->impulse[contact.partner[i]] -=
+				contact.weight[i] * contact.impulse;
 	}
 }
 

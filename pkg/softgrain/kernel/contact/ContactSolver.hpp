@@ -1,11 +1,13 @@
-// Contact dynamics: Signorini's and Coulomb's conditions at velocity level for all contacts of a step,
-// by nonlinear Gauss-Seidel on the contact nodes (method: section 3).
+// Contact dynamics: Signorini's and Coulomb's conditions at velocity level for all contacts of a
+// step, by nonlinear Gauss-Seidel on the contact nodes (method: section 3).
 //
-// For each contact, with u the relative velocity of the node at the end of the step and r its impulse:
+// For each contact, with u the relative velocity of the node at the end of the step and r its
+// impulse:
 //     0 <= u_n + b  _|_  r_n >= 0,     |r_t| <= mu r_n, sliding opposite to u_t at the bound,
-// where b = g/dt for a gap and, for an overlap, the capped speed at which it is worked off. Nodal masses
-// are isotropic, so the Delassus block of a contact is W times the identity and the one-contact problem
-// has the closed solution  r <- proj_C(r - (u + b n)/W)  with C Coulomb's cone, normal part first.
+// where b = g/dt for a gap and, for an overlap, the capped speed at which it is worked off. Nodal
+// masses are isotropic, so the Delassus block of a contact is W times the identity and the
+// one-contact problem has the closed solution  r <- proj_C(r - (u + b n)/W)  with C Coulomb's cone,
+// normal part first.
 #pragma once
 
 #include "contact/Contact.hpp"
@@ -16,27 +18,29 @@
 namespace softgrain {
 
 struct SolverSettings {
-	/// Sweeps end when one changes the impulses by less than this share of their size (both in the
-	/// energy norm sum W r^2). The stress of a compaction of 25 grains at mu = 0.3 is the same within
-	/// 0.5 % at 1e-2 (15 sweeps a step) and at 1e-3 (over 100): doc/decisions/0002-sweep-tolerance.md.
+	/// Sweeps end when one changes the impulses by less than this share of their size (both in
+	/// the energy norm sum W r^2). The stress of a compaction of 25 grains at mu = 0.3 is the
+	/// same within 0.5 % at 1e-2 (15 sweeps a step) and at 1e-3 (over 100):
+	/// doc/decisions/0002-sweep-tolerance.md.
 	double tolerance = 1e-2;
-	int maxSweeps = 100;   ///< cap; steps that hit it are counted
-	/// Share of an overlap that is worked off per step. All at once would throw the grains apart.
+	int maxSweeps = 100; ///< cap; steps that hit it are counted
+	/// Share of an overlap that is worked off per step. All at once would throw the grains
+	/// apart.
 	double overlapRelaxation = 0.1;
 	/// Cap on the speed at which overlaps are worked off, m/s.
 	double overlapSpeed = 1e300;
 };
 
 struct SolverReport {
-	int contacts = 0;      ///< within reach
-	int active = 0;        ///< with an impulse
+	int contacts = 0; ///< within reach
+	int active = 0;   ///< with an impulse
 	int sweeps = 0;
 	double change = 0;     ///< relative change of the impulses in the last sweep
 	bool converged = true; ///< change <= tolerance within maxSweeps
 };
 
-/// Work of the contact impulses of one step, J (2D: J/m), split into the halves done at the velocities
-/// before and after the impulse; their sum is exact for the kinetic energy.
+/// Work of the contact impulses of one step, J (2D: J/m), split into the halves done at the
+/// velocities before and after the impulse; their sum is exact for the kinetic energy.
 struct ContactWork {
 	struct Halves {
 		double before = 0, after = 0;
@@ -49,14 +53,14 @@ struct ContactWork {
 template <int dim> class ContactSolver {
 public:
 	/// Lists all contacts of `lists` whose bodies are in `bodies`, in the given order.
-	void prepare(std::vector<ContactBody<dim>>& bodies, std::vector<ContactList<dim>*>& lists, double dt,
-	             const SolverSettings& settings);
+	void prepare(std::vector<ContactBody<dim>>& bodies, std::vector<ContactList<dim>*>& lists,
+		     double dt, const SolverSettings& settings);
 	/// Applies the impulses left by the last step, made admissible for the present normals.
 	void warmStart();
 	/// Gauss-Seidel sweeps, forwards and backwards in turn, until the tolerance or the cap.
 	SolverReport solve();
-	/// Largest dimensionless violation of the conditions, measured apart from the solver: natural map
-	/// |r - proj_C(r - (u + b n)/W)| over the largest impulse.
+	/// Largest dimensionless violation of the conditions, measured apart from the solver:
+	/// natural map |r - proj_C(r - (u + b n)/W)| over the largest impulse.
 	double residual() const;
 	/// Sums the impulses on every contact node into ContactBody::impulse.
 	void collectImpulses();
@@ -73,7 +77,8 @@ private:
 		double friction;
 	};
 
-	Vec<dim> relativeVelocity(const Constraint& c, std::vector<Vec<dim>> ContactBody<dim>::*field) const;
+	Vec<dim> relativeVelocity(const Constraint& c,
+				  std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	Vec<dim> solvedImpulse(const Constraint& c, const Vec<dim>& r) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	double sweep(bool forwards);

@@ -9,8 +9,8 @@ namespace softgrain {
 
 namespace {
 
-/// Overlaps deeper than this (in dr) are not contacts any more: the node would be pushed to whichever
-/// side of the other grain is nearest.
+/// Overlaps deeper than this (in dr) are not contacts any more: the node would be pushed to
+/// whichever side of the other grain is nearest.
 constexpr double deepestContact = 1.5;
 
 /// Barycentric coordinates of the point of a segment nearest to `x`.
@@ -27,7 +27,8 @@ std::array<double, 3> nearestOnFacet(const Vec<3>& x, const std::array<Vec<3>, 3
 {
 	const Vec<3> ab = corner[1] - corner[0], ac = corner[2] - corner[0];
 	const Vec<3> ax = x - corner[0], bx = x - corner[1], cx = x - corner[2];
-	const double d1 = ab.dot(ax), d2 = ac.dot(ax), d3 = ab.dot(bx), d4 = ac.dot(bx), d5 = ab.dot(cx), d6 = ac.dot(cx);
+	const double d1 = ab.dot(ax), d2 = ac.dot(ax), d3 = ab.dot(bx), d4 = ac.dot(bx),
+		     d5 = ab.dot(cx), d6 = ac.dot(cx);
 	if (d1 <= 0 && d2 <= 0) return { 1, 0, 0 };
 	if (d3 >= 0 && d4 <= d3) return { 0, 1, 0 };
 	if (d6 >= 0 && d5 <= d6) return { 0, 0, 1 };
@@ -49,12 +50,13 @@ template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactB
 
 template <int dim> struct PlaceOnOutline {
 	int facet = -1;
-	std::array<double, dim> weight{};
+	std::array<double, dim> weight {};
 	double squaredDistance = std::numeric_limits<double>::infinity();
 };
 
 template <int dim>
-PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body, const std::vector<int>& facets)
+PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body,
+				 const std::vector<int>& facets)
 {
 	PlaceOnOutline<dim> best;
 	for (int f : facets) {
@@ -72,9 +74,11 @@ PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body
 }
 
 /// Gap and smooth normal at a place on an outline. Between its vertices the outline bulges by
-/// 1/2 sum_ij w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second order.
+/// 1/2 sum_ij w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second
+/// order.
 template <int dim>
-void measureGap(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place, Contact<dim>& contact)
+void measureGap(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place,
+		Contact<dim>& contact)
 {
 	const auto& vertex = body.mesh->facet[place.facet];
 	Vec<dim> foot = Vec<dim>::Zero(), normal = Vec<dim>::Zero();
@@ -83,9 +87,9 @@ void measureGap(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOu
 		foot += place.weight[i] * body.position[vertex[i]];
 		normal += place.weight[i] * body.normal[vertex[i]];
 		for (int j = 0; j < i; ++j)
-			bulge += 0.5 * place.weight[i] * place.weight[j]
-			        * (body.normal[vertex[j]] - body.normal[vertex[i]])
-			                  .dot(body.position[vertex[j]] - body.position[vertex[i]]);
+			bulge += 0.5 * place.weight[i] * place.weight[j] *
+				 (body.normal[vertex[j]] - body.normal[vertex[i]])
+					 .dot(body.position[vertex[j]] - body.position[vertex[i]]);
 	}
 	contact.partners = dim;
 	contact.partner = vertex;
@@ -98,7 +102,8 @@ template <int dim> std::vector<int> facetsIn(const ContactBody<dim>& body, const
 {
 	std::vector<int> found;
 	for (std::size_t f = 0; f < body.mesh->facet.size(); ++f) {
-		Box<dim> box{ body.position[body.mesh->facet[f][0]], body.position[body.mesh->facet[f][0]] };
+		Box<dim> box { body.position[body.mesh->facet[f][0]],
+			       body.position[body.mesh->facet[f][0]] };
 		for (int i = 1; i < dim; ++i) {
 			box.low = box.low.cwiseMin(body.position[body.mesh->facet[f][i]]);
 			box.high = box.high.cwiseMax(body.position[body.mesh->facet[f][i]]);
@@ -118,19 +123,20 @@ template <int dim> std::vector<int> nodesIn(const ContactBody<dim>& body, const 
 
 /// Overlaps are measured in the mean point spacing of the two grains.
 template <int dim>
-void keepDeepest(double gap, const ContactBody<dim>& a, const ContactBody<dim>& b, ContactList<dim>& list)
+void keepDeepest(double gap, const ContactBody<dim>& a, const ContactBody<dim>& b,
+		 ContactList<dim>& list)
 {
 	list.deepest = std::max(list.deepest, -2 * gap / (a.pointSpacing + b.pointSpacing));
 }
 
 /// Nodes of `body` against the outline of `other`.
 template <int dim>
-void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side, double reach,
-                         ContactList<dim>& list)
+void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
+			 double reach, ContactList<dim>& list)
 {
 	const double deep = contactDepth(body, other);
-	// The outline bulges out of the box of its vertices, and the facet nearest to a node that overlaps
-	// may lie outside the common region: both by less than a contact depth.
+	// The outline bulges out of the box of its vertices, and the facet nearest to a node that
+	// overlaps may lie outside the common region: both by less than a contact depth.
 	const double margin = std::max(reach, deep);
 	const auto nodes = nodesIn(body, other.box.grown(margin));
 	if (nodes.empty()) return;
@@ -150,10 +156,12 @@ void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& o
 }
 
 template <int dim>
-void disksAgainstDisks(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach, ContactList<dim>& list)
+void disksAgainstDisks(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
+		       ContactList<dim>& list)
 {
 	const double touch = first.nodeRadius + second.nodeRadius;
-	// the boxes hold the disks of their own body; the centres looked for lie one more radius out
+	// the boxes hold the disks of their own body; the centres looked for lie one more radius
+	// out
 	const auto others = nodesIn(second, first.box.grown(reach + second.nodeRadius));
 	if (others.empty()) return;
 	for (int s : nodesIn(first, second.box.grown(reach + first.nodeRadius)))
@@ -172,8 +180,10 @@ void disksAgainstDisks(const ContactBody<dim>& first, const ContactBody<dim>& se
 		}
 }
 
-/// Impulses of the last step go to the contacts that are still there (both lists are sorted by key).
-template <int dim> void carryImpulses(const std::vector<Contact<dim>>& last, std::vector<Contact<dim>>& present)
+/// Impulses of the last step go to the contacts that are still there (both lists are sorted by
+/// key).
+template <int dim>
+void carryImpulses(const std::vector<Contact<dim>>& last, std::vector<Contact<dim>>& present)
 {
 	auto old = last.begin();
 	for (Contact<dim>& contact : present) {
@@ -187,18 +197,21 @@ template <int dim> void carryImpulses(const std::vector<Contact<dim>>& last, std
 template <int dim> bool nested(const ContactBody<dim>& first, const ContactBody<dim>& second)
 {
 	auto size = [](const Box<dim>& box) { return (box.high - box.low).minCoeff(); };
-	return (first.box.centre() - second.box.centre()).norm() < 0.1 * std::min(size(first.box), size(second.box));
+	return (first.box.centre() - second.box.centre()).norm() <
+	       0.1 * std::min(size(first.box), size(second.box));
 }
 
 } // namespace
 
 template <int dim>
-void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach, ContactList<dim>& list)
+void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
+		  ContactList<dim>& list)
 {
 	std::vector<Contact<dim>> last;
 	last.swap(list.contacts);
 	list.deepest = 0;
-	const double margin = first.isSurface() ? std::max(reach, contactDepth(first, second)) : reach;
+	const double margin =
+		first.isSurface() ? std::max(reach, contactDepth(first, second)) : reach;
 	if (!first.box.grown(margin).overlaps(second.box)) return;
 	if (nested(first, second)) list.deepest = std::numeric_limits<double>::infinity();
 	if (first.isSurface()) {
@@ -209,14 +222,16 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 	carryImpulses(last, list.contacts);
 }
 
-template <int dim> void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
+template <int dim>
+void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
 {
 	std::vector<Contact<dim>> last;
 	last.swap(list.contacts);
 	list.deepest = 0;
 	for (int s = 0; s < body.nodes(); ++s) {
 		Contact<dim> contact;
-		contact.gap = (body.position[s] - list.plane.point).dot(list.plane.normal) - body.nodeRadius;
+		contact.gap = (body.position[s] - list.plane.point).dot(list.plane.normal) -
+			      body.nodeRadius;
 		if (contact.gap >= reach) continue;
 		keepDeepest(contact.gap, body, body, list);
 		contact.key = { 0, s, -1 };
@@ -226,8 +241,9 @@ template <int dim> void findContacts(const ContactBody<dim>& body, double reach,
 	carryImpulses(last, list.contacts);
 }
 
-#define SOFTGRAIN_INSTANTIATE(dim)                                                                                    \
-	template void findContacts<dim>(const ContactBody<dim>&, const ContactBody<dim>&, double, ContactList<dim>&); \
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template void findContacts<dim>(const ContactBody<dim>&, const ContactBody<dim>&, double,  \
+					ContactList<dim>&);                                        \
 	template void findContacts<dim>(const ContactBody<dim>&, double, ContactList<dim>&);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)

@@ -6,13 +6,16 @@
 
 namespace softgrain {
 
-/// Replaces `list.contacts` by those with a gap below `reach` (m, > 0); impulses of contacts that were
-/// there before are kept as the start of the next solve. Both bodies have facets: nodes of each against
-/// the outline of the other, in both directions. Neither has: nodes as disks (spheres) against each other.
+/// Replaces `list.contacts` by those with a gap below `reach` (m, > 0); impulses of contacts that
+/// were there before are kept as the start of the next solve. Both bodies have facets: nodes of
+/// each against the outline of the other, in both directions. Neither has: nodes as disks (spheres)
+/// against each other.
 template <int dim>
-void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach, ContactList<dim>& list);
+void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
+		  ContactList<dim>& list);
 
 /// The same against `list.plane`.
-template <int dim> void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list);
+template <int dim>
+void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list);
 
 } // namespace softgrain

@@ -8,22 +8,24 @@ namespace softgrain {
 
 template <int dim>
 Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Condition theCondition,
-                  const std::vector<GrainParameters<dim>>& grains)
-        : reference(std::move(ref))
-        , law(theLaw)
-        , condition(theCondition)
-        , grain(grains)
-        , report(grains.size())
+		  const std::vector<GrainParameters<dim>>& grains)
+	: reference(std::move(ref))
+	, law(theLaw)
+	, condition(theCondition)
+	, grain(grains)
+	, report(grains.size())
 {
 	if ((dim == 3) != (condition == Condition::solid))
-		throw std::invalid_argument("condition must be 'solid' in 3D, and plane strain or plane stress in 2D");
+		throw std::invalid_argument(
+			"condition must be 'solid' in 3D, and plane strain or plane stress in 2D");
 	lame.resize(blocks());
 	for (int g = 0; g < this->grains(); ++g) {
 		grain[g].constants.validate();
 		const double R = grain[g].radius;
 		if (!(R > 0) || !std::isfinite(R)) {
 			std::ostringstream message;
-			message << "radius = " << R << " is outside the admissible range (0, inf) m";
+			message << "radius = " << R
+				<< " is outside the admissible range (0, inf) m";
 			throw std::invalid_argument(message.str());
 		}
 		pointScale.push_back(std::pow(R, dim));
@@ -32,7 +34,8 @@ Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Con
 	for (int b = 0; b < blocks(); ++b)
 		for (int l = 0; l < laneWidth; ++l) {
 			const int g = b * laneWidth + l;
-			const ElasticConstants& c = grain[g < this->grains() ? g : b * laneWidth].constants;
+			const ElasticConstants& c =
+				grain[g < this->grains() ? g : b * laneWidth].constants;
 			lame[b].lambda[l] = c.lambda();
 			lame[b].mu[l] = c.mu();
 		}
@@ -40,11 +43,14 @@ Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Con
 		field->resize(blocks(), reference->nodes());
 	for (int g = 0; g < blocks() * laneWidth; ++g) // empty lanes rest undeformed at unit size
 		for (int I = 0; I < reference->nodes(); ++I)
-			x.set(g, I, (g < this->grains() ? grain[g].radius : 1.) * reference->nodePosition[I]);
+			x.set(g, I,
+			      (g < this->grains() ? grain[g].radius : 1.) *
+				      reference->nodePosition[I]);
 }
 
 template <int dim>
-void Batch<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity, const Mat<dim>& spin)
+void Batch<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity,
+		       const Mat<dim>& spin)
 {
 	for (int I = 0; I < reference->nodes(); ++I) {
 		const Vec<dim> position = grain[g].radius * (rotation * reference->nodePosition[I]);
@@ -54,8 +60,8 @@ void Batch<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity
 }
 
 template <int dim>
-void Batch<dim>::moveRigidly(int g, const Vec<dim>& centre, const Mat<dim>& rotation, const Vec<dim>& shift,
-                             const Vec<dim>& velocity, const Mat<dim>& spin)
+void Batch<dim>::moveRigidly(int g, const Vec<dim>& centre, const Mat<dim>& rotation,
+			     const Vec<dim>& shift, const Vec<dim>& velocity, const Mat<dim>& spin)
 {
 	for (int I = 0; I < reference->nodes(); ++I) {
 		const Vec<dim> arm = rotation * (x.get(g, I) - centre);

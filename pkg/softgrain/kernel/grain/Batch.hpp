@@ -25,9 +25,13 @@ public:
 	/// Component `a` at node `I` of all grains of a block.
 	double* lanes(int block, int I, int a)
 	{
-		return data_.data() + ((static_cast<std::size_t>(block) * nodes_ + I) * dim + a) * laneWidth;
+		return data_.data() +
+		       ((static_cast<std::size_t>(block) * nodes_ + I) * dim + a) * laneWidth;
 	}
-	const double* lanes(int block, int I, int a) const { return const_cast<NodalField*>(this)->lanes(block, I, a); }
+	const double* lanes(int block, int I, int a) const
+	{
+		return const_cast<NodalField*>(this)->lanes(block, I, a);
+	}
 
 	Vec<dim> get(int grain, int I) const
 	{
@@ -50,17 +54,18 @@ private:
 
 /// What distinguishes one grain of a batch from the next.
 template <int dim> struct GrainParameters {
-	double radius = 0;             ///< m
+	double radius = 0; ///< m
 	ElasticConstants constants;
-	Vec<dim> origin = Vec<dim>::Zero(); ///< m; nodal positions are kept relative to it, so that a
-	                                    ///< grain far from the origin of space loses no digits
+	Vec<dim> origin =
+		Vec<dim>::Zero(); ///< m; nodal positions are kept relative to it, so that a
+				  ///< grain far from the origin of space loses no digits
 };
 
 /// What the force pass found in one grain.
 struct BulkReport {
-	double elasticEnergy = 0;  ///< J (2D: J/m)
-	double stiffening = 1;     ///< largest PointLanes::stiffening of the grain
-	int invertedPoint = -1;    ///< first point with J <= 0 or not finite, or -1
+	double elasticEnergy = 0; ///< J (2D: J/m)
+	double stiffening = 1;    ///< largest PointLanes::stiffening of the grain
+	int invertedPoint = -1;   ///< first point with J <= 0 or not finite, or -1
 };
 
 /// A batch: one template, one law and condition, any number of grains.
@@ -72,9 +77,9 @@ template <int dim> struct Batch {
 	Law law;
 	Condition condition;
 	std::vector<GrainParameters<dim>> grain;
-	std::vector<double> pointScale;   ///< R^dim: Vp0 of grain over Vp0 of template
-	std::vector<double> massScale;    ///< rho R^dim: nodal mass of grain over that of template
-	std::vector<LameConstants> lame;  ///< per block; empty lanes repeat the block's first grain
+	std::vector<double> pointScale;  ///< R^dim: Vp0 of grain over Vp0 of template
+	std::vector<double> massScale;   ///< rho R^dim: nodal mass of grain over that of template
+	std::vector<LameConstants> lame; ///< per block; empty lanes repeat the block's first grain
 
 	NodalField<dim> x;     ///< nodal positions relative to the grain's origin at t_n, m
 	NodalField<dim> v;     ///< nodal velocities at t_n - dt/2, m/s
@@ -88,12 +93,14 @@ template <int dim> struct Batch {
 	double mass(int g) const { return massScale[g] * UnitBall<dim>::volume(); }
 	Vec<dim> position(int g, int I) const { return grain[g].origin + x.get(g, I); }
 
-	/// Places grain `g` undeformed: rotated by `rotation`, moving as a rigid body about its origin.
+	/// Places grain `g` undeformed: rotated by `rotation`, moving as a rigid body about its
+	/// origin.
 	void place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity, const Mat<dim>& spin);
-	/// Adds a rigid motion to grain `g` in its present shape: positions about `centre` (relative to the
-	/// origin) are rotated, then shifted; `velocity + spin (x - centre)` is added to the velocities.
-	void moveRigidly(int g, const Vec<dim>& centre, const Mat<dim>& rotation, const Vec<dim>& shift,
-	                 const Vec<dim>& velocity, const Mat<dim>& spin);
+	/// Adds a rigid motion to grain `g` in its present shape: positions about `centre`
+	/// (relative to the origin) are rotated, then shifted; `velocity + spin (x - centre)` is
+	/// added to the velocities.
+	void moveRigidly(int g, const Vec<dim>& centre, const Mat<dim>& rotation,
+			 const Vec<dim>& shift, const Vec<dim>& velocity, const Mat<dim>& spin);
 };
 
 } // namespace softgrain

@@ -10,7 +10,7 @@ namespace {
 /// M^-1 K u of the template with small-strain isotropic elasticity, lambda + 2 mu = 1.
 template <int dim>
 std::vector<Vec<dim>> accelerations(const GrainTemplate<dim>& reference, double lambda, double mu,
-                                    const std::vector<Vec<dim>>& u)
+				    const std::vector<Vec<dim>>& u)
 {
 	const auto& shapes = reference.pointShapes;
 	std::vector<Vec<dim>> result(u.size(), Vec<dim>::Zero());
@@ -18,10 +18,11 @@ std::vector<Vec<dim>> accelerations(const GrainTemplate<dim>& reference, double 
 		Mat<dim> gradient = Mat<dim>::Zero();
 		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
 			gradient += u[shapes.column[k]] * shapes.value[k].G.transpose();
-		const Mat<dim> stress = mu * (gradient + gradient.transpose())
-		        + lambda * gradient.trace() * Mat<dim>::Identity();
+		const Mat<dim> stress = mu * (gradient + gradient.transpose()) +
+					lambda * gradient.trace() * Mat<dim>::Identity();
 		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-			result[shapes.column[k]] += reference.pointVolume[p] * stress * shapes.value[k].G;
+			result[shapes.column[k]] +=
+				reference.pointVolume[p] * stress * shapes.value[k].G;
 	}
 	for (std::size_t I = 0; I < u.size(); ++I)
 		result[I] /= reference.nodeMass[I];
@@ -30,7 +31,8 @@ std::vector<Vec<dim>> accelerations(const GrainTemplate<dim>& reference, double 
 
 /// Euclidean in the mass metric, in which M^-1 K is symmetric.
 template <int dim>
-double dot(const GrainTemplate<dim>& reference, const std::vector<Vec<dim>>& u, const std::vector<Vec<dim>>& w)
+double dot(const GrainTemplate<dim>& reference, const std::vector<Vec<dim>>& u,
+	   const std::vector<Vec<dim>>& w)
 {
 	double sum = 0;
 	for (std::size_t I = 0; I < u.size(); ++I)
@@ -43,7 +45,7 @@ double dot(const GrainTemplate<dim>& reference, const std::vector<Vec<dim>>& u, 
 template <int dim>
 double highestFrequency(const GrainTemplate<dim>& reference, Condition condition, double poisson)
 {
-	const ElasticConstants unit{ 1, poisson, 1 };
+	const ElasticConstants unit { 1, poisson, 1 };
 	const double modulus = unit.effectiveLambda(condition) + 2 * unit.mu();
 	const double lambda = unit.effectiveLambda(condition) / modulus, mu = unit.mu() / modulus;
 
@@ -68,15 +70,17 @@ double highestFrequency(const GrainTemplate<dim>& reference, Condition condition
 }
 
 template <int dim>
-double criticalTimeStep(const GrainTemplate<dim>& reference, Condition condition, const GrainParameters<dim>& grain)
+double criticalTimeStep(const GrainTemplate<dim>& reference, Condition condition,
+			const GrainParameters<dim>& grain)
 {
 	const double omega = highestFrequency(reference, condition, grain.constants.poisson);
 	return 2 * grain.radius / (omega * grain.constants.waveSpeed(condition));
 }
 
-#define SOFTGRAIN_INSTANTIATE(dim)                                                           \
-	template double highestFrequency<dim>(const GrainTemplate<dim>&, Condition, double); \
-	template double criticalTimeStep<dim>(const GrainTemplate<dim>&, Condition, const GrainParameters<dim>&);
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template double highestFrequency<dim>(const GrainTemplate<dim>&, Condition, double);       \
+	template double criticalTimeStep<dim>(const GrainTemplate<dim>&, Condition,                \
+					      const GrainParameters<dim>&);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)
 #undef SOFTGRAIN_INSTANTIATE

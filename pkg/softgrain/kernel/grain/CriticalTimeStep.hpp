@@ -5,14 +5,15 @@
 
 namespace softgrain {
 
-/// Highest angular frequency of the undeformed grain, times R/c (dimensionless), by power iteration on
-/// the linearised internal force of the template (method: section 2). Raised by 1 % because the
+/// Highest angular frequency of the undeformed grain, times R/c (dimensionless), by power iteration
+/// on the linearised internal force of the template (method: section 2). Raised by 1 % because the
 /// iteration approaches from below.
 template <int dim>
 double highestFrequency(const GrainTemplate<dim>& reference, Condition condition, double poisson);
 
 /// dt_c of the undeformed grain, s.
 template <int dim>
-double criticalTimeStep(const GrainTemplate<dim>& reference, Condition condition, const GrainParameters<dim>& grain);
+double criticalTimeStep(const GrainTemplate<dim>& reference, Condition condition,
+			const GrainParameters<dim>& grain);
 
 } // namespace softgrain

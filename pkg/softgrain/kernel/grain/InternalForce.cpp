@@ -7,44 +7,48 @@ namespace softgrain {
 
 namespace {
 
-template <int dim> void gatherGradient(const Batch<dim>& batch, int block, int p, PointLanes<dim>& point)
+template <int dim>
+void gatherGradient(const Batch<dim>& batch, int block, int p, const Lanes& inverseRadius,
+		    PointLanes<dim>& point)
 {
-	for (int a = 0; a < dim; ++a)
-		for (int b = 0; b < dim; ++b)
-			for (int l = 0; l < laneWidth; ++l)
-				point.F[a][b][l] = 0;
+	Lanes sum[dim][dim] = {}; // local, so that it can stay in registers
 	const auto& shapes = batch.reference->pointShapes;
 	for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
-		const Vec<dim>& G = shapes.value[k].G;
+		const Vec<dim> G = shapes.value[k].G;
 		for (int a = 0; a < dim; ++a) {
 			const double* x = batch.x.lanes(block, shapes.column[k], a);
 			for (int b = 0; b < dim; ++b)
+#pragma omp simd
 				for (int l = 0; l < laneWidth; ++l)
-					point.F[a][b][l] += x[l] * G[b];
+					sum[a][b][l] += x[l] * G[b];
 		}
 	}
-}
-
-template <int dim> void scaleLanes(Lanes (&tensor)[dim][dim], const Lanes& factor)
-{
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
 			for (int l = 0; l < laneWidth; ++l)
-				tensor[a][b][l] *= factor[l];
+				point.F[a][b][l] = sum[a][b][l] * inverseRadius[l];
 }
 
-/// f_I -= P G_I; P already carries the volume of the point.
-template <int dim> void scatterForce(Batch<dim>& batch, int block, int p, const PointLanes<dim>& point)
+/// f_I -= weight P G_I
+template <int dim>
+void scatterForce(Batch<dim>& batch, int block, int p, const PointLanes<dim>& point,
+		  const Lanes& weight)
 {
+	Lanes P[dim][dim];
+	for (int a = 0; a < dim; ++a)
+		for (int b = 0; b < dim; ++b)
+			for (int l = 0; l < laneWidth; ++l)
+				P[a][b][l] = weight[l] * point.P[a][b][l];
 	const auto& shapes = batch.reference->pointShapes;
 	for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
-		const Vec<dim>& G = shapes.value[k].G;
+		const Vec<dim> G = shapes.value[k].G;
 		for (int a = 0; a < dim; ++a) {
 			double* f = batch.force.lanes(block, shapes.column[k], a);
+#pragma omp simd
 			for (int l = 0; l < laneWidth; ++l) {
 				double sum = 0;
 				for (int b = 0; b < dim; ++b)
-					sum += point.P[a][b][l] * G[b];
+					sum += P[a][b][l] * G[b];
 				f[l] -= sum;
 			}
 		}
@@ -76,32 +80,34 @@ template <int dim> BlockScales blockScales(const Batch<dim>& batch, int block)
 	return s;
 }
 
-template <int dim, class LawEvaluator> void forceOfBlock(Batch<dim>& batch, int block, LawEvaluator)
+template <int dim, class LawEvaluator>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(Batch<dim>& batch, int block, LawEvaluator)
 {
 	const BlockScales scales = blockScales(batch, block);
-	Lanes energy{}, stiffening{}, invertedPoint;
+	Lanes energy {}, stiffening {}, invertedPoint;
 	for (double& p : invertedPoint)
 		p = -1;
 	clearForce(batch, block);
 	PointLanes<dim> point;
 	for (int p = 0; p < batch.reference->points(); ++p) {
-		gatherGradient(batch, block, p, point);
-		scaleLanes<dim>(point.F, scales.inverseRadius);
+		gatherGradient(batch, block, p, scales.inverseRadius, point);
 		LawEvaluator::evaluate(point, batch.lame[block]);
 		Lanes weight;
 		const double V = batch.reference->pointVolume[p];
 		for (int l = 0; l < laneWidth; ++l) {
 			weight[l] = V * scales.volumeOverRadius[l];
 			energy[l] += V * scales.volume[l] * point.energy[l];
-			stiffening[l] = point.stiffening[l] > stiffening[l] ? point.stiffening[l] : stiffening[l];
+			stiffening[l] = point.stiffening[l] > stiffening[l] ? point.stiffening[l]
+									    : stiffening[l];
 			if (!(point.J[l] > 0) && invertedPoint[l] < 0) invertedPoint[l] = p;
 		}
-		scaleLanes<dim>(point.P, weight);
-		scatterForce(batch, block, p, point);
+		scatterForce(batch, block, p, point, weight);
 	}
 	for (int l = 0; l < laneWidth; ++l) {
 		const int g = block * laneWidth + l;
-		if (g < batch.grains()) batch.report[g] = { energy[l], stiffening[l], static_cast<int>(invertedPoint[l]) };
+		if (g < batch.grains())
+			batch.report[g] = { energy[l], stiffening[l],
+					    static_cast<int>(invertedPoint[l]) };
 	}
 }
 
@@ -125,8 +131,7 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 	withLaw<dim>(batch.law, batch.condition, [&](auto evaluator) {
 		PointLanes<dim> point;
 		for (int p = 0; p < batch.reference->points(); ++p) {
-			gatherGradient(batch, block, p, point);
-			scaleLanes<dim>(point.F, scales.inverseRadius);
+			gatherGradient(batch, block, p, scales.inverseRadius, point);
 			evaluator.evaluate(point, batch.lame[block]);
 			PointResponse<dim> r;
 			Mat<dim> P;
@@ -140,9 +145,11 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 			if (batch.condition == Condition::planeStrain)
 				r.cauchy33 = batch.lame[block].lambda[lane] * std::log(r.J) / r.J;
 			if (batch.condition == Condition::planeStress) {
-				// forces are per unit reference thickness, Cauchy stress per present one
-				r.F33 = std::exp(detail::thicknessStrain(std::log(r.J), batch.lame[block].lambda[lane],
-				                                         batch.lame[block].mu[lane]));
+				// forces are per unit reference thickness, Cauchy stress per
+				// present one
+				r.F33 = std::exp(detail::thicknessStrain(
+					std::log(r.J), batch.lame[block].lambda[lane],
+					batch.lame[block].mu[lane]));
 				r.cauchy /= r.F33;
 			}
 			responses.push_back(r);
@@ -151,8 +158,8 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 	return responses;
 }
 
-#define SOFTGRAIN_INSTANTIATE(dim)                                       \
-	template void computeInternalForce<dim>(Batch<dim>&, int);       \
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template void computeInternalForce<dim>(Batch<dim>&, int);                                 \
 	template std::vector<PointResponse<dim>> pointResponses<dim>(const Batch<dim>&, int);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)

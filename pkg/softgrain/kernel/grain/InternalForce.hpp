@@ -6,8 +6,8 @@
 namespace softgrain {
 
 /// F = sum_I x_I (x) G_I at every material point, P(F), f_I = - sum_p Vp0 P_p G_I(Xp) into
-/// `batch.force`, and `batch.report` (method: section 2). Parallel over blocks of grains; the result
-/// does not depend on the number of threads.
+/// `batch.force`, and `batch.report` (method: section 2). Parallel over blocks of grains; the
+/// result does not depend on the number of threads.
 template <int dim> void computeInternalForce(Batch<dim>& batch, int threads);
 
 /// Deformation and stress at one material point.

@@ -13,8 +13,14 @@ Eigen::Matrix<double, 1, 1> cross(const Vec<2>& a, const Vec<2>& b)
 }
 Vec<3> cross(const Vec<3>& a, const Vec<3>& b) { return a.cross(b); }
 
-Eigen::Matrix<double, 1, 1> pointInertia(const Vec<2>& r) { return Eigen::Matrix<double, 1, 1>(r.squaredNorm()); }
-Mat<3> pointInertia(const Vec<3>& r) { return r.squaredNorm() * Mat<3>::Identity() - r * r.transpose(); }
+Eigen::Matrix<double, 1, 1> pointInertia(const Vec<2>& r)
+{
+	return Eigen::Matrix<double, 1, 1>(r.squaredNorm());
+}
+Mat<3> pointInertia(const Vec<3>& r)
+{
+	return r.squaredNorm() * Mat<3>::Identity() - r * r.transpose();
+}
 
 /// Rotation nearest to A in the sense of the polar decomposition.
 template <int dim> Mat<dim> nearestRotation(const Mat<dim>& A)
@@ -34,7 +40,8 @@ template <> Mat<2> spinMatrix<2>(const Eigen::Matrix<double, 1, 1>& omega)
 
 template <> Mat<3> spinMatrix<3>(const Vec<3>& omega)
 {
-	return (Mat<3>() << 0, -omega[2], omega[1], omega[2], 0, -omega[0], -omega[1], omega[0], 0).finished();
+	return (Mat<3>() << 0, -omega[2], omega[1], omega[2], 0, -omega[0], -omega[1], omega[0], 0)
+		.finished();
 }
 
 template <int dim> WholeGrain<dim> wholeGrain(const Batch<dim>& batch, int g)
@@ -64,7 +71,8 @@ template <int dim> WholeGrain<dim> wholeGrain(const Batch<dim>& batch, int g)
 }
 
 template <int dim>
-double kineticEnergy(const Batch<dim>& batch, const NodalField<dim>& v, const NodalField<dim>& w, int g)
+double kineticEnergy(const Batch<dim>& batch, const NodalField<dim>& v, const NodalField<dim>& w,
+		     int g)
 {
 	double sum = 0;
 	for (int I = 0; I < batch.reference->nodes(); ++I)
@@ -81,9 +89,10 @@ template <int dim> double currentVolume(const Batch<dim>& batch, int g)
 	return sum * batch.pointScale[g];
 }
 
-#define SOFTGRAIN_INSTANTIATE(dim)                                                                          \
-	template WholeGrain<dim> wholeGrain<dim>(const Batch<dim>&, int);                                   \
-	template double kineticEnergy<dim>(const Batch<dim>&, const NodalField<dim>&, const NodalField<dim>&, int); \
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template WholeGrain<dim> wholeGrain<dim>(const Batch<dim>&, int);                          \
+	template double kineticEnergy<dim>(const Batch<dim>&, const NodalField<dim>&,              \
+					   const NodalField<dim>&, int);                           \
 	template double currentVolume<dim>(const Batch<dim>&, int);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)

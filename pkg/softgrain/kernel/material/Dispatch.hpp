@@ -13,11 +13,11 @@ template <int dim, class Use> void withLaw(Law law, Condition condition, Use&& u
 	switch (law) {
 	case Law::neoHookean:
 		if constexpr (dim == 3)
-			use(NeoHookean<3, Condition::solid>{});
+			use(NeoHookean<3, Condition::solid> {});
 		else if (condition == Condition::planeStress)
-			use(NeoHookean<2, Condition::planeStress>{});
+			use(NeoHookean<2, Condition::planeStress> {});
 		else
-			use(NeoHookean<2, Condition::planeStrain>{});
+			use(NeoHookean<2, Condition::planeStrain> {});
 	}
 }
 

@@ -28,14 +28,16 @@ Condition conditionByName(const std::string& name)
 {
 	if (name == "planeStrain") return Condition::planeStrain;
 	if (name == "planeStress") return Condition::planeStress;
-	throw std::invalid_argument("condition = '" + name + "' is unknown; known conditions: 'planeStrain', 'planeStress'");
+	throw std::invalid_argument("condition = '" + name +
+				    "' is unknown; known conditions: 'planeStrain', 'planeStress'");
 }
 
 void ElasticConstants::validate() const
 {
 	require(young > 0 && std::isfinite(young), "young", young, "(0, inf) Pa");
 	require(poisson > -1 && poisson < 0.5, "poisson", poisson,
-	        "(-1, 0.5): at 0.5 the material is incompressible, which plane strain, plane stress and 3D exclude");
+		"(-1, 0.5): at 0.5 the material is incompressible, which plane strain, plane "
+		"stress and 3D exclude");
 	require(density > 0 && std::isfinite(density), "density", density, "(0, inf) kg/m^3");
 }
 

@@ -30,8 +30,9 @@ struct ElasticConstants {
 
 	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 	void validate() const;
-	double lambda() const { return young * poisson / ((1 + poisson) * (1 - 2 * poisson)); } ///< Pa
-	double mu() const { return 0.5 * young / (1 + poisson); }                               ///< Pa
+	/// First and second Lame constant, Pa.
+	double lambda() const { return young * poisson / ((1 + poisson) * (1 - 2 * poisson)); }
+	double mu() const { return 0.5 * young / (1 + poisson); }
 	/// First Lame constant that acts in the plane (or space) of the grain at small strain, Pa.
 	double effectiveLambda(Condition condition) const;
 	/// Speed of pressure waves in the undeformed grain, m/s.

@@ -20,3 +20,8 @@ template <int dim> struct PointLanes {
 };
 
 } // namespace softgrain
+
+/// Marks a function over lanes: it is compiled for several instruction sets with everything it
+/// calls inlined, and the best one for the machine is picked when the program starts.
+#define SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS                                                         \
+	__attribute__((flatten, target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))

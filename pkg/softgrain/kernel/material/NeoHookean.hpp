@@ -25,7 +25,8 @@ inline double cofactors(const double (&F)[3][3], double (&C)[3][3])
 {
 	for (int a = 0; a < 3; ++a)
 		for (int b = 0; b < 3; ++b) {
-			const int a1 = (a + 1) % 3, a2 = (a + 2) % 3, b1 = (b + 1) % 3, b2 = (b + 2) % 3;
+			const int a1 = (a + 1) % 3, a2 = (a + 2) % 3, b1 = (b + 1) % 3,
+				  b2 = (b + 2) % 3;
 			C[a][b] = F[a1][b1] * F[a2][b2] - F[a1][b2] * F[a2][b1];
 		}
 	return F[0][0] * C[0][0] + F[0][1] * C[0][1] + F[0][2] * C[0][2];
@@ -44,12 +45,13 @@ template <int dim> double largestSquaredStretch(const double (&A)[dim][dim])
 			if (a == b) trace += B;
 		}
 	const double mean = trace / dim;
-	const double deviator = std::fmax(0., squares - dim * mean * mean);
-	return mean + std::sqrt((dim - 1.) / dim * deviator);
+	const double deviator = squares - dim * mean * mean;
+	return mean + std::sqrt((dim - 1.) / dim * (deviator > 0 ? deviator : 0));
 }
 
 /// ln F33 from P33 = 0: mu (F33^2 - 1) + lambda (ln J2 + ln F33) = 0. The function is convex and
-/// increasing in ln F33, so Newton's method converges; 8 steps reach rounding for all J2 in [0.05, 20].
+/// increasing in ln F33, so Newton's method converges; 8 steps reach rounding for all J2 in [0.05,
+/// 20].
 inline double thicknessStrain(double lnJ2, double lambda, double mu)
 {
 	double y = -lambda * lnJ2 / (lambda + 2 * mu);
@@ -73,35 +75,59 @@ template <int dim, Condition condition> struct NeoHookean {
 	/// Fills P, J, energy and stiffening from F. Where J <= 0 the results are not finite.
 	static void evaluate(PointLanes<dim>& point, const LameConstants& lame)
 	{
+		Lanes lnJ, squareF33;
 		for (int l = 0; l < laneWidth; ++l) {
 			double F[dim][dim], C[dim][dim];
-			for (int a = 0; a < dim; ++a)
-				for (int b = 0; b < dim; ++b)
-					F[a][b] = point.F[a][b][l];
+			laneOf(point.F, l, F);
+			point.J[l] = detail::cofactors(F, C);
+		}
+		for (int l = 0; l < laneWidth; ++l) {
+			lnJ[l] =
+				std::log(point.J[l]); // of the in-plane part; the thickness follows
+			const double y = condition == Condition::planeStress
+						 ? detail::thicknessStrain(lnJ[l], lame.lambda[l],
+									   lame.mu[l])
+						 : 0;
+			squareF33[l] = condition == Condition::planeStress ? std::exp(2 * y) : 1;
+			lnJ[l] += y;
+		}
+#pragma omp simd
+		for (int l = 0; l < laneWidth; ++l) {
+			double F[dim][dim], C[dim][dim];
+			laneOf(point.F, l, F);
 			const double J = detail::cofactors(F, C);
 			const double lambda = lame.lambda[l], mu = lame.mu[l];
-			const double lnJ2 = std::log(J);
-			double lnJ = lnJ2, squareF33 = 1, tangentLambda = lambda, restLambda = lambda;
-			if constexpr (condition == Condition::planeStress) {
-				const double y = detail::thicknessStrain(lnJ2, lambda, mu);
-				squareF33 = std::exp(2 * y);
-				lnJ = lnJ2 + y;
-				tangentLambda = 2 * mu * squareF33 * lambda / (2 * mu * squareF33 + lambda);
-				restLambda = 2 * mu * lambda / (2 * mu + lambda);
-			}
-			const double onInverse = (lambda * lnJ - mu) / J;
-			double squares = dim == 2 ? squareF33 : 0;
+			const double onInverse = (lambda * lnJ[l] - mu) / J;
+			double squares = dim == 2 ? squareF33[l] : 0;
 			for (int a = 0; a < dim; ++a)
 				for (int b = 0; b < dim; ++b) {
 					point.P[a][b][l] = mu * F[a][b] + onInverse * C[a][b];
 					squares += F[a][b] * F[a][b];
 				}
-			point.J[l] = J;
-			point.energy[l] = 0.5 * mu * (squares - 3 - 2 * lnJ) + 0.5 * lambda * lnJ * lnJ;
-			const double inverseStretch = detail::largestSquaredStretch<dim>(C) / (J * J);
-			point.stiffening[l]
-			        = (mu + (tangentLambda + mu - lambda * lnJ) * inverseStretch) / (restLambda + 2 * mu);
+			point.energy[l] = 0.5 * mu * (squares - 3 - 2 * lnJ[l]) +
+					  0.5 * lambda * lnJ[l] * lnJ[l];
+			const double tangentLambda = inPlane(lambda, mu * squareF33[l]);
+			const double inverseStretch =
+				detail::largestSquaredStretch<dim>(C) / (J * J);
+			point.stiffening[l] =
+				(mu + (tangentLambda + mu - lambda * lnJ[l]) * inverseStretch) /
+				(inPlane(lambda, mu) + 2 * mu);
 		}
+	}
+
+private:
+	static void laneOf(const Lanes (&tensor)[dim][dim], int l, double (&T)[dim][dim])
+	{
+		for (int a = 0; a < dim; ++a)
+			for (int b = 0; b < dim; ++b)
+				T[a][b] = tensor[a][b][l];
+	}
+
+	/// First Lame constant that acts in the plane where the thickness is free to follow.
+	static double inPlane(double lambda, double mu)
+	{
+		return condition == Condition::planeStress ? 2 * mu * lambda / (2 * mu + lambda)
+							   : lambda;
 	}
 };
 

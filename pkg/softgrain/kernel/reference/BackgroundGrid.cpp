@@ -9,9 +9,10 @@
 namespace softgrain {
 
 template <int dim>
-BackgroundGrid<dim>::BackgroundGrid(int order, double spacing, const Quadrature<dim>& quadrature, double tiedShare)
-        : order_(order)
-        , spacing_(spacing)
+BackgroundGrid<dim>::BackgroundGrid(int order, double spacing, const Quadrature<dim>& quadrature,
+				    double tiedShare)
+	: order_(order)
+	, spacing_(spacing)
 {
 	std::map<Index, double> rawMass;
 	for (std::size_t p = 0; p < quadrature.point.size(); ++p)
@@ -46,7 +47,8 @@ template <int dim> Vec<dim> BackgroundGrid<dim>::nodeAt(const Index& index) cons
 }
 
 template <int dim>
-std::map<typename BackgroundGrid<dim>::Index, ShapeFunction<dim>> BackgroundGrid<dim>::rawShapes(const Vec<dim>& X) const
+std::map<typename BackgroundGrid<dim>::Index, ShapeFunction<dim>>
+BackgroundGrid<dim>::rawShapes(const Vec<dim>& X) const
 {
 	std::array<SplineStencil, dim> axis;
 	for (int a = 0; a < dim; ++a)
@@ -61,11 +63,12 @@ std::map<typename BackgroundGrid<dim>::Index, ShapeFunction<dim>> BackgroundGrid
 			local[a] = rest % width;
 			index[a] = axis[a].first + local[a];
 		}
-		ShapeFunction<dim> shape{ 1, Vec<dim>::Constant(1 / spacing_) };
+		ShapeFunction<dim> shape { 1, Vec<dim>::Constant(1 / spacing_) };
 		for (int a = 0; a < dim; ++a) {
 			shape.N *= axis[a].value[local[a]];
 			for (int b = 0; b < dim; ++b)
-				shape.G[b] *= a == b ? axis[a].gradient[local[a]] : axis[a].value[local[a]];
+				shape.G[b] *= a == b ? axis[a].gradient[local[a]]
+						     : axis[a].value[local[a]];
 		}
 		if (shape.N > 0 || !shape.G.isZero(0)) shapes.emplace(index, shape);
 	}
@@ -73,7 +76,8 @@ std::map<typename BackgroundGrid<dim>::Index, ShapeFunction<dim>> BackgroundGrid
 }
 
 /// Minimum-norm weights on the nearest nodes that reproduce affine functions at a tied node.
-template <int dim> typename BackgroundGrid<dim>::Weights BackgroundGrid<dim>::extrapolation(const Index& index) const
+template <int dim>
+typename BackgroundGrid<dim>::Weights BackgroundGrid<dim>::extrapolation(const Index& index) const
 {
 	const auto known = tied_.find(index);
 	if (known != tied_.end()) return known->second;
@@ -89,8 +93,10 @@ template <int dim> typename BackgroundGrid<dim>::Weights BackgroundGrid<dim>::ex
 	}
 	std::sort(nearest.begin(), nearest.end());
 	int count = std::min<int>(neighbours, static_cast<int>(nearest.size()));
-	while (count < static_cast<int>(nearest.size()) && nearest[count].first == nearest[count - 1].first)
-		++count; // all nodes at the last distance, or the weights would lack the symmetry of the grid
+	while (count < static_cast<int>(nearest.size()) &&
+	       nearest[count].first == nearest[count - 1].first)
+		++count; // all nodes at the last distance, or the weights would lack the symmetry
+			 // of the grid
 
 	Eigen::Matrix<double, dim + 1, Eigen::Dynamic> affine(dim + 1, count);
 	Eigen::VectorXd trust(count); // nearer nodes carry more
@@ -101,8 +107,8 @@ template <int dim> typename BackgroundGrid<dim>::Weights BackgroundGrid<dim>::ex
 	}
 	Eigen::Matrix<double, dim + 1, 1> target = Eigen::Matrix<double, dim + 1, 1>::Unit(0);
 	const Eigen::MatrixXd scaled = affine * trust.asDiagonal();
-	const Eigen::VectorXd weight
-	        = trust.asDiagonal() * affine.transpose() * (scaled * affine.transpose()).eval().ldlt().solve(target);
+	const Eigen::VectorXd weight = trust.asDiagonal() * affine.transpose() *
+				       (scaled * affine.transpose()).eval().ldlt().solve(target);
 	Weights result;
 	for (int k = 0; k < count; ++k)
 		result.emplace_back(nearest[k].second, weight[k]);
@@ -110,11 +116,14 @@ template <int dim> typename BackgroundGrid<dim>::Weights BackgroundGrid<dim>::ex
 }
 
 template <int dim>
-void BackgroundGrid<dim>::appendShapes(const Vec<dim>& X, SparseRows<ShapeFunction<dim>>& rows) const
+void BackgroundGrid<dim>::appendShapes(const Vec<dim>& X,
+				       SparseRows<ShapeFunction<dim>>& rows) const
 {
 	std::map<int, ShapeFunction<dim>> resolved;
 	auto add = [&](int node, double weight, const ShapeFunction<dim>& shape) {
-		ShapeFunction<dim>& sum = resolved.try_emplace(node, ShapeFunction<dim>{ 0, Vec<dim>::Zero() }).first->second;
+		ShapeFunction<dim>& sum =
+			resolved.try_emplace(node, ShapeFunction<dim> { 0, Vec<dim>::Zero() })
+				.first->second;
 		sum.N += weight * shape.N;
 		sum.G += weight * shape.G;
 	};

@@ -22,7 +22,8 @@ constexpr double lightNodeShare = 1e-4;
 template <int dim> class BackgroundGrid {
 public:
 	/// Grid of step `spacing` whose nodes are those that the material points give mass to.
-	BackgroundGrid(int order, double spacing, const Quadrature<dim>& quadrature, double tiedShare = lightNodeShare);
+	BackgroundGrid(int order, double spacing, const Quadrature<dim>& quadrature,
+		       double tiedShare = lightNodeShare);
 
 	const std::vector<Vec<dim>>& position() const { return position_; }
 	const std::vector<double>& mass() const { return mass_; }
@@ -40,8 +41,8 @@ private:
 
 	int order_;
 	double spacing_;
-	std::map<Index, int> number_;                ///< of the nodes that carry unknowns
-	mutable std::map<Index, Weights> tied_;      ///< extrapolations met so far
+	std::map<Index, int> number_;           ///< of the nodes that carry unknowns
+	mutable std::map<Index, Weights> tied_; ///< extrapolations met so far
 	std::vector<Vec<dim>> position_;
 	std::vector<double> mass_;
 };

@@ -30,9 +30,11 @@ template <int dim> void layContactNodes(GrainTemplate<dim>& grain)
 }
 
 /// W_ss' = sum_I N_I(Xs) N_I(Xs') / mI from the rows of N.
-SparseRows<double> delassusTable(const SparseRows<double>& shapes, const std::vector<double>& nodeMass)
+SparseRows<double> delassusTable(const SparseRows<double>& shapes,
+				 const std::vector<double>& nodeMass)
 {
-	std::vector<std::vector<std::pair<int, double>>> seenBy(nodeMass.size()); // node I: (s, N_I(Xs))
+	std::vector<std::vector<std::pair<int, double>>> seenBy(
+		nodeMass.size()); // node I: (s, N_I(Xs))
 	for (int s = 0; s < shapes.rows(); ++s)
 		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
 			seenBy[shapes.column[k]].emplace_back(s, shapes.value[k]);
@@ -62,7 +64,8 @@ void TemplateRecipe::validate() const
 	requireRange("surfaceSpacing", surfaceSpacing, 0.5, 4, "[0.5, 4]");
 }
 
-template <int dim> std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe& recipe)
+template <int dim>
+std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe& recipe)
 {
 	recipe.validate();
 	const double dr = recipe.zeta;

@@ -21,10 +21,11 @@ enum class ContactGeometry {
 
 /// How a grain is discretised. Grains with equal recipes are congruent and share one template.
 struct TemplateRecipe {
-	double zeta = 0.11;           ///< 2 dr / D, dimensionless, in (0, 0.5]
-	int order = 3;                ///< of the B-splines: 1, 2 or 3
-	double nodeSpacing = 2;       ///< h / dr, in [1.5, 4]: below, cubic splines have zero-energy modes
-	double surfaceSpacing = 1;    ///< distance of surface nodes over dr, in [0.5, 4]
+	double zeta = 0.11; ///< 2 dr / D, dimensionless, in (0, 0.5]
+	int order = 3;      ///< of the B-splines: 1, 2 or 3
+	double nodeSpacing =
+		2; ///< h / dr, in [1.5, 4]: below, cubic splines have zero-energy modes
+	double surfaceSpacing = 1; ///< distance of surface nodes over dr, in [0.5, 4]
 	QuadratureRule quadrature = QuadratureRule::cutCell;
 	ContactGeometry contact = ContactGeometry::surface;
 
@@ -32,8 +33,9 @@ struct TemplateRecipe {
 	void validate() const;
 	bool operator<(const TemplateRecipe& o) const
 	{
-		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact)
-		        < std::tie(o.zeta, o.order, o.nodeSpacing, o.surfaceSpacing, o.quadrature, o.contact);
+		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact) <
+		       std::tie(o.zeta, o.order, o.nodeSpacing, o.surfaceSpacing, o.quadrature,
+				o.contact);
 	}
 };
 
@@ -49,10 +51,10 @@ template <int dim> struct GrainTemplate {
 	std::vector<double> pointVolume;            ///< Vp0, in radii^dim
 	SparseRows<ShapeFunction<dim>> pointShapes; ///< row p: nodes I with N_I(Xp), G_I(Xp)
 
-	OutlineMesh<dim> contactMesh;      ///< contact nodes; without facets for ContactGeometry::points
-	double contactRadius = 0;          ///< of the disk about a contact node, in radii; 0 on a surface
-	SparseRows<double> contactShapes;  ///< row s: nodes I with N_I(Xs)
-	SparseRows<double> delassus;       ///< W_ss' = sum_I N_I(Xs) N_I(Xs') / mI, a banded table
+	OutlineMesh<dim> contactMesh; ///< contact nodes; without facets for ContactGeometry::points
+	double contactRadius = 0; ///< of the disk about a contact node, in radii; 0 on a surface
+	SparseRows<double> contactShapes; ///< row s: nodes I with N_I(Xs)
+	SparseRows<double> delassus;      ///< W_ss' = sum_I N_I(Xs) N_I(Xs') / mI, a banded table
 
 	int nodes() const { return static_cast<int>(nodePosition.size()); }
 	int points() const { return static_cast<int>(pointPosition.size()); }
@@ -61,6 +63,7 @@ template <int dim> struct GrainTemplate {
 };
 
 /// Validates the recipe and builds the template.
-template <int dim> std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe& recipe);
+template <int dim>
+std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe& recipe);
 
 } // namespace softgrain

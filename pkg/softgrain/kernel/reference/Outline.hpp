@@ -10,8 +10,8 @@ namespace softgrain {
 /// Closed piecewise linear outline: segments in 2D, triangles in 3D, oriented so that the
 /// right-hand (2D: right of the direction of travel, counter-clockwise) normal points outwards.
 template <int dim> struct OutlineMesh {
-	std::vector<Vec<dim>> vertex;             ///< on the true boundary
-	std::vector<std::array<int, dim>> facet;  ///< vertex indices
+	std::vector<Vec<dim>> vertex;            ///< on the true boundary
+	std::vector<std::array<int, dim>> facet; ///< vertex indices
 };
 
 /// Disk (dim = 2) or ball (dim = 3) of radius 1 about the origin.

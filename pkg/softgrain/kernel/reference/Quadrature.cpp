@@ -47,7 +47,8 @@ template <int dim> Moments<dim> momentsInside(const Vec<dim>& centre, double sid
 		return m;
 	}
 	for (int corner = 0; corner < (1 << dim); ++corner) {
-		const Moments<dim> part = momentsInside<dim>(centre + cornerOffset<dim>(corner, side), 0.5 * side, depth - 1);
+		const Moments<dim> part = momentsInside<dim>(
+			centre + cornerOffset<dim>(corner, side), 0.5 * side, depth - 1);
 		m.volume += part.volume;
 		m.first += part.first;
 	}
@@ -63,7 +64,8 @@ template <int dim> Vec<dim> cellCentre(const Cell<dim>& cell, double spacing)
 }
 
 /// Cells inside the outline in lexicographic order, with what each of them holds.
-template <int dim> std::map<Cell<dim>, Moments<dim>> occupiedCells(QuadratureRule rule, double spacing)
+template <int dim>
+std::map<Cell<dim>, Moments<dim>> occupiedCells(QuadratureRule rule, double spacing)
 {
 	const int reach = static_cast<int>(std::ceil(1 / spacing));
 	const double negligible = negligibleShare * std::pow(spacing, dim);
@@ -85,7 +87,8 @@ template <int dim> std::map<Cell<dim>, Moments<dim>> occupiedCells(QuadratureRul
 	}
 }
 
-template <int dim> bool hasEmptyNeighbour(const std::map<Cell<dim>, Moments<dim>>& cells, const Cell<dim>& cell)
+template <int dim>
+bool hasEmptyNeighbour(const std::map<Cell<dim>, Moments<dim>>& cells, const Cell<dim>& cell)
 {
 	for (int a = 0; a < dim; ++a)
 		for (int step : { -1, 1 }) {
@@ -115,8 +118,8 @@ template <int dim> void scaleToExactVolume(Quadrature<dim>& q)
 template <int dim> void addRefined(const Vec<dim>& centre, double side, Quadrature<dim>& q)
 {
 	for (int corner = 0; corner < (1 << dim); ++corner) {
-		const Moments<dim> part
-		        = momentsInside<dim>(centre + cornerOffset<dim>(corner, side), 0.5 * side, cutDepth<dim> - 1);
+		const Moments<dim> part = momentsInside<dim>(
+			centre + cornerOffset<dim>(corner, side), 0.5 * side, cutDepth<dim> - 1);
 		if (part.volume > negligibleShare * std::pow(side, dim)) addPoint(part, q);
 	}
 }

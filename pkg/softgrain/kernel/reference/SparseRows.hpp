@@ -7,7 +7,7 @@ namespace softgrain {
 
 /// Row r holds the entries `begin(r) .. end(r)`: `column[k]` with `value[k]`.
 template <class Value> struct SparseRows {
-	std::vector<int> offset{ 0 };
+	std::vector<int> offset { 0 };
 	std::vector<int> column;
 	std::vector<Value> value;
 

@@ -12,13 +12,18 @@ namespace softgrain {
 
 template <int dim> void System<dim>::addBatch(Batch<dim> batch)
 {
-	std::map<double, double> frequency; // by Poisson's ratio: the template and the condition are shared
+	std::map<double, double>
+		frequency; // by Poisson's ratio: the template and the condition are shared
 	for (int lane = 0; lane < batch.grains(); ++lane) {
 		place_.push_back({ static_cast<int>(batches_.size()), lane });
 		const GrainParameters<dim>& grain = batch.grain[lane];
 		const auto [known, isNew] = frequency.try_emplace(grain.constants.poisson, 0.);
-		if (isNew) known->second = highestFrequency(*batch.reference, batch.condition, grain.constants.poisson);
-		criticalTimeStep_.push_back(2 * grain.radius / (known->second * grain.constants.waveSpeed(batch.condition)));
+		if (isNew)
+			known->second = highestFrequency(*batch.reference, batch.condition,
+							 grain.constants.poisson);
+		criticalTimeStep_.push_back(
+			2 * grain.radius /
+			(known->second * grain.constants.waveSpeed(batch.condition)));
 
 		ContactBody<dim> body;
 		body.mesh = &batch.reference->contactMesh;
@@ -45,8 +50,9 @@ template <int dim> template <class Phase> void System<dim>::forEachGrain(int thr
 
 template <int dim> double System<dim>::criticalTimeStep() const
 {
-	return criticalTimeStep_.empty() ? std::numeric_limits<double>::infinity()
-	                                 : *std::min_element(criticalTimeStep_.begin(), criticalTimeStep_.end());
+	return criticalTimeStep_.empty()
+		       ? std::numeric_limits<double>::infinity()
+		       : *std::min_element(criticalTimeStep_.begin(), criticalTimeStep_.end());
 }
 
 template <int dim> void System<dim>::updateSurface(int g)
@@ -80,7 +86,9 @@ template <int dim> void System<dim>::updateForces(int threads)
 		computeInternalForce(batch, threads);
 	for (int g = 0; g < grains(); ++g) {
 		const int point = batchOf(g).report[laneOf(g)].invertedPoint;
-		if (point >= 0) throw StepError(g, point, "the material point is inverted (J <= 0 or not finite)");
+		if (point >= 0)
+			throw StepError(g, point,
+					"the material point is inverted (J <= 0 or not finite)");
 	}
 	forcesFresh_ = true;
 }
@@ -95,9 +103,12 @@ template <int dim> double System<dim>::stiffening() const
 
 namespace {
 
-/// Gaps that both bodies together could close in two steps at their present speeds, and never less than
-/// a twentieth of the point spacing, for grains that are just being accelerated.
-double reachOf(double speed, double dt, double pointSpacing) { return std::max(2 * dt * speed, 0.05 * pointSpacing); }
+/// Gaps that both bodies together could close in two steps at their present speeds, and never less
+/// than a twentieth of the point spacing, for grains that are just being accelerated.
+double reachOf(double speed, double dt, double pointSpacing)
+{
+	return std::max(2 * dt * speed, 0.05 * pointSpacing);
+}
 
 } // namespace
 
@@ -112,8 +123,9 @@ template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, dou
 	return reachOf(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing);
 }
 
-/// Forces at t_n act from the middle of the last step to the middle of this one. (With the length of this
-/// step alone, a step that follows the deformation would pump energy into the vibration it follows.)
+/// Forces at t_n act from the middle of the last step to the middle of this one. (With the length
+/// of this step alone, a step that follows the deformation would pump energy into the vibration it
+/// follows.)
 template <int dim> double System<dim>::kickTime(double dt) const
 {
 	return continuation_.lastStep > 0 ? 0.5 * (continuation_.lastStep + dt) : dt;
@@ -127,10 +139,13 @@ template <int dim> void System<dim>::predictVelocities(const StepSettings& setti
 		const int lane = laneOf(g);
 		const BodyLoad<dim>& load = loads_[g];
 		const bool loaded = !load.acceleration.isZero(0) || !load.angular.isZero(0);
-		const Vec<dim> centre = loaded ? wholeGrain(batch, lane).centre : Vec<dim>(Vec<dim>::Zero());
+		const Vec<dim> centre =
+			loaded ? wholeGrain(batch, lane).centre : Vec<dim>(Vec<dim>::Zero());
 		for (int I = 0; I < batch.reference->nodes(); ++I) {
 			Vec<dim> acceleration = batch.force.get(lane, I) / batch.nodeMass(lane, I);
-			if (loaded) acceleration += load.acceleration + load.angular * (batch.x.get(lane, I) - centre);
+			if (loaded)
+				acceleration += load.acceleration +
+						load.angular * (batch.x.get(lane, I) - centre);
 			batch.vNext.set(lane, I, batch.v.get(lane, I) + kick * acceleration);
 		}
 	});
@@ -139,7 +154,8 @@ template <int dim> void System<dim>::predictVelocities(const StepSettings& setti
 namespace {
 
 template <int dim>
-void interpolate(const Batch<dim>& batch, int lane, const NodalField<dim>& field, std::vector<Vec<dim>>& at)
+void interpolate(const Batch<dim>& batch, int lane, const NodalField<dim>& field,
+		 std::vector<Vec<dim>>& at)
 {
 	const SparseRows<double>& shapes = batch.reference->contactShapes;
 	at.assign(shapes.rows(), Vec<dim>::Zero());
@@ -151,19 +167,22 @@ void interpolate(const Batch<dim>& batch, int lane, const NodalField<dim>& field
 } // namespace
 
 template <int dim>
-void System<dim>::gatherContactVelocities(const std::vector<char>& touched, const StepSettings& settings)
+void System<dim>::gatherContactVelocities(const std::vector<char>& touched,
+					  const StepSettings& settings)
 {
 	forEachGrain(settings.threads, [&](int g) {
 		if (!touched[g]) return;
 		ContactBody<dim>& body = bodies_[g];
 		interpolate(batchOf(g), laneOf(g), batchOf(g).vNext, body.velocity);
-		if (settings.trackEnergy) interpolate(batchOf(g), laneOf(g), batchOf(g).v, body.velocityBefore);
+		if (settings.trackEnergy)
+			interpolate(batchOf(g), laneOf(g), batchOf(g).v, body.velocityBefore);
 		body.impulse.assign(body.nodes(), Vec<dim>::Zero());
 	});
 }
 
 template <int dim>
-void System<dim>::applyContactImpulses(const std::vector<char>& touched, const StepSettings& settings)
+void System<dim>::applyContactImpulses(const std::vector<char>& touched,
+				       const StepSettings& settings)
 {
 	forEachGrain(settings.threads, [&](int g) {
 		if (!touched[g]) return;
@@ -175,7 +194,10 @@ void System<dim>::applyContactImpulses(const std::vector<char>& touched, const S
 			if (r.isZero(0)) continue;
 			for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
 				const int I = shapes.column[k];
-				batch.vNext.set(lane, I, batch.vNext.get(lane, I) + shapes.value[k] / batch.nodeMass(lane, I) * r);
+				batch.vNext.set(lane, I,
+						batch.vNext.get(lane, I) +
+							shapes.value[k] / batch.nodeMass(lane, I) *
+								r);
 			}
 		}
 	});
@@ -206,13 +228,14 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 		const int lane = laneOf(g);
 		const Vec<dim> centre = wholeGrain(batch, lane).centre;
 		for (int I = 0; I < batch.reference->nodes(); ++I) {
-			const Vec<dim> impulse = kick * batch.nodeMass(lane, I)
-			        * (load.acceleration + load.angular * (batch.x.get(lane, I) - centre));
+			const Vec<dim> impulse = kick * batch.nodeMass(lane, I) *
+						 (load.acceleration +
+						  load.angular * (batch.x.get(lane, I) - centre));
 			loads.before += 0.5 * impulse.dot(batch.v.get(lane, I));
 			loads.after += 0.5 * impulse.dot(batch.vNext.get(lane, I));
 		}
 	}
-	auto book = [this](double EnergyBalance::*sum, const ContactWork::Halves& halves) {
+	auto book = [this](double EnergyBalance::* sum, const ContactWork::Halves& halves) {
 		energy_.*sum += halves.before; // the first half is done when t_n is reached
 		continuation_.sums.*sum += halves.before + halves.after;
 	};
@@ -229,20 +252,25 @@ template <int dim> void System<dim>::move(const StepSettings& settings)
 	forEachGrain(settings.threads, [&](int g) {
 		Batch<dim>& batch = batchOf(g);
 		for (int I = 0; I < batch.reference->nodes(); ++I)
-			batch.x.set(laneOf(g), I, batch.x.get(laneOf(g), I) + settings.dt * batch.v.get(laneOf(g), I));
+			batch.x.set(laneOf(g), I,
+				    batch.x.get(laneOf(g), I) +
+					    settings.dt * batch.v.get(laneOf(g), I));
 	});
 }
 
-template <int dim> StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactList<dim>*> lists)
+template <int dim>
+StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactList<dim>*> lists)
 {
 	StepReport report;
 	if (!forcesFresh_) updateForces(settings.threads);
 	report.stiffening = stiffening();
 
-	// The sweep order is part of the result: it must not depend on who found which contact when.
-	std::stable_sort(lists.begin(), lists.end(), [](const ContactList<dim>* a, const ContactList<dim>* b) {
-		return a->sweepOrder() < b->sweepOrder();
-	});
+	// The sweep order is part of the result: it must not depend on who found which contact
+	// when.
+	std::stable_sort(lists.begin(), lists.end(),
+			 [](const ContactList<dim>* a, const ContactList<dim>* b) {
+				 return a->sweepOrder() < b->sweepOrder();
+			 });
 	std::vector<char> touched(grains(), 0);
 	for (const ContactList<dim>* list : lists) {
 		report.deepest = std::max(report.deepest, list->deepest);

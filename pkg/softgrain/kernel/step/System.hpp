@@ -21,19 +21,19 @@ template <int dim> struct BodyLoad {
 /// What goes wrong in a step. The state is that before the step.
 struct StepError : std::runtime_error {
 	StepError(int whichGrain, int whichPoint, const std::string& what)
-	        : std::runtime_error(what)
-	        , grain(whichGrain)
-	        , point(whichPoint)
+		: std::runtime_error(what)
+		, grain(whichGrain)
+		, point(whichPoint)
 	{
 	}
 	int grain; ///< index in the system
 	int point; ///< material point, or -1
 };
 
-/// Energies at t_n, J (2D: J/m). kinetic + elastic = initial + work - friction - impact up to rounding
-/// and the second-order error of the time integration.
+/// Energies at t_n, J (2D: J/m). kinetic + elastic = initial + work - friction - impact up to
+/// rounding and the second-order error of the time integration.
 struct EnergyBalance {
-	double kinetic = 0;  ///< 1/2 sum mI v(t_n - dt/2) . v(t_n + dt/2)
+	double kinetic = 0; ///< 1/2 sum mI v(t_n - dt/2) . v(t_n + dt/2)
 	double elastic = 0;
 	double friction = 0; ///< dissipated by friction since the start
 	double impact = 0;   ///< dissipated by normal impulses since the start
@@ -83,13 +83,16 @@ public:
 	/// Smallest undeformed critical time step over the grains, s.
 	double criticalTimeStep() const;
 
-	/// Renews contact-node positions and outlines from the nodal positions. Called by `step` at its end;
-	/// call it after setting nodal state by hand.
+	/// Renews contact-node positions and outlines from the nodal positions. Called by `step` at
+	/// its end; call it after setting nodal state by hand.
 	void updateSurfaces(int threads);
 	void updateSurface(int g);
-	void invalidateForces() { forcesFresh_ = false; } ///< after nodal positions were set by hand
-	/// Internal forces and tangent stiffening of the present positions; throws StepError for an inverted
-	/// point. `step` uses them if they are fresh.
+	void invalidateForces()
+	{
+		forcesFresh_ = false;
+	} ///< after nodal positions were set by hand
+	/// Internal forces and tangent stiffening of the present positions; throws StepError for an
+	/// inverted point. `step` uses them if they are fresh.
 	void updateForces(int threads);
 	double stiffening() const;
 
@@ -108,7 +111,8 @@ private:
 
 	double kickTime(double dt) const;
 	void predictVelocities(const StepSettings& settings);
-	void gatherContactVelocities(const std::vector<char>& touched, const StepSettings& settings);
+	void gatherContactVelocities(const std::vector<char>& touched,
+				     const StepSettings& settings);
 	void applyContactImpulses(const std::vector<char>& touched, const StepSettings& settings);
 	void checkVelocities() const;
 	void balanceEnergy(const ContactWork& work, double kick);

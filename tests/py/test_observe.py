@@ -1,0 +1,170 @@
+"""What is read from soft scenes."""
+
+import math
+
+import numpy as np
+import pytest
+from yade import FrictMat, O, utils
+
+import softgrain as sg
+from softgrain import picture
+
+SHEAR = 3.0
+
+
+def stress(rows):
+    return np.array(rows, dtype=float)
+
+
+@pytest.mark.parametrize(
+    "cauchy, expected",
+    [
+        (np.diag([5.0, 5.0, 5.0]), 0),
+        (np.diag([2.0, 0.0, 0.0]), 2),
+        (np.diag([-2.0, 0.0, 0.0]), 2),
+        (np.diag([1.0, 2.0, 4.0]), math.sqrt(7)),
+        (stress([[0, SHEAR, 0], [SHEAR, 0, 0], [0, 0, 0]]), math.sqrt(3) * SHEAR),
+    ],
+)
+def test_von_mises(cauchy, expected):
+    assert sg.von_mises(cauchy) == pytest.approx(expected, abs=1e-14)
+
+
+def test_von_mises_of_many():
+    tensors = np.stack([np.diag([k, 0.0, 0.0]) for k in range(6)]).reshape(2, 3, 3, 3)
+    np.testing.assert_allclose(sg.von_mises(tensors), [[0, 1, 2], [3, 4, 5]])
+
+
+def two_disks(gap=0.0):
+    """Disks of 0.01 and 0.02 m, zeta 0.3, gap between them."""
+    material = sg.SoftMat()
+    disks = [
+        sg.soft_disk((0, 0, 0), 0.01, material, zeta=0.3),
+        sg.soft_disk((0.03 + gap, 0, 0), 0.02, material, zeta=0.3),
+    ]
+    O.bodies.append(disks)
+    return disks
+
+
+def test_areas_and_packing_fraction():
+    disks = two_disks()
+    solid = math.pi * (0.01**2 + 0.02**2)
+    assert sg.grain_area(disks[1]) == pytest.approx(math.pi * 0.02**2, rel=1e-12)
+    assert sg.packing_fraction(0.01) == pytest.approx(solid / 0.01, rel=1e-12)
+    assert sg.packing_fraction(0.01, nominal=True) == pytest.approx(solid / 0.01, rel=1e-12)
+
+
+def test_packing_fraction_of_squeezed_grains():
+    """The present area is smaller than the nominal one."""
+    disks = two_disks()
+    O.bodies.append(
+        [
+            utils.wall(-0.01, axis=0, material=FrictMat()),
+            utils.wall(0.05, axis=0, material=FrictMat()),
+        ]
+    )
+    O.bodies[2].state.vel = (3, 0, 0)
+    O.engines = sg.engines()
+    sg.set_time_step()
+    for _ in range(80):
+        O.step()
+    fraction, nominal = sg.packing_fraction(0.01), sg.packing_fraction(0.01, nominal=True)
+    assert 0.9 * nominal < fraction < 0.999 * nominal
+    areas = [disk.shape.points()["volume"].sum() for disk in disks]
+    assert fraction == pytest.approx(sum(areas) / 0.01, rel=1e-12)
+    np.testing.assert_array_equal(sg.wall_force(2), O.forces.f(2))
+    assert sg.wall_force(2)[0] < 0
+
+
+def test_coordination_number():
+    """Each end of a contact that carries force counts for its grain; a wall is a neighbour."""
+    disks = two_disks(gap=-1e-5)
+    O.engines = sg.engines()
+    sg.set_time_step()
+    assert sg.coordination_number() == 0
+    disks[0].state.vel = (1, 0, 0)
+    O.step()
+    assert sg.coordination_number() == 1
+    O.bodies.append(utils.wall(-0.00999, axis=0, material=FrictMat()))
+    O.bodies[2].state.vel = (2, 0, 0)
+    for _ in range(5):
+        O.step()
+    assert sg.coordination_number() == pytest.approx(1.5)
+
+
+def test_soft_bodies_and_integrator():
+    disks = two_disks()
+    O.bodies.append(utils.wall(-1, axis=0, material=FrictMat()))
+    assert [b.id for b in sg.soft_bodies()] == [d.id for d in disks]
+    O.engines = sg.engines(label="soft")
+    assert isinstance(sg.integrator(), sg.SoftGrainIntegrator)
+    O.engines = []
+    with pytest.raises(ValueError, match="SoftGrainIntegrator"):
+        sg.integrator()
+
+
+class Ledger:
+    """Stands in for the integrator."""
+
+    def __init__(self, **energy):
+        self.values = {
+            name: 0.0 for name in ("kinetic", "elastic", "friction", "impact", "walls", "loads")
+        }
+        self.values.update(energy)
+
+    def energy(self):
+        return dict(self.values)
+
+
+def test_balance(monkeypatch):
+    """Work that is not found again is an error over the largest energy."""
+    ledger = Ledger(kinetic=1.0, walls=3.0)
+    monkeypatch.setattr("softgrain.observe.integrator", lambda: ledger)
+    balance = sg.Balance()
+    assert balance.error() == 0
+    ledger.values.update(elastic=4.0, friction=1.0, impact=0.5, walls=8.0, loads=0.5)
+    assert balance.error() == pytest.approx(0)
+    ledger.values.update(elastic=4.8)
+    assert balance.error() == pytest.approx(0.8 / 8)
+    ledger.values.update(elastic=4.0, loads=1.3)
+    assert balance.error() == pytest.approx(0.8 / 8)
+    ledger.values.update(friction=1.8)
+    assert balance.error() == pytest.approx(0)
+
+
+def test_balance_without_energy(monkeypatch):
+    monkeypatch.setattr("softgrain.observe.integrator", Ledger)
+    assert sg.Balance().error() == 0
+
+
+def test_wall_box():
+    for position, axis in ((0, 0), (2, 0), (-1, 1), (3, 1), (7, 2)):
+        O.bodies.append(utils.wall(position, axis=axis, material=FrictMat()))
+    assert picture.wall_box() == (0, 2, -1, 3)
+
+
+def test_wall_box_with_too_few_walls():
+    O.bodies.append(utils.wall(0, axis=0, material=FrictMat()))
+    with pytest.raises(ValueError, match="two walls"):
+        picture.wall_box()
+
+
+@pytest.mark.parametrize("field", ("von_mises", "pressure", None))
+@pytest.mark.parametrize("contact", ("surface", "points"))
+def test_picture(tmp_path, field, contact):
+    O.bodies.append(sg.soft_disk((0, 0, 0), 0.01, sg.SoftMat(), zeta=0.3, contact=contact))
+    path = tmp_path / "packing.png"
+    sg.draw_packing(
+        path, box=(-0.01, 0.01, -0.01, 0.01), field=field, scale=1e6, title="a disk", dpi=50
+    )
+    assert path.read_bytes()[:4] == b"\x89PNG"
+    assert path.stat().st_size > 1000
+
+
+def test_picture_errors(tmp_path):
+    with pytest.raises(ValueError, match="no soft disk"):
+        sg.draw_packing(tmp_path / "packing.png")
+    two_disks()
+    with pytest.raises(ValueError, match="field = 'tresca' is unknown.*'von_mises', 'pressure'"):
+        sg.draw_packing(tmp_path / "packing.png", field="tresca")
+    assert not (tmp_path / "packing.png").exists()

@@ -1,0 +1,96 @@
+"""scripts/compaction.py: uniaxial compaction of a packing, its results, and that they repeat."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "compaction.py"
+ARRAYS = ("phi", "phi0", "stress_over_E", "stress_top_over_E", "displacement_ratio", "coordination")
+NUMBERS = (
+    "wall_seconds",
+    "steps",
+    "grains",
+    "points_per_grain",
+    "dt",
+    "sweeps_per_step",
+    "capped_steps",
+    "max_overlap_over_dr",
+    "energy_error",
+)
+PICTURES = ("packing_start.png", "packing_jammed.png", "packing_end.png", "stress.png")
+
+
+def compact(folder, *options, threads=2):
+    folder.mkdir(exist_ok=True)
+    process = subprocess.run(
+        ["/usr/bin/yade", "-n", "-x", f"-j{threads}", str(SCRIPT), "--out", str(folder), *options],
+        capture_output=True,
+        text=True,
+        timeout=3600,
+        cwd=folder,
+    )
+    assert process.returncode == 0, process.stdout + process.stderr
+    return json.loads((folder / "result.json").read_text())
+
+
+def check(folder, result, until):
+    """What must hold for every compaction."""
+    assert all(isinstance(result[name], (int, float)) for name in NUMBERS)
+    assert {len(result[name]) for name in ARRAYS} == {len(result["phi"])}
+    arrays = {name: np.array(result[name]) for name in ARRAYS}
+    assert all(np.isfinite(a[1:]).all() for a in arrays.values())
+    assert until <= result["phi"][-1] < until + 0.01
+    assert (np.diff(arrays["phi0"]) > 0).all()
+    assert (arrays["phi0"] >= arrays["phi"] - 1e-6).all()
+    assert result["max_overlap_over_dr"] < 0.1
+    assert result["energy_error"] < 0.02
+    assert result["capped_steps"] < 0.1 * result["steps"]
+    late = arrays["phi"] > until - 0.03
+    bottom, top = arrays["stress_over_E"][late], arrays["stress_top_over_E"][late]
+    np.testing.assert_allclose(bottom.mean(), top.mean(), rtol=0.05)
+    assert 0.02 < bottom[-1] < 1
+    assert 4 < result["coordination"][-1] < 7
+    for name in PICTURES:
+        height, width = imread(folder / name).shape[:2]
+        assert height > 400 and width > 400
+
+
+@pytest.mark.parametrize("mu", (0, 0.5))
+def test_small_packing(tmp_path, mu):
+    result = compact(
+        tmp_path, "--grains", "16", "--zeta", "0.15", "--mu", str(mu), "--until-phi", "0.95"
+    )
+    check(tmp_path, result, 0.95)
+    assert result["grains"] == 16
+    assert result["options"]["mu"] == str(float(mu))
+
+
+def test_repeats_with_other_threads(tmp_path):
+    """The same bits with one thread and two, but for the seconds."""
+    options = ("--grains", "12", "--zeta", "0.25", "--mu", "0.3", "--until-phi", "0.9")
+    results = [compact(tmp_path / f"j{threads}", *options, threads=threads) for threads in (1, 2)]
+    for result in results:
+        assert result.pop("wall_seconds") > 0
+        result["options"].pop("out")
+    assert results[0] == results[1]
+
+
+def test_points_geometry(tmp_path):
+    """The paper's boundary: as bumpy disks."""
+    result = compact(
+        tmp_path, "--grains", "12", "--zeta", "0.25", "--contact", "points", "--until-phi", "0.9"
+    )
+    assert result["phi"][-1] >= 0.9
+    assert result["energy_error"] < 0.02
+    assert result["stress_over_E"][-1] > 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", (0, 0.3, 0.5))
+def test_hundred_grains(tmp_path, mu):
+    result = compact(tmp_path, "--grains", "100", "--mu", str(mu), "--until-phi", "0.98")
+    check(tmp_path, result, 0.98)

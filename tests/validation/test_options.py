@@ -1,0 +1,94 @@
+"""Options of the cases: units in the help, and a clear word about what cannot be."""
+
+import subprocess
+from pathlib import Path
+
+import compaction
+import hertz
+import pytest
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+UNITS = {
+    "compaction": ("[-]", "[m/s]"),
+    "hertz": ("[-]", "[m/s]", "[Pa]", "[kg/m3]", "[m]"),
+}
+
+
+def yade_script(name, *options):
+    return subprocess.run(
+        ["/usr/bin/yade", "-n", "-x", str(SCRIPTS / f"{name}.py"), *options],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_help_names_units(name):
+    process = yade_script(name, "--help")
+    assert process.returncode == 0
+    assert all(unit in process.stdout for unit in UNITS[name])
+
+
+def test_exit_status(tmp_path):
+    """The status of the whole run, so that a batch of runs notices."""
+    process = yade_script("compaction", "--grains", "2", "--out", str(tmp_path))
+    assert process.returncode == 2, process.stdout + process.stderr
+    assert "argument --grains: 2 is outside the admissible range [4, inf)" in process.stderr
+
+
+def refusal(parse, options, capsys):
+    """What is said about wrong options."""
+    with pytest.raises(SystemExit) as caught:
+        parse(options)
+    assert caught.value.code == 2
+    return capsys.readouterr().err
+
+
+COMPACTION = {
+    "--grains 3": "--grains: 3 is outside the admissible range [4, inf)",
+    "--grains many": "--grains: invalid int value: 'many'",
+    "--seed 0": "--seed: 0 is outside the admissible range [1, inf)",
+    "--until-phi 0.5": "--until-phi: 0.5 is not above the start at 0.7",
+    "--until-phi 1.5": "--until-phi: '1.5' is not a number in (0, 1)",
+    "--mu -1": "--mu: '-1' is not a number >= 0",
+    "--speed fast": "--speed: 'fast' is not a number > 0",
+    "--zeta 3": "--zeta: ",
+    "--zeta 0": "--zeta: ",
+    "--poisson 0.5": "--poisson: ",
+    "--poisson -2": "--poisson: ",
+    "--contact springs": "--contact: invalid choice: 'springs'",
+    "--resolution 1": "--resolution",
+    "--out /proc/none": "cannot make the folder '/proc/none'",
+}
+
+
+@pytest.mark.parametrize("options", COMPACTION)
+def test_compaction(options, capsys, tmp_path):
+    arguments = ["--out", str(tmp_path), *options.split()]
+    assert COMPACTION[options] in refusal(compaction.parse_options, arguments, capsys)
+
+
+HERTZ = {
+    "--until 1.5": "--until: '1.5' is not a number in (0, 1)",
+    "--young 0": "--young: '0' is not a number > 0",
+    "--zeta 3": "--zeta: ",
+    "--poisson 0.5": "--poisson: ",
+    "--order 4": "--order: invalid choice: ",
+    "--condition flat": "--condition: invalid choice: 'flat'",
+}
+
+
+@pytest.mark.parametrize("options", HERTZ)
+def test_hertz(options, capsys, tmp_path):
+    arguments = ["--out", str(tmp_path), *options.split()]
+    assert HERTZ[options] in refusal(hertz.parse_options, arguments, capsys)
+
+
+def test_good_options(tmp_path):
+    options = compaction.parse_options(
+        ["--zeta", "0.2", "--poisson", "-0.2", "--mu", "0", "--out", str(tmp_path)]
+    )
+    assert (options.zeta, options.poisson, options.mu, options.out) == (0.2, -0.2, 0, tmp_path)
+    options = hertz.parse_options(["--zeta", "0.5", "--poisson", "0", "--out", str(tmp_path)])
+    assert (options.zeta, options.poisson) == (0.5, 0)

@@ -1,0 +1,92 @@
+"""Small scenes and subprocesses common to the tests inside YADE."""
+
+import math
+import os
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+
+import softgrain as sg
+from yade import FrictMat, O, utils
+
+RADIUS = 0.01  # m
+ZETA = 0.25  # coarse: accuracy is not the point
+DENSITY = 1000.0  # kg/m^3
+YOUNG = 1e6  # Pa
+YADE = "/usr/bin/yade"
+
+
+def soft_material(**attributes):
+    return sg.SoftMat(**{"young": YOUNG, "poisson": 0.45, "density": DENSITY, **attributes})
+
+
+def add_disk(center=(0, 0, 0), radius=RADIUS, material=None, **shape):
+    """A soft disk in the scene; returns its body."""
+    shape = {"zeta": ZETA, **shape}
+    body = sg.soft_disk(center, radius, material or soft_material(), **shape)
+    O.bodies.append(body)
+    return body
+
+
+def add_wall(position, axis, friction=0.0, velocity=(0, 0, 0), sense=0):
+    """A wall in the scene; returns its body."""
+    material = FrictMat(frictionAngle=math.atan(friction))
+    wall = utils.wall(position, axis=axis, sense=sense, material=material)
+    wall.state.vel = velocity
+    O.bodies.append(wall)
+    return wall
+
+
+def ready(**engines):
+    """Engines and time step for the soft grains of the scene; returns O.dt."""
+    O.engines = sg.engines(**engines)
+    return sg.set_time_step()
+
+
+def run(steps):
+    for _ in range(steps):
+        O.step()
+
+
+def largest_stress(body):
+    """Largest von Mises stress in a grain [Pa]."""
+    return sg.von_mises(body.shape.points()["cauchy"]).max()
+
+
+def present_state():
+    """All that a run goes on from, as arrays by name."""
+    grains = sg.soft_bodies()
+    energy = sg.integrator().energy()
+    return {
+        "nodes": np.concatenate([b.shape.nodes() for b in grains]),
+        "velocities": np.concatenate([b.shape.nodeVelocities() for b in grains]),
+        "bodies": np.array([[*b.state.pos, *b.state.vel, *b.state.angVel] for b in O.bodies]),
+        "orientations": np.array(
+            [[q[k] for k in range(4)] for q in (b.state.ori for b in O.bodies)]
+        ),
+        "energies": np.array([energy[name] for name in sorted(energy)]),
+        "time": np.array([O.time, O.dt, O.iter]),
+    }
+
+
+def run_python(code, folder, environment=None, command=None):
+    """Run code in a new Python (or by another command, to which the file is added) in a folder."""
+    script = folder / "script.py"
+    script.write_text(textwrap.dedent(code))
+    return subprocess.run(
+        [*(command or [sys.executable]), str(script)],
+        cwd=folder,
+        env=environment or dict(os.environ),
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+def assert_done(process):
+    """The process ended well and said so as its last word."""
+    told = process.stdout + process.stderr
+    assert process.returncode == 0, told
+    assert "done" in process.stdout, told

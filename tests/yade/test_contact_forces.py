@@ -1,0 +1,190 @@
+"""Impacts and walls: impulses are what State and O.forces say."""
+
+import numpy as np
+import pytest
+from scenes import RADIUS, add_disk, add_wall, ready, run
+from yade import FrictMat, O, utils
+
+import softgrain as sg
+
+
+def momentum(bodies):
+    return sum(b.state.mass * np.array(b.state.vel) for b in bodies)
+
+
+def test_head_on_impact():
+    """Both rebound; the momentum is kept to rounding, all through the contact."""
+    grains = [add_disk((-1.02 * RADIUS, 0, 0)), add_disk((1.02 * RADIUS, 0, 0), 0.8 * RADIUS)]
+    grains[0].state.vel, grains[1].state.vel = (1, 0, 0), (-1.5, 0, 0)
+    before = grains[0].shape.volume() * 1000 - 1.5 * grains[1].shape.volume() * 1000
+    scale = grains[0].shape.volume() * 1000
+    ready()
+    touched = 0
+    for _ in range(300):
+        run(1)
+        touched += sg.integrator().activeContacts > 0
+        np.testing.assert_allclose(momentum(grains), (before, 0, 0), rtol=0, atol=1e-12 * scale)
+    assert touched > 20
+    assert sg.integrator().activeContacts == 0
+    assert grains[0].state.vel[0] < 0 < grains[1].state.vel[0]
+
+
+def test_oblique_impact_with_friction():
+    """Friction sets both spinning; the momentum stays."""
+    material = sg.SoftMat(frictionAngle=0.5)
+    grains = [
+        add_disk((-RADIUS, 0, 0), material=material),
+        add_disk((1.01 * RADIUS, 0.01, 0), material=material),
+    ]
+    grains[0].state.vel = (3, 0, 0)
+    ready()
+    run(1)
+    before = momentum(grains)
+    run(300)
+    np.testing.assert_allclose(
+        momentum(grains), before, rtol=0, atol=1e-12 * np.linalg.norm(before)
+    )
+    assert grains[0].state.angVel[2] * grains[1].state.angVel[2] > 0
+    assert abs(grains[0].state.angVel[2]) > 1
+
+
+def test_impact_energy_balance():
+    material = sg.SoftMat(frictionAngle=0.5)
+    grains = [
+        add_disk((-RADIUS, 0, 0), material=material),
+        add_disk((1.01 * RADIUS, 0.01, 0), material=material),
+    ]
+    grains[0].state.vel = (1, 0, 0)
+    O.trackEnergy = True
+    ready()
+    run(1)
+    balance = sg.Balance()
+    run(200)
+    assert balance.error() < 0.01
+    energy = sg.integrator().energy()
+    assert energy["friction"] > 0
+    assert dict(O.energy.items())["softKinetic"] == energy["kinetic"]
+
+
+@pytest.mark.parametrize("axis", (0, 1))
+@pytest.mark.parametrize("side", (-1, 1))
+def test_reaction_on_a_wall(axis, side):
+    """Force on the grain = its change of momentum = - force on the wall = the contacts' impulses."""
+    normal = np.zeros(3)
+    normal[axis] = -side
+    disk = add_disk()
+    wall = add_wall(side * 1.01 * RADIUS, axis, friction=0.3)
+    disk.state.vel = -2 * normal + np.array((0.2, 0.2, 0)) * (1 - np.abs(normal))
+    ready()
+    largest = 0
+    for _ in range(100):
+        before = momentum([disk])
+        run(1)
+        force = np.array(O.forces.f(disk.id))
+        np.testing.assert_allclose(O.forces.f(wall.id), -force, rtol=1e-13)
+        np.testing.assert_allclose(
+            momentum([disk]) - before, force * O.dt, atol=1e-11 * disk.state.mass
+        )
+        largest = max(largest, force @ normal)
+        assert force @ normal >= 0
+        for i in O.interactions:
+            contacts = i.geom.contacts()
+            np.testing.assert_allclose(
+                contacts["impulse"].sum(axis=0) / O.dt, force, atol=1e-9 * max(largest, 1)
+            )
+            second = np.array(i.phys.normalForce + i.phys.shearForce)
+            np.testing.assert_allclose(second, force if i.id2 == disk.id else -force, atol=1e-9)
+    assert largest > 1
+    np.testing.assert_allclose(wall.state.pos[axis], side * 1.01 * RADIUS)
+
+
+def test_friction_law():
+    """No contact force leaves Coulomb's cone, and a sliding one lies on it."""
+    mu = 0.3
+    disk = add_disk(material=sg.SoftMat(frictionAngle=1.0))
+    add_wall(-RADIUS, 1, friction=mu)
+    disk.state.vel = (3, -1, 0)
+    ready()
+    sliding = 0
+    for _ in range(60):
+        run(1)
+        for i in O.interactions:
+            contacts = i.geom.contacts()
+            normal = np.sum(contacts["impulse"] * contacts["normal"], axis=1)
+            tangential = np.linalg.norm(
+                contacts["impulse"] - normal[:, None] * contacts["normal"], axis=1
+            )
+            assert (normal >= 0).all()
+            assert (tangential <= mu * normal * (1 + 1e-12)).all()
+            sliding += np.sum((normal > 0) & (tangential > 0.999 * mu * normal))
+    assert sliding > 10
+
+
+def test_moving_wall_pushes():
+    """A wall hits a grain at rest: it rebounds from the wall with about twice its speed."""
+    disk = add_disk()
+    wall = add_wall(-1.01 * RADIUS, 0, velocity=(1, 0, 0), sense=1)
+    ready()
+    run(250)
+    assert wall.state.pos[0] == pytest.approx(-1.01 * RADIUS + O.time, rel=1e-10)
+    assert 1.5 < disk.state.vel[0] <= 2.0
+    assert sg.integrator().activeContacts == 0
+
+
+def test_wall_changes_speed_in_the_run():
+    disk = add_disk()
+    wall = add_wall(1.001 * RADIUS, 1, velocity=(0, -1, 0))
+    add_wall(-RADIUS, 1)
+    ready()
+    run(30)
+    squeezed = -O.forces.f(wall.id)[1]
+    assert squeezed < 0
+    wall.state.vel = (0, 1, 0)
+    run(200)
+    assert O.forces.f(wall.id)[1] == 0
+    assert disk.shape.outline()[:, 1].max() < wall.state.pos[1]
+
+
+def test_one_sided_wall():
+    """A wall with sense lets pass what is on its other side."""
+    disk = add_disk()
+    disk.state.vel = (2, 0, 0)
+    add_wall(1.05 * RADIUS, 0, sense=1)
+    ready()
+    run(50)
+    assert disk.state.vel[0] == pytest.approx(2, rel=1e-12)
+
+
+def test_two_balls_touch():
+    """3D: head-on impact of unequal balls, momentum kept."""
+    balls = [
+        sg.soft_sphere((-RADIUS, 0, 0), RADIUS, sg.SoftMat(), zeta=0.4),
+        sg.soft_sphere((0.81 * RADIUS, 0, 0), 0.8 * RADIUS, sg.SoftMat(), zeta=0.4),
+    ]
+    balls[0].state.vel = (1, 0, 0)
+    O.bodies.append(balls)
+    ready()
+    run(1)
+    before = momentum(balls)
+    touched = 0
+    for _ in range(200):
+        run(1)
+        touched += sg.integrator().activeContacts > 0
+    np.testing.assert_allclose(momentum(balls), before, rtol=0, atol=1e-12 * before[0])
+    assert touched > 10
+    assert balls[1].state.vel[0] > balls[0].state.vel[0]
+
+
+def test_gravity_holds_against_the_floor():
+    """A grain rests on the floor: the mean reaction is its weight."""
+    disk = add_disk()
+    floor = utils.wall(-RADIUS, axis=1, material=FrictMat())
+    O.bodies.append(floor)
+    ready(gravity=(0, -10, 0))
+    run(200)
+    total = steps = 0
+    while steps < 2000:
+        run(1)
+        total -= O.forces.f(floor.id)[1]
+        steps += 1
+    assert total / steps == pytest.approx(10 * disk.state.mass, rel=0.1)

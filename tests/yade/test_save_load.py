@@ -1,0 +1,174 @@
+"""A saved run goes on, in a new process, bit by bit as it would have gone on."""
+
+import hashlib
+from pathlib import Path
+
+import compaction
+import numpy as np
+import pytest
+from scenes import RADIUS, add_disk, add_wall, assert_done, present_state, ready, run, run_python
+from yade import O, Vector3
+
+import softgrain as sg
+
+FORMATS = ("yade.bz2", "xml.gz")
+PHI = 0.85
+STEPS = 200
+
+CONTINUE = f"""
+    import sys
+    sys.path[:0] = [{str(Path(__file__).parent)!r}]
+    import softgrain as sg
+    from yade import O
+    O.load("scene.%s")
+    from scenes import present_state, run
+    import numpy as np
+    run({STEPS})
+    np.savez("after.npz", **present_state())
+    print("done")
+"""
+
+
+def compact_to(phi, folder):
+    """The compaction case, coarse and with twelve grains, stopped in the middle."""
+    options = compaction.parse_options(
+        ["--grains", "12", "--mu", "0.3", "--zeta", "0.25", "--out", str(folder)]
+    )
+    box = compaction.prepare_rigid(options)
+    compaction.make_soft(options)
+    box.close(options.speed)
+    while sg.packing_fraction(box.area) < phi:
+        run(20)
+
+
+def assert_same_bits(found, expected):
+    assert set(found) == set(expected)
+    for name in expected:
+        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    """Folder with the scene saved in both formats, and the state some steps later."""
+    O.reset()
+    folder = tmp_path_factory.mktemp("stopped")
+    compact_to(PHI, folder)
+    for suffix in FORMATS:
+        O.save(str(folder / f"scene.{suffix}"))
+    before = present_state()
+    run(STEPS)
+    after = present_state()
+    assert sg.integrator().activeContacts > 20
+    assert np.abs(after["nodes"] - before["nodes"]).max() > 0.01 * RADIUS
+    assert (after["energies"] != 0).sum() >= 5
+    yield folder, before, after
+    O.reset()
+
+
+def test_saving_changes_nothing(stopped):
+    """Reading and saving in the middle of the run leaves no trace."""
+    folder, _, after = stopped
+    O.load(str(folder / "scene.yade.bz2"))
+    for k in range(STEPS):
+        run(1)
+        if k % 50 == 20:
+            O.save(str(folder / "other.yade.bz2"))
+            sg.packing_fraction(1.0)
+            present_state()
+    assert_same_bits(present_state(), after)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_loaded_state(stopped, suffix):
+    folder, before, _ = stopped
+    O.load(str(folder / f"scene.{suffix}"))
+    found = present_state()
+    for name in ("nodes", "velocities", "bodies", "orientations", "time"):
+        np.testing.assert_array_equal(found[name], before[name], err_msg=name)
+
+
+def test_energy_right_after_loading(stopped):
+    """The integrator still knows the energies it had when saved."""
+    folder, before, _ = stopped
+    O.load(str(folder / "scene.xml.gz"))
+    np.testing.assert_allclose(present_state()["energies"], before["energies"], rtol=1e-12)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_goes_on_in_the_same_process(stopped, suffix):
+    folder, _, after = stopped
+    O.load(str(folder / f"scene.{suffix}"))
+    run(STEPS)
+    assert_same_bits(present_state(), after)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_goes_on_in_a_new_process(stopped, suffix):
+    folder, _, after = stopped
+    assert_done(run_python(CONTINUE % suffix, folder))
+    with np.load(folder / "after.npz") as found:
+        assert_same_bits(dict(found), after)
+
+
+def test_kept_in_memory(stopped):
+    folder, _, after = stopped
+    O.load(str(folder / "scene.yade.bz2"))
+    O.saveTmp("stopped")
+    run(20)
+    O.loadTmp("stopped")
+    run(STEPS)
+    assert_same_bits(present_state(), after)
+
+
+def test_saved_file_is_the_same_after_loading(stopped):
+    """Loading and saving again adds or loses nothing."""
+    folder, _, _ = stopped
+    digests = []
+    for k in range(2):
+        O.load(str(folder / ("scene.xml.gz" if k == 0 else "again0.xml")))
+        O.save(str(folder / f"again{k}.xml"))
+        digests.append(hashlib.sha256((folder / f"again{k}.xml").read_bytes()).hexdigest())
+    assert digests[0] == digests[1]
+
+
+def test_before_the_first_step(tmp_path):
+    """A scene that was saved undeformed starts alike."""
+    disk = add_disk()
+    disk.state.vel, disk.state.angVel = (1, 2, 0), (0, 0, 30)
+    add_wall(-1.02 * RADIUS, 0, friction=0.3)
+    ready()
+    O.save(str(tmp_path / "scene.yade.bz2"))
+    run(50)
+    after = present_state()
+    O.load(str(tmp_path / "scene.yade.bz2"))
+    run(50)
+    assert_same_bits(present_state(), after)
+
+
+def test_users_motion_before_saving(tmp_path):
+    """What the user changed since the last step is not lost."""
+    disk = add_disk()
+    disk.state.vel = (1, 0, 0)
+    ready()
+    run(20)
+    disk.state.vel = (0, 3, 0)
+    disk.state.pos += Vector3(0.01, 0, 0)
+    O.save(str(tmp_path / "scene.xml.gz"))
+    expected = np.array(disk.state.pos) + O.dt * np.array((0, 3, 0))
+    O.load(str(tmp_path / "scene.xml.gz"))
+    run(1)
+    body = O.bodies[0]
+    np.testing.assert_allclose(body.state.vel, (0, 3, 0), atol=1e-9)
+    np.testing.assert_allclose(body.state.pos, expected, atol=1e-9)
+
+
+def test_saved_time_step_of_the_user(tmp_path):
+    add_disk()
+    ready()
+    run(5)
+    O.dt = chosen = 0.2 * sg.critical_time_step()
+    run(2)
+    O.save(str(tmp_path / "scene.xml.gz"))
+    O.load(str(tmp_path / "scene.xml.gz"))
+    run(5)
+    assert O.dt == chosen

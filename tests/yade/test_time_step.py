@@ -1,0 +1,100 @@
+"""O.dt: set by the package, kept by the integrator, or the user's."""
+
+import pytest
+from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
+from yade import O
+
+import softgrain as sg
+
+
+def test_set_time_step():
+    add_disk()
+    O.engines = sg.engines()
+    critical = sg.critical_time_step()
+    assert sg.set_time_step(0.3) == O.dt == pytest.approx(0.3 * critical, rel=1e-14)
+    assert sg.integrator().timeStepFraction == 0.3
+    assert sg.set_time_step() == pytest.approx(0.5 * critical, rel=1e-14)
+
+
+def test_scaling_of_the_critical_step():
+    """With size, wave speed and resolution; the smallest of all grains counts."""
+    add_disk()
+    one = sg.critical_time_step()
+    add_disk((5 * RADIUS, 0, 0), 0.5 * RADIUS)
+    assert sg.critical_time_step() == pytest.approx(0.5 * one, rel=1e-12)
+    add_disk((10 * RADIUS, 0, 0), material=soft_material(young=16e6))
+    assert sg.critical_time_step() == pytest.approx(0.25 * one, rel=1e-12)
+    O.reset()
+    add_disk(zeta=0.125)
+    assert sg.critical_time_step() == pytest.approx(0.5 * one, rel=0.1)
+
+
+def test_undeformed_grain_keeps_the_step():
+    """Rounding is no deformation."""
+    disk = add_disk()
+    disk.state.vel = (1, 0, 0)
+    dt = ready()
+    run(100)
+    assert O.dt == dt
+
+
+def test_first_step_takes_the_step_of_the_grains():
+    """YADE's initial O.dt is nobody's choice."""
+    add_disk()
+    O.engines = sg.engines()
+    run(1)
+    assert O.dt == pytest.approx(0.5 * sg.critical_time_step(), rel=0.11)
+
+
+def squeeze(steps=60):
+    add_disk()
+    add_wall(-RADIUS, 1)
+    add_wall(RADIUS, 1, velocity=(0, -2, 0))
+    dt = ready()
+    run(steps)
+    return dt
+
+
+def test_follows_the_deformation():
+    """At or up to 30 % below the fraction of the critical step, which falls; changed seldom."""
+    dt = squeeze(0)
+    seen = [O.dt]
+    for _ in range(120):
+        run(1)
+        engine = sg.integrator()
+        assert (
+            0.7 * 0.5 * engine.criticalDt * (1 - 1e-9)
+            <= O.dt
+            <= 0.5 * engine.criticalDt * (1 + 1e-8)
+        )
+        if O.dt != seen[-1]:
+            seen.append(O.dt)
+    assert seen[-1] < 0.8 * dt
+    assert len(seen) < 25
+
+
+def test_users_step_is_left_alone():
+    squeeze(10)
+    O.dt = 0.3 * sg.critical_time_step()
+    chosen = O.dt
+    run(30)
+    assert O.dt == chosen
+
+
+def test_users_step_before_the_first():
+    add_disk()
+    O.engines = sg.engines()
+    O.dt = chosen = 0.21 * sg.critical_time_step()
+    run(30)
+    assert O.dt == chosen
+
+
+def test_back_to_automatic():
+    squeeze(10)
+    O.dt = 1e-7
+    run(2)
+    assert O.dt == 1e-7
+    sg.set_time_step(0.4)
+    run(2)
+    assert O.dt == pytest.approx(0.4 * sg.integrator().criticalDt, rel=0.3)
+    assert O.dt > 1e-6
