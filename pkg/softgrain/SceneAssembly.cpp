@@ -66,11 +66,8 @@ bool isCurrent(const std::vector<shared_ptr<Body>>& bodies)
 	return true;
 }
 
-} // namespace
-
-std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
+std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 {
-	const std::lock_guard<std::mutex> lock(assemblyMutex);
 	const auto bodies = softBodies(scene);
 	if (bodies.empty()) return nullptr;
 	if (isCurrent(bodies)) return static_cast<SoftGrain&>(*bodies.front()->shape).assembly;
@@ -100,19 +97,23 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
 	return assembly;
 }
 
-bool tryAssemble(const SoftGrain& shape, Scene& scene) noexcept
+} // namespace
+
+std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
+{
+	const std::lock_guard<std::mutex> lock(assemblyMutex);
+	return assembleLocked(scene);
+}
+
+std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene) noexcept
 {
 	try {
-		{
-			const std::lock_guard<std::mutex> lock(assemblyMutex);
-			if (shape.assembly) return true;
-		}
-		assembleScene(scene);
 		const std::lock_guard<std::mutex> lock(assemblyMutex);
-		return bool(shape.assembly);
+		if (!shape.assembly) assembleLocked(scene);
+		if (!shape.assembly) return std::nullopt;
+		return shape.assembly->box(shape.index);
 	} catch (...) {
-		return false; // assembleScene throws the same again where SoftGrainIntegrator can
-			      // report it
+		return std::nullopt; // assembleScene throws the same again where it can be reported
 	}
 }
 

@@ -4,6 +4,7 @@
 #include "GrainAssembly.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace yade {
 class Scene;
@@ -14,9 +15,9 @@ class SoftGrain;
 /// Thread-safe.
 std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene);
 
-/// Assembles the scene if this shape is not part of an assembly yet; says whether it is one now.
-/// For functors, which run in parallel regions where nothing may be thrown: SoftGrainIntegrator
-/// reports.
-bool tryAssemble(const SoftGrain& shape, Scene& scene) noexcept;
+/// Box about the present outline of a grain, the scene being assembled if need be; none if that
+/// fails. For functors, which run in parallel regions where nothing may be thrown:
+/// SoftGrainIntegrator reports why.
+std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene) noexcept;
 
 } // namespace yade

@@ -128,11 +128,10 @@ void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& b
 {
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
 	if (!bound) bound = shared_ptr<Bound>(new Aabb);
-	softgrain::Box<3> box { se3.position, se3.position };
-	if (tryAssemble(grain, *scene))
-		box = grain.assembly->box(grain.index).grown(margin * grain.radius);
-	else
-		box = box.grown(grain.radius);
+	const auto outline = outlineBox(grain, *scene);
+	const auto box =
+		outline ? outline->grown(margin * grain.radius)
+			: softgrain::Box<3> { se3.position, se3.position }.grown(grain.radius);
 	bound->min = box.low;
 	bound->max = box.high;
 }

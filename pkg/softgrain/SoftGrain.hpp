@@ -37,7 +37,7 @@ public:
 		"Deformable grain: a disk (dim = 2, in the xy-plane, all quantities per unit thickness) or a ball (dim = 3) solved by the total-Lagrangian material point method on its own background grid. One grain is one :yref:`Body`; its :yref:`State` holds the motion of the grain as a whole. The attributes are set when the grain is made and do not change.",
 		((Real, radius, 1, Attr::readonly, "Radius of the undeformed grain, > 0 [m]."))
 		((int, dim, 2, Attr::readonly, "2 or 3."))
-		((Real, zeta, 0.11, Attr::readonly, "Relative resolution ζ = 2 dr/D = dr/radius with dr the spacing of material points, in [0.001, 0.5] [-]. Cost grows as ζ⁻³ in 2D, contact forces err by some ζ²."))
+		((Real, zeta, 0.11, Attr::readonly, "Relative resolution ζ = 2 dr/D = dr/radius with dr the spacing of material points, in [0.001, 0.5] [-]. Cost grows as ζ⁻³ in 2D; for errors see doc/validation.md."))
 		((int, order, 3, Attr::readonly, "Order of the B-splines: 1, 2 or 3."))
 		((Real, nodeSpacing, 2, Attr::readonly, "Spacing of background nodes h/dr, in [1.5, 4] [-]; 2 gives four points a cell in 2D."))
 		((Real, surfaceSpacing, 1, Attr::readonly, "Spacing of surface nodes over dr, in [0.5, 4] [-]; above 1.5 outlines sink into each other between nodes."))

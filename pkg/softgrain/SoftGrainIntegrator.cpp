@@ -73,6 +73,7 @@ void SoftGrainIntegrator::advance()
 	assembly_->updateForces(threads());
 	chooseTimeStep(assembly_->stiffening());
 	const auto interactions = softInteractions();
+	renewContacts(interactions);
 	stopOnOverlap(interactions);
 	applyLoads();
 
@@ -81,7 +82,7 @@ void SoftGrainIntegrator::advance()
 		pairs.push_back(static_cast<SoftGeom&>(*I->geom).pair.get());
 	const auto report = assembly_->step(settings(), pairs);
 
-	publishForces(interactions);
+	publishForces(interactions, report.kick);
 	publishMotions();
 	publishReport(report);
 	saveContinuation();
@@ -216,12 +217,12 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 {
 	std::vector<Interaction*> found;
 	for (const auto& I : *scene->interactions) {
+		const auto &b1 = (*scene->bodies)[I->getId1()], &b2 = (*scene->bodies)[I->getId2()];
+		if (!b1 || !b2) continue;
 		if (I->isReal()) {
 			if (YADE_PTR_DYN_CAST<SoftGeom>(I->geom)) found.push_back(I.get());
 			continue;
 		}
-		const auto &b1 = (*scene->bodies)[I->getId1()], &b2 = (*scene->bodies)[I->getId2()];
-		if (!b1 || !b2) continue;
 		const bool soft1 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b1->shape)),
 			   soft2 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b2->shape));
 		if ((soft1 || soft2) && !I->functorCache.geomExists) {
@@ -231,8 +232,7 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 				" comes near body #" + std::to_string(other->getId()) +
 				" of shape " + other->shape->getClassName() +
 				", for which the InteractionLoop has no Ig2 functor. Soft grains "
-				"touch SoftGrain "
-				"(Ig2_SoftGrain_SoftGrain_SoftGeom) and Wall "
+				"touch SoftGrain (Ig2_SoftGrain_SoftGrain_SoftGeom) and Wall "
 				"(Ig2_Wall_SoftGrain_SoftGeom) in this version");
 		}
 	}
@@ -242,6 +242,21 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 		       std::minmax(b->getId1(), b->getId2());
 	});
 	return found;
+}
+
+/// Grains added, erased or changed since the InteractionLoop have other indices now, and contacts
+/// found there name the old ones.
+void SoftGrainIntegrator::renewContacts(const std::vector<Interaction*>& interactions) const
+{
+	for (Interaction* I : interactions) {
+		if (static_cast<SoftGeom&>(*I->geom).assembly == assembly_) continue;
+		const auto& b1 = (*scene->bodies)[I->getId1()];
+		const auto& b2 = (*scene->bodies)[I->getId2()];
+		const shared_ptr<Interaction>& shared =
+			scene->interactions->find(I->getId1(), I->getId2());
+		I->functorCache.geom->go(b1->shape, b2->shape, *b1->state, *b2->state,
+					 Vector3r::Zero(), true, shared);
+	}
 }
 
 void SoftGrainIntegrator::stopOnOverlap(const std::vector<Interaction*>& interactions) const
@@ -272,7 +287,7 @@ softgrain::StepSettings SoftGrainIntegrator::settings() const
 	return s;
 }
 
-void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interactions)
+void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interactions, Real kick)
 {
 	for (Interaction* I : interactions) {
 		SoftGeom& geom = static_cast<SoftGeom&>(*I->geom);
@@ -294,8 +309,8 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 			++phys.contacts;
 			phys.activeContacts += !c.impulse.isZero(0);
 		}
-		phys.normalForce = normalImpulse / scene->dt;
-		phys.shearForce = shearImpulse / scene->dt;
+		phys.normalForce = normalImpulse / kick;
+		phys.shearForce = shearImpulse / kick;
 		const Vector3r force = phys.normalForce + phys.shearForce;
 		scene->forces.addForce(I->getId2(), force);
 		scene->forces.addForce(I->getId1(), -force);
@@ -313,6 +328,7 @@ void SoftGrainIntegrator::publishMotions()
 		state.vel = written.velocity;
 		state.angVel = written.angularVelocity;
 		state.mass = written.mass;
+		state.inertia = Vector3r::Constant(written.inertia);
 		state.pos = written.position - dt * written.velocity;
 		const Real rate = written.angularVelocity.norm();
 		const Rotation turn =

@@ -17,7 +17,7 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGrainIntegrator, GlobalEngine,
-		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies (with *damping* = 0, or the reactions on free rigid bodies are damped). Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads. Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; the state is then that before the step, readable and savable.",
+		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies (with *damping* = 0, or the reactions on free rigid bodies are damped). Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads. Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; positions and velocities are then those before the step, readable and savable.",
 		((Real, timeStepFraction, 0.5, Attr::triggerPostLoad, "Fraction of the critical time step that O.dt is kept at or up to 30 % below while grains deform (it changes seldom, by jumps), in (0, 1] [-]. Assigning O.dt by hand ends that: then O.dt is left alone and only refused when too large."))
 		((Real, tolerance, 1e-2, Attr::triggerPostLoad, "Contact sweeps end when one changes the impulses by less than this share (energy norm), > 0 [-]."))
 		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on sweeps per step, ≥ 1; steps that hit it are counted in *cappedSteps*."))
@@ -53,9 +53,10 @@ private:
 	void applyUserMotions();
 	void applyLoads();
 	std::vector<Interaction*> softInteractions() const;
+	void renewContacts(const std::vector<Interaction*>& interactions) const;
 	void stopOnOverlap(const std::vector<Interaction*>& interactions) const;
 	softgrain::StepSettings settings() const;
-	void publishForces(const std::vector<Interaction*>& interactions);
+	void publishForces(const std::vector<Interaction*>& interactions, Real kick);
 	void publishMotions();
 	void publishReport(const softgrain::StepReport& report);
 	void publishEnergy();

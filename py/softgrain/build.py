@@ -20,6 +20,9 @@ from yade import utils
 #: usual stiffness stay below.
 WORKABLE_OVERLAP = 0.05
 
+#: O.dt as last set by set_time_step [s] and the fraction of the critical step that it was.
+_own_step = {"dt": None, "fraction": None}
+
 
 def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
     """A soft disk in the xy-plane, as ``utils.sphere`` makes a sphere. All quantities are per metre
@@ -261,6 +264,9 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
         verlet_distance = 0.05 * min(radii)
     if label:
         integrator["label"] = label
+    if O.dt == _own_step["dt"]:  # set before there was an integrator: it is to keep that fraction
+        integrator.setdefault("timeStepFraction", _own_step["fraction"])
+        integrator.setdefault("dtSet", O.dt)
     return [
         ForceResetter(),
         InsertionSortCollider(
@@ -305,7 +311,8 @@ def set_time_step(fraction=0.5):
     """
     if not 0 < fraction <= 1:
         raise ValueError(f"fraction = {fraction} is outside the admissible range (0, 1]")
-    O.dt = fraction * critical_time_step()
+    O.dt = _own_step["dt"] = fraction * critical_time_step()
+    _own_step["fraction"] = fraction
     for engine in O.engines:
         if isinstance(engine, wrapper.SoftGrainIntegrator):
             engine.timeStepFraction = fraction

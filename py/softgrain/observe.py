@@ -66,8 +66,7 @@ def wall_force(body_id):
 
 
 def coordination_number():
-    """Mean number of neighbours per soft grain, walls included, that it exchanges force with "
-    "[-]."""
+    """Mean number of neighbours that a soft grain exchanges force with, walls included [-]."""
     bodies = soft_bodies()
     ids = {b.id for b in bodies}
     ends = 0
@@ -95,8 +94,7 @@ class Balance:
         return found - energy["walls"] - energy["loads"]
 
     def error(self):
-        """|work - change of energy - dissipation| over the largest of their magnitudes so far "
-        "[-]."""
+        """|work - change of energy - dissipation| over the largest magnitude so far [-]."""
         energy = integrator().energy()
         self._scale = max([self._scale] + [abs(value) for value in energy.values()])
         if self._scale == 0:

@@ -93,8 +93,7 @@ def _point_values(body, field):
 
 
 def _draw_grain(axes, points, stress, outline, limits):
-    """Smooth shading between the material points, carried on to the outline by the nearest "
-    "point."""
+    """Smooth shading between material points, carried on to the outline by the nearest one."""
     distances = np.linalg.norm(outline[:, None, :] - points[None, :, :], axis=2)
     vertices = np.vstack([points, outline])
     shades = np.concatenate([stress, stress[distances.argmin(axis=1)]])

@@ -20,7 +20,7 @@ def test_plane_strain(delta, expected):
     "condition, modulus", [("plane_strain", 1 / (1 - 0.45**2)), ("plane_stress", 1.0)]
 )
 def test_line_contact(condition, modulus):
-    """At small strain the curves are that of line contact, delta/D = 2f/pi (ln(2 pi/f) - 1), f = F/(E* D)."""
+    """At small strain: delta/D = 2f/pi (ln(2 pi/f) - 1), f = F/(E* D)."""
     delta = 0.002
     f = force(condition, delta) / modulus
     assert 2 * f / np.pi * (np.log(2 * np.pi / f) - 1) == pytest.approx(delta, rel=0.01)

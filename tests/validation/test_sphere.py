@@ -6,9 +6,9 @@ from yade import FrictMat, O, utils
 
 import softgrain as sg
 
-#: Force F / (E D^2) at approach delta/D of the plates, neo-Hookean, Poisson's ratio 0.45. Source: converged
-#: axisymmetric finite elements (quadratic triangles, Richardson value of three meshes, within 0.1 %). Hertz,
-#: 4/3 E* sqrt(R) (delta/2)^1.5, is 14 % lower at 0.1.
+#: Force F / (E D^2) at approach delta/D of the plates, neo-Hookean, Poisson's ratio 0.45. Source:
+#: converged axisymmetric finite elements (quadratic triangles, Richardson value of three meshes,
+#: within 0.1 %). Hertz, 4/3 E* sqrt(R) (delta/2)^1.5, is 14 % lower at 0.1.
 FINITE_ELEMENTS = {0.05: 0.0051315626, 0.1: 0.015291053}
 
 RADIUS = 0.01

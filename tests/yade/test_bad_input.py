@@ -1,4 +1,4 @@
-"""Each mistake has its own message, with the parameter, its value and what is admissible; none aborts."""
+"""Each mistake has its own message: the parameter, its value, what is admissible; none aborts."""
 
 import re
 
@@ -143,7 +143,7 @@ def test_no_soft_grain():
 
 
 def test_time_step_too_large(tmp_path):
-    """Refused with the admissible value; nothing has moved, and all can be read, saved and resumed."""
+    """Refused with the admissible value; nothing has moved; all can be read, saved and resumed."""
     disk = add_disk()
     disk.state.vel = (1, 0, 0)
     ready()
@@ -252,7 +252,7 @@ def test_rigid_body_nearby(make, shape):
     "make, shape", [(rigid_sphere, "Sphere"), (rigid_facet, "Facet"), (rigid_box, "Box")]
 )
 def test_rigid_body_without_a_bound(make, shape):
-    """sg.engines() makes boxes about soft grains and walls only; other bodies must not be passed through."""
+    """Other bodies than soft grains and walls must not be passed through unnoticed."""
     add_disk()
     O.bodies.append(make())
     ready()

@@ -69,7 +69,7 @@ def test_impact_energy_balance():
 @pytest.mark.parametrize("axis", (0, 1))
 @pytest.mark.parametrize("side", (-1, 1))
 def test_reaction_on_a_wall(axis, side):
-    """Force on the grain = its change of momentum = - force on the wall = the contacts' impulses."""
+    """Force on the grain = its change of momentum = - force on the wall = the contacts' sum."""
     normal = np.zeros(3)
     normal[axis] = -side
     disk = add_disk()

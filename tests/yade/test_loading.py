@@ -1,4 +1,4 @@
-"""The plugin meets YADE: in plain Python, scripts and batch jobs; it refuses what it was not built for."""
+"""The plugin meets YADE: in plain Python, scripts, batch jobs; it refuses what it does not fit."""
 
 import os
 import sys

@@ -148,7 +148,7 @@ TEST_CASE("Free vibration: energy, frequency and rim nodes over 100 periods", "[
 	const double frequency = 2 * std::numbers::pi * crossings / (lastCrossing - firstCrossing);
 	CAPTURE(drift, frequency / lambFrequency - 1, crossings, largest / strain, scene.steps);
 	CHECK(drift < 1e-4);
-	CHECK(std::abs(frequency / lambFrequency - 1) < 0.05); // lumped mass: 3.8 % low at h = 2 dr
+	CHECK(std::abs(frequency / lambFrequency - 1) < 0.05); // lumped mass: 4.2 % low at h = 2 dr
 	CHECK(largest < 10 * strain);
 	CHECK(largest > 0.5 * strain);
 }
@@ -176,7 +176,7 @@ TEST_CASE("Free vibration: energy and light rim nodes in strong motion", "[step]
 TEST_CASE("Free vibration: a time step that follows the deformation adds no energy", "[step]")
 {
 	// The time step breathes with the vibration; where the velocities were stepped by the new
-	// step alone, and not by the mean of the last and the new one, this would pump 0.13 % of
+	// step alone, and not by the mean of the last and the new one, this would pump 0.15 % of
 	// the energy per period.
 	Scene<2> scene = vibratingDisk(0.11, 0.01 * lambFrequency);
 	double energy = 0, drift = 0;

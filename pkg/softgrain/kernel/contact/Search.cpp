@@ -74,7 +74,7 @@ PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body
 }
 
 /// Gap and smooth normal at a place on an outline. Between its vertices the outline bulges by
-/// 1/2 sum_ij w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second
+/// 1/2 sum_(i<j) w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second
 /// order.
 template <int dim>
 void measureGap(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place,

@@ -76,6 +76,7 @@ template <int dim, Condition condition> struct NeoHookean {
 	static void evaluate(PointLanes<dim>& point, const LameConstants& lame)
 	{
 		Lanes lnJ, squareF33;
+#pragma omp simd
 		for (int l = 0; l < laneWidth; ++l) {
 			double F[dim][dim], C[dim][dim];
 			laneOf(point.F, l, F);

@@ -21,7 +21,7 @@ enum class ContactGeometry {
 
 /// How a grain is discretised. Grains with equal recipes are congruent and share one template.
 struct TemplateRecipe {
-	double zeta = 0.11; ///< 2 dr / D, dimensionless, in (0, 0.5]
+	double zeta = 0.11; ///< 2 dr / D, dimensionless, in [0.001, 0.5]
 	int order = 3;      ///< of the B-splines: 1, 2 or 3
 	double nodeSpacing =
 		2; ///< h / dr, in [1.5, 4]: below, cubic splines have zero-energy modes

@@ -25,7 +25,7 @@ template <int dim> struct Quadrature {
 };
 
 /// Material points of the unit ball on a lattice of cubic cells of side `spacing` (dr, in radii,
-/// in (0, 0.5]) with a cell corner at the centre.
+/// in [0.001, 0.5]) with a cell corner at the centre.
 template <int dim> Quadrature<dim> makeQuadrature(QuadratureRule rule, double spacing);
 
 /// Centroids (cutCell) or centres (lattice) of the cells that have an empty neighbour: the boundary

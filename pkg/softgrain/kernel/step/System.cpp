@@ -264,6 +264,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	StepReport report;
 	if (!forcesFresh_) updateForces(settings.threads);
 	report.stiffening = stiffening();
+	report.kick = kickTime(settings.dt);
 
 	// The sweep order is part of the result: it must not depend on who found which contact
 	// when.

@@ -46,6 +46,7 @@ struct StepReport {
 	double residual = 0;   ///< natural map, only where asked for
 	double deepest = 0;    ///< largest overlap of the step, in dr
 	double stiffening = 1; ///< largest over all grains
+	double kick = 0; ///< time over which the forces at t_n acted; impulse / kick is a force, s
 };
 
 struct StepSettings {
