@@ -48,8 +48,13 @@ def parse_options(arguments=None):
     add = parser.add_argument
     add("--grains", type=int, default=400, help="number of grains, at least 4 [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
-    add("--zeta", type=command_line.positive, default=0.11, help="relative resolution 2 dr/D [-]")
-    add("--poisson", type=float, default=0.45, help="Poisson's ratio of the grains [-]")
+    add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
+    add("--poisson", type=command_line.poisson, default=0.45, help="Poisson's ratio [-]")
+        "--poisson",
+        type=command_line.poisson,
+        default=0.45,
+        help="Poisson's ratio of the grains [-]",
+    )
     add("--speed", type=command_line.positive, default=0.5, help="of the top wall [m/s]")
     add(
         "--until-phi",
@@ -121,12 +126,12 @@ def prepare_rigid(options):
     )
     if made < options.grains:
         raise RuntimeError(
-            f"makeCloud placed {made} of {options.grains} grains; try another --seed"
+    # One thread, sorted interactions: otherwise the order of YADE's sums depends on the threads.
         )
     ids = cloud.toSimulation(material="walls")
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"
-    # One thread: YADE sums contact forces in an order that depends on the threads.
+    # One thread and sorted interactions: YADE sums contact forces in an order that depends on threads.
     O.engines = [
         ForceResetter(),
         InsertionSortCollider(
@@ -137,6 +142,7 @@ def prepare_rigid(options):
             [Ip2_FrictMat_FrictMat_FrictPhys()],
             [Law2_ScGeom_FrictPhys_CundallStrack()],
             ompThreads=1,
+            loopOnSortedInteractions=True,
         ),
         NewtonIntegrator(damping=0.4, ompThreads=1),
     ]

@@ -30,9 +30,9 @@ PERIODS_PER_WINDOW = 2
 def parse_options(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--zeta", type=command_line.positive, default=0.1, help="relative resolution 2 dr/D [-]")
+    add("--zeta", type=command_line.resolution, default=0.1, help="relative resolution 2 dr/D [-]")
     add("--young", type=command_line.positive, default=1e6, help="Young's modulus [Pa]")
-    add("--poisson", type=float, default=0.45, help="Poisson's ratio [-]")
+    add("--poisson", type=command_line.poisson, default=0.45, help="Poisson's ratio [-]")
     add("--density", type=command_line.positive, default=1000.0, help="density [kg/m3]")
     add("--diameter", type=command_line.positive, default=0.02, help="diameter of the disk [m]")
     add(

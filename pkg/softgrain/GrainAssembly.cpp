@@ -51,7 +51,7 @@ public:
 		, z_(z)
 	{
 	}
-	bool empty() const override { return list.contacts.empty(); }
+	bool hasContact() const override { return !list.contacts.empty() || list.deepest > 0; }
 	double deepest() const override { return list.deepest; }
 	void setFriction(double coefficient) override { list.friction = coefficient; }
 

@@ -55,7 +55,8 @@ struct ContactRecord {
 class PairContacts {
 public:
 	virtual ~PairContacts() = default;
-	virtual bool empty() const = 0;
+	/// Whether there is a contact point within reach, or an overlap too deep for one.
+	virtual bool hasContact() const = 0;
 	virtual double deepest() const = 0; ///< largest overlap, in dr
 	virtual void setFriction(double coefficient) = 0;
 	virtual std::vector<ContactRecord> records() const = 0;

@@ -88,11 +88,19 @@ shared_ptr<SoftGeom> geometryOf(const Interaction& I,
 	return geom;
 }
 
+/// Length of the coming step for the reach of the search. In the first step O.dt may still be
+/// YADE's default, which SoftGrainIntegrator replaces by half the critical step or more.
+Real searchStep(const Scene& scene, const SoftGrain& grain)
+{
+	const bool unset = scene.dt == Scene().dt;
+	return unset ? grain.assembly->criticalTimeStep() : scene.dt;
+}
+
 /// YADE's rules for Ig2: an interaction stays potential until there is a contact; once real it is
 /// Law2 that ends it.
 bool conclude(const shared_ptr<SoftGeom>& geom, bool force, const shared_ptr<Interaction>& I)
 {
-	if (geom->pair->empty() && !I->isReal() && !force) return false;
+	if (!geom->pair->hasContact() && !I->isReal() && !force) return false;
 	I->geom = geom;
 	return true;
 }
@@ -109,7 +117,7 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	if (!grain1.assembly || grain1.assembly != grain2.assembly) return I->isReal();
 	const auto geom = geometryOf(*I, grain1.assembly);
 	grain1.assembly->search(*geom->pair, std::min(grain1.index, grain2.index),
-				std::max(grain1.index, grain2.index), scene->dt);
+				std::max(grain1.index, grain2.index), searchStep(*scene, grain1));
 	geom->refR1 = grain1.radius;
 	geom->refR2 = grain2.radius;
 	geom->aggregate(state2.pos - state1.pos);
@@ -138,7 +146,7 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	const double side = state2.pos[wall.axis] > state1.pos[wall.axis] ? 1 : -1;
 	plane.normal[wall.axis] = side;
 	if (wall.sense == 0 || wall.sense == side)
-		grain.assembly->search(*geom->pair, grain.index, plane, scene->dt);
+		grain.assembly->search(*geom->pair, grain.index, plane, searchStep(*scene, grain));
 	else
 		geom->pair->restore({}); // the grain is on the side that does not interact
 	geom->refR1 = geom->refR2 = grain.radius;
@@ -191,7 +199,7 @@ bool Law2_SoftGeom_SoftPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IP
 {
 	SoftGeom& g = static_cast<SoftGeom&>(*geom);
 	g.pair->setFriction(static_cast<SoftPhys&>(*phys).tangensOfFrictionAngle);
-	return !g.pair->empty();
+	return g.pair->hasContact();
 }
 
 } // namespace yade

@@ -2,6 +2,8 @@
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 
+#include <array>
+#include <cctype>
 #include <sstream>
 
 namespace yade {
@@ -147,7 +149,7 @@ void SoftGrainIntegrator::chooseTimeStep(double stiffening)
 		const Real limit = timeStepFraction * criticalDt;
 		if (dtSet == 0 || dtSet != scene->dt)
 			dtSet = std::min(timeStepFraction * undeformed, criticalDt);
-		if (dtSet > limit * (1 + 1e-9) || dtSet < 0.7 * limit) dtSet = 0.9 * limit;
+		if (dtSet > limit * (1 + 1e-6) || dtSet < 0.7 * limit) dtSet = 0.9 * limit;
 		scene->dt = dtSet;
 	} else if (!(scene->dt <= criticalDt && scene->dt > 0)) {
 		std::ostringstream message;
@@ -166,6 +168,12 @@ void SoftGrainIntegrator::applyUserMotions()
 		const State& state = *(*scene->bodies)[assembly_->idOf(g)]->state;
 		const softgrain::GrainMotion& written = grainOf(*scene, assembly_->idOf(g)).written;
 		const Real radius = grainOf(*scene, assembly_->idOf(g)).radius;
+		for (const Vector3r& v : { state.pos, state.vel, state.angVel })
+			if (!v.allFinite())
+				throw std::runtime_error(
+					"soft grain #" + std::to_string(assembly_->idOf(g)) +
+					": its State (pos, vel, angVel) holds a value "
+					"that is not finite; assign a finite one");
 		// Newton's integrator adds vel dt to pos and turns ori: equal up to rounding,
 		// unless changed
 		const Vec3 shift = state.pos - written.position;
@@ -352,28 +360,29 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 	if (!report.solver.converged) cappedSteps += 1;
 }
 
+namespace {
+
+constexpr std::array<const char*, 6> energyNames { "kinetic", "elastic", "friction",
+						   "impact",  "walls",   "loads" };
+
+} // namespace
+
 void SoftGrainIntegrator::publishEnergy()
 {
 	const auto e = assembly_->energy();
-	const std::pair<const char*, Real> entries[] = {
-		{ "softKinetic", e.kinetic },   { "softElastic", e.elastic },
-		{ "softFriction", e.friction }, { "softImpact", e.impact },
-		{ "softWalls", e.planes },      { "softLoads", e.loads }
-	};
-	for (int k = 0; k < 6; ++k)
-		scene->energy->set(entries[k].second, entries[k].first, energyIds_[k]);
+	energies = { e.kinetic, e.elastic, e.friction, e.impact, e.planes, e.loads };
+	for (std::size_t k = 0; k < energies.size(); ++k) {
+		string name = string("soft") + energyNames[k];
+		name[4] = static_cast<char>(std::toupper(name[4]));
+		scene->energy->set(energies[k], name, energyIds_[k]);
+	}
 }
 
 py::dict SoftGrainIntegrator::energyDict() const
 {
-	const auto e = assembly_ ? assembly_->energy() : softgrain::EnergyBalance();
 	py::dict d;
-	d["kinetic"] = e.kinetic;
-	d["elastic"] = e.elastic;
-	d["friction"] = e.friction;
-	d["impact"] = e.impact;
-	d["walls"] = e.planes;
-	d["loads"] = e.loads;
+	for (std::size_t k = 0; k < energyNames.size(); ++k)
+		d[energyNames[k]] = k < energies.size() ? energies[k] : 0.;
 	return d;
 }
 

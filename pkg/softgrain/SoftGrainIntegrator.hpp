@@ -38,6 +38,7 @@ public:
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
 		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
+		((vector<Real>, energies, , Attr::hidden, "Energy balance of the last step [J]."))
 		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads [J].")),
 		/*ctor*/,
 		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), loads (work of body loads) [J, 2D J/m]. kinetic + elastic + friction + impact − walls − loads stays constant.")

@@ -24,8 +24,6 @@ def load_plugin():
         ) from error
     plugin = _import_shared_object()
     _check_version(plugin, yade.config)
-    known = set(dir(yade.wrapper))
-    plugin.registerClasses()
     if not plugin.layoutMatches():
         raise ImportError(
             "softgrain was compiled for a YADE whose objects are laid out differently in memory "
@@ -33,6 +31,8 @@ def load_plugin():
             f"those of the running one ({yade.config.libDir}). Rebuild softgrain against it "
             "(-DYADE_SOURCE_DIR=, -DYADE_PREFIX=)"
         )
+    known = set(dir(yade.wrapper))
+    plugin.registerClasses()
     names = [n for n in _OWN_CLASSES if hasattr(yade.wrapper, n)]
     assert set(names) >= set(dir(yade.wrapper)) - known
     classes = {name: getattr(yade.wrapper, name) for name in names}

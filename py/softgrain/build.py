@@ -4,6 +4,9 @@ import math
 
 from yade import (
     Body,
+    Bo1_Box_Aabb,
+    Bo1_Facet_Aabb,
+    Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
     ForceResetter,
     InsertionSortCollider,
@@ -123,6 +126,7 @@ def soften(
         ValueError: a body is no sphere, the scene's dimension is not clear, an overlap is refused,
             or a parameter is out of its range. Nothing has been changed then.
     """
+    _check_fraction("time_step_fraction", time_step_fraction)
     bodies = _spheres(ids)
     dim = _dimension(bodies) if dim is None else dim
     material = _soft_material(material)
@@ -269,9 +273,7 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
         integrator.setdefault("dtSet", O.dt)
     return [
         ForceResetter(),
-        InsertionSortCollider(
-            [wrapper.Bo1_SoftGrain_Aabb(), Bo1_Wall_Aabb()], verletDist=verlet_distance
-        ),
+        InsertionSortCollider(_bound_functors(), verletDist=verlet_distance),
         InteractionLoop(
             [wrapper.Ig2_SoftGrain_SoftGrain_SoftGeom(), wrapper.Ig2_Wall_SoftGrain_SoftGeom()],
             [wrapper.Ip2_SoftMat_SoftMat_SoftPhys(), wrapper.Ip2_FrictMat_SoftMat_SoftPhys()],
@@ -280,6 +282,17 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
         wrapper.SoftGrainIntegrator(**integrator),
         NewtonIntegrator(damping=0, gravity=gravity),
     ]
+
+
+def _bound_functors():
+    """Rigid bodies that soft grains cannot touch yet need bounds too: to be noticed and refused."""
+    rigid = [Bo1_Wall_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Box_Aabb()]
+    return [wrapper.Bo1_SoftGrain_Aabb()] + rigid
+
+
+def _check_fraction(name, fraction):
+    if not 0 < fraction <= 1:
+        raise ValueError(f"{name} = {fraction} is outside the admissible range (0, 1]")
 
 
 def critical_time_step():
@@ -309,8 +322,7 @@ def set_time_step(fraction=0.5):
     Raises:
         ValueError: the fraction is out of its range, or the scene has no soft grain.
     """
-    if not 0 < fraction <= 1:
-        raise ValueError(f"fraction = {fraction} is outside the admissible range (0, 1]")
+    _check_fraction("fraction", fraction)
     O.dt = _own_step["dt"] = fraction * critical_time_step()
     _own_step["fraction"] = fraction
     for engine in O.engines:

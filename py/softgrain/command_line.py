@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 import os
 import sys
 from pathlib import Path
@@ -10,13 +11,13 @@ from tqdm import tqdm
 
 
 def positive(text):
-    """Argument type: a number > 0."""
-    return _checked(text, lambda value: value > 0, "a number > 0")
+    """Argument type: a finite number > 0."""
+    return _checked(text, lambda value: value > 0, "a number in (0, inf)")
 
 
 def non_negative(text):
-    """Argument type: a number >= 0."""
-    return _checked(text, lambda value: value >= 0, "a number >= 0")
+    """Argument type: a finite number >= 0."""
+    return _checked(text, lambda value: value >= 0, "a number in [0, inf)")
 
 
 def fraction(text):
@@ -24,12 +25,22 @@ def fraction(text):
     return _checked(text, lambda value: 0 < value < 1, "a number in (0, 1)")
 
 
+def resolution(text):
+    """Argument type: the relative resolution zeta."""
+    return _checked(text, lambda value: 0.001 <= value <= 0.5, "a number in [0.001, 0.5]")
+
+
+def poisson(text):
+    """Argument type: Poisson's ratio."""
+    return _checked(text, lambda value: -1 < value < 0.5, "a number in (-1, 0.5)")
+
+
 def _checked(text, admissible, range_text):
     try:
         value = float(text)
     except ValueError:
-        value = float("nan")
-    if not admissible(value):
+        value = math.nan
+    if not (math.isfinite(value) and admissible(value)):
         raise argparse.ArgumentTypeError(f"{text!r} is not {range_text}")
     return value
 

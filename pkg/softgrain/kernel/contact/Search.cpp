@@ -193,12 +193,13 @@ void carryImpulses(const std::vector<Contact<dim>>& last, std::vector<Contact<di
 	}
 }
 
-/// The overlap of grains one inside the other shows on no node: their centres tell.
+/// A grain inside another, or two of a size on one another: no node near an outline may tell.
 template <int dim> bool nested(const ContactBody<dim>& first, const ContactBody<dim>& second)
 {
-	auto size = [](const Box<dim>& box) { return (box.high - box.low).minCoeff(); };
-	return (first.box.centre() - second.box.centre()).norm() <
-	       0.1 * std::min(size(first.box), size(second.box));
+	auto radius = [](const Box<dim>& box) { return 0.5 * (box.high - box.low).minCoeff(); };
+	const double distance = (first.box.centre() - second.box.centre()).norm();
+	const double r1 = radius(first.box), r2 = radius(second.box);
+	return distance < std::max(std::abs(r1 - r2), 0.2 * std::min(r1, r2));
 }
 
 } // namespace
