@@ -50,11 +50,6 @@ def parse_options(arguments=None):
     add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
     add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
     add("--poisson", type=command_line.poisson, default=0.45, help="Poisson's ratio [-]")
-        "--poisson",
-        type=command_line.poisson,
-        default=0.45,
-        help="Poisson's ratio of the grains [-]",
-    )
     add("--speed", type=command_line.positive, default=0.5, help="of the top wall [m/s]")
     add(
         "--until-phi",
@@ -126,12 +121,12 @@ def prepare_rigid(options):
     )
     if made < options.grains:
         raise RuntimeError(
-    # One thread, sorted interactions: otherwise the order of YADE's sums depends on the threads.
+            f"makeCloud placed {made} of {options.grains} grains; try another --seed"
         )
     ids = cloud.toSimulation(material="walls")
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"
-    # One thread and sorted interactions: YADE sums contact forces in an order that depends on threads.
+    # One thread, sorted interactions: otherwise the order of YADE's sums depends on the threads.
     O.engines = [
         ForceResetter(),
         InsertionSortCollider(
