@@ -51,8 +51,8 @@ COMPACTION = {
     "--seed 0": "--seed: 0 is outside the admissible range [1, inf)",
     "--until-phi 0.5": "--until-phi: 0.5 is not above the start at 0.7",
     "--until-phi 1.5": "--until-phi: '1.5' is not a number in (0, 1)",
-    "--mu -1": "--mu: '-1' is not a number >= 0",
-    "--speed fast": "--speed: 'fast' is not a number > 0",
+    "--mu -1": "--mu: '-1' is not a number in [0, inf)",
+    "--speed fast": "--speed: 'fast' is not a number in (0, inf)",
     "--zeta 3": "--zeta: ",
     "--zeta 0": "--zeta: ",
     "--poisson 0.5": "--poisson: ",
@@ -71,7 +71,7 @@ def test_compaction(options, capsys, tmp_path):
 
 HERTZ = {
     "--until 1.5": "--until: '1.5' is not a number in (0, 1)",
-    "--young 0": "--young: '0' is not a number > 0",
+    "--young 0": "--young: '0' is not a number in (0, inf)",
     "--zeta 3": "--zeta: ",
     "--poisson 0.5": "--poisson: ",
     "--order 4": "--order: invalid choice: ",
