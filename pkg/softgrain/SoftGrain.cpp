@@ -1,5 +1,6 @@
 #include "SoftGrain.hpp"
 #include "PythonArrays.hpp"
+#include "Require.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftMat.hpp"
 
@@ -67,12 +68,8 @@ void SoftGrain::fetchState()
 void SoftGrain::postLoad(SoftGrain&)
 {
 	recipe().validate();
-	if (!(radius > 0) || !math::isfinite(radius))
-		throw std::invalid_argument("radius = " + std::to_string(radius) +
-					    " is outside the admissible range (0, inf) m");
-	if (dim != 2 && dim != 3)
-		throw std::invalid_argument("dim = " + std::to_string(dim) +
-					    " is outside the admissible range 2, 3");
+	softgrain::require(radius > 0 && math::isfinite(radius), "radius", radius, "(0, inf) m");
+	softgrain::require(dim == 2 || dim == 3, "dim", dim, "2, 3");
 }
 
 softgrain::GrainAssembly& SoftGrain::assembled()

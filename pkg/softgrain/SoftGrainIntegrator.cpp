@@ -1,4 +1,5 @@
 #include "SoftGrainIntegrator.hpp"
+#include "Require.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 
@@ -10,18 +11,11 @@ namespace yade {
 
 YADE_PLUGIN((SoftGrainIntegrator));
 
+using softgrain::require;
 using softgrain::Rotation;
 using softgrain::Vec3;
 
 namespace {
-
-void require(bool holds, const char* name, Real value, const char* range)
-{
-	if (holds) return;
-	std::ostringstream message;
-	message << name << " = " << value << " is outside the admissible range " << range;
-	throw std::invalid_argument(message.str());
-}
 
 SoftGrain& grainOf(const Scene& scene, int id)
 {

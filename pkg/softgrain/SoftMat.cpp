@@ -1,4 +1,5 @@
 #include "SoftMat.hpp"
+#include "Require.hpp"
 
 namespace yade {
 
@@ -9,9 +10,8 @@ void SoftMat::postLoad(SoftMat&)
 	constants().validate();
 	constitutiveLaw();
 	softgrain::conditionByName(condition);
-	if (!(frictionAngle >= 0 && frictionAngle < Mathr::PI / 2))
-		throw std::invalid_argument("frictionAngle = " + std::to_string(frictionAngle) +
-					    " is outside the admissible range [0, pi/2) rad");
+	softgrain::require(frictionAngle >= 0 && frictionAngle < Mathr::PI / 2, "frictionAngle",
+			   frictionAngle, "[0, pi/2) rad");
 }
 
 } // namespace yade

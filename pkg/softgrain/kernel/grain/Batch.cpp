@@ -1,7 +1,7 @@
 #include "grain/Batch.hpp"
+#include "Require.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 namespace softgrain {
@@ -22,12 +22,7 @@ Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Con
 	for (int g = 0; g < this->grains(); ++g) {
 		grain[g].constants.validate();
 		const double R = grain[g].radius;
-		if (!(R > 0) || !std::isfinite(R)) {
-			std::ostringstream message;
-			message << "radius = " << R
-				<< " is outside the admissible range (0, inf) m";
-			throw std::invalid_argument(message.str());
-		}
+		require(R > 0 && std::isfinite(R), "radius", R, "(0, inf) m");
 		pointScale.push_back(std::pow(R, dim));
 		massScale.push_back(grain[g].constants.density * pointScale[g]);
 	}

@@ -1,22 +1,10 @@
 #include "material/Elasticity.hpp"
+#include "Require.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 namespace softgrain {
-
-namespace {
-
-void require(bool holds, const char* name, double value, const char* range)
-{
-	if (holds) return;
-	std::ostringstream message;
-	message << name << " = " << value << " is outside the admissible range " << range;
-	throw std::invalid_argument(message.str());
-}
-
-} // namespace
 
 Law lawByName(const std::string& name)
 {

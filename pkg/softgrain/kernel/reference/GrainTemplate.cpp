@@ -1,22 +1,13 @@
 #include "reference/GrainTemplate.hpp"
+#include "Require.hpp"
 #include "reference/BSpline.hpp"
 #include "reference/BackgroundGrid.hpp"
 
 #include <map>
-#include <sstream>
-#include <stdexcept>
 
 namespace softgrain {
 
 namespace {
-
-void requireRange(const char* name, double value, double low, double high, const char* bounds)
-{
-	if (value >= low && value <= high) return; // false for NaN too
-	std::ostringstream message;
-	message << name << " = " << value << " is outside the admissible range " << bounds;
-	throw std::invalid_argument(message.str());
-}
 
 template <int dim> void layContactNodes(GrainTemplate<dim>& grain)
 {
@@ -58,10 +49,11 @@ SparseRows<double> delassusTable(const SparseRows<double>& shapes,
 
 void TemplateRecipe::validate() const
 {
-	requireRange("zeta", zeta, 1e-3, 0.5, "[0.001, 0.5]");
-	requireRange("order", order, minSplineOrder, maxSplineOrder, "1, 2, 3");
-	requireRange("nodeSpacing", nodeSpacing, 1.5, 4, "[1.5, 4]");
-	requireRange("surfaceSpacing", surfaceSpacing, 0.5, 4, "[0.5, 4]");
+	require(zeta >= 1e-3 && zeta <= 0.5, "zeta", zeta, "[0.001, 0.5]");
+	require(order >= minSplineOrder && order <= maxSplineOrder, "order", order, "1, 2, 3");
+	require(nodeSpacing >= 1.5 && nodeSpacing <= 4, "nodeSpacing", nodeSpacing, "[1.5, 4]");
+	require(surfaceSpacing >= 0.5 && surfaceSpacing <= 4, "surfaceSpacing", surfaceSpacing,
+		"[0.5, 4]");
 }
 
 template <int dim>
