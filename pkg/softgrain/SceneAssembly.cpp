@@ -57,10 +57,10 @@ bool isCurrent(const std::vector<shared_ptr<Body>>& bodies)
 	for (const shared_ptr<Body>& body : bodies) {
 		const SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
 		const SoftMat& material = static_cast<SoftMat&>(*body->material);
-		const auto d = grain.describe(*body);
 		if (grain.assembly != assembly || assembly->idOf(grain.index) != body->getId() ||
 		    !sameConstants(grain.assembledConstants, material.constants()) ||
-		    grain.assembledLaw != d.law || grain.assembledCondition != d.condition)
+		    grain.assembledLaw != material.constitutiveLaw() ||
+		    grain.assembledCondition != grain.condition(material))
 			return false;
 	}
 	return true;
@@ -103,6 +103,13 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
 {
 	const std::lock_guard<std::mutex> lock(assemblyMutex);
 	return assembleLocked(scene);
+}
+
+double defaultTimeStep()
+{
+	static const double step =
+		Scene().dt; // a Scene is costly to make, and this is asked per pair
+	return step;
 }
 
 std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene) noexcept

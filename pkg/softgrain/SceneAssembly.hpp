@@ -20,4 +20,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene);
 /// SoftGrainIntegrator reports why.
 std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene) noexcept;
 
+/// O.dt of a scene in which nobody has set it, s.
+double defaultTimeStep();
+
 } // namespace yade

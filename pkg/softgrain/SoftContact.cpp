@@ -1,5 +1,6 @@
 #include "SoftContact.hpp"
 #include "PythonArrays.hpp"
+#include "SceneAssembly.hpp"
 
 namespace yade {
 
@@ -92,7 +93,7 @@ shared_ptr<SoftGeom> geometryOf(const Interaction& I,
 /// YADE's default, which SoftGrainIntegrator replaces by half the critical step or more.
 Real searchStep(const Scene& scene, const SoftGrain& grain)
 {
-	const bool unset = scene.dt == Scene().dt;
+	const bool unset = scene.dt == defaultTimeStep();
 	return unset ? grain.assembly->criticalTimeStep() : scene.dt;
 }
 

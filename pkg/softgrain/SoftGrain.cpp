@@ -38,6 +38,12 @@ softgrain::TemplateRecipe SoftGrain::recipe() const
 	return r;
 }
 
+softgrain::Condition SoftGrain::condition(const SoftMat& material) const
+{
+	return dim == 3 ? softgrain::Condition::solid
+			: softgrain::conditionByName(material.condition);
+}
+
 softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 {
 	const SoftMat& material = static_cast<const SoftMat&>(*body.material);
@@ -46,8 +52,7 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.dim = dim;
 	d.recipe = recipe();
 	d.law = material.constitutiveLaw();
-	d.condition = dim == 3 ? softgrain::Condition::solid
-			       : softgrain::conditionByName(material.condition);
+	d.condition = condition(material);
 	d.constants = material.constants();
 	d.radius = radius;
 	d.position = body.state->pos;

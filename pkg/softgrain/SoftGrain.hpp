@@ -5,6 +5,8 @@
 
 namespace yade {
 
+class SoftMat;
+
 class SoftGrain : public Shape {
 public:
 	/// The system this grain computes in, and its index there; null until the scene is
@@ -19,6 +21,7 @@ public:
 	softgrain::GrainMotion written;
 
 	softgrain::TemplateRecipe recipe() const;
+	softgrain::Condition condition(const SoftMat& material) const;
 	softgrain::GrainDescription describe(const Body& body) const;
 	/// Copies the nodal state from the assembly to the saved attributes.
 	void fetchState();

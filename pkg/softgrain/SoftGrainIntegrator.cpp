@@ -135,7 +135,7 @@ void SoftGrainIntegrator::chooseTimeStep(double stiffening)
 	const Real undeformed = assembly_->criticalTimeStep();
 	criticalDt = undeformed / std::sqrt(stiffening);
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
-	const bool automatic = scene->dt == dtSet || scene->dt == Scene().dt ||
+	const bool automatic = scene->dt == dtSet || scene->dt == defaultTimeStep() ||
 			       std::abs(scene->dt - own) <= 1e-9 * own;
 	if (automatic) {
 		// changed seldom: each change costs a little of the integrator's conservation of
