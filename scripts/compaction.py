@@ -248,8 +248,8 @@ def compact(options, box):
                 recorder.step()
             recorder.record()
             phi = recorder.phi
-            bar.n = min(phi, options.until_phi) - begin
-            bar.set_postfix_str(f"phi {phi:.4f}, stress/E {recorder.stress:.2e}")
+            text = f"phi {phi:.4f}, stress/E {recorder.stress:.2e}"
+            command_line.show_progress(bar, phi - begin, text)
             if not jammed and min(recorder.records["stress_over_E"][-3:]) > JAMMED_STRESS:
                 jammed = True
                 paused = time.time()

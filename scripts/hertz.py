@@ -113,8 +113,8 @@ def press(options, bottom, top):
                 sums += (delta, -O.forces.f(bottom)[1], O.forces.f(top)[1])
                 steps += 1
             rows.append(sums / steps)
-            bar.n = min(approach(options, top), options.until)
-            bar.set_postfix_str(f"delta/D {approach(options, top):.4f}")
+            reached = approach(options, top)
+            command_line.show_progress(bar, reached, f"delta/D {reached:.4f}")
     return np.array(rows)
 
 

@@ -29,18 +29,6 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present)
 	pair->restore(records);
 }
 
-void SoftGeom::aggregate(const Vec3& fromFirstToSecond)
-{
-	Vec3 meanPoint = Vec3::Zero();
-	int count = 0;
-	for (const ContactRecord& c : pair->records()) {
-		meanPoint += c.point;
-		++count;
-	}
-	if (count > 0) contactPoint = meanPoint / count;
-	normal = fromFirstToSecond.normalized();
-}
-
 void SoftGeom::preSave(SoftGeom&)
 {
 	if (!pair) return;
@@ -121,7 +109,7 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 				std::max(grain1.index, grain2.index), searchStep(*scene, grain1));
 	geom->refR1 = grain1.radius;
 	geom->refR2 = grain2.radius;
-	geom->aggregate(state2.pos - state1.pos);
+	geom->normal = (state2.pos - state1.pos).normalized();
 	return conclude(geom, force, I);
 }
 
@@ -151,7 +139,7 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	else
 		geom->pair->restore({}); // the grain is on the side that does not interact
 	geom->refR1 = geom->refR2 = grain.radius;
-	geom->aggregate(plane.normal);
+	geom->normal = plane.normal;
 	return conclude(geom, force, I);
 }
 

@@ -18,14 +18,12 @@ public:
 	/// Makes `pair` one of `present`, its impulses taken over from the last assembly or the
 	/// saved ones.
 	void bind(const std::shared_ptr<softgrain::GrainAssembly>& present);
-	/// Fills the attributes of the base class with means over the contact points.
-	void aggregate(const softgrain::Vec3& fromFirstToSecond);
 	void preSave(SoftGeom&);
 	py::dict contactArrays() const;
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGeom, GenericSpheresContact,
-		"Contact points of a pair of bodies of which at least one is a :yref:`SoftGrain`. The attributes of the base class hold means: *normal* from #1 to #2, *contactPoint*.",
+		"Contact points of a pair of bodies of which at least one is a :yref:`SoftGrain`. Of the attributes of the base class, *normal* points from #1 to #2, and *contactPoint* is the mean of the contact points.",
 		((vector<int>, savedKeys, , Attr::hidden, "side, node, other of each contact point when saved."))
 		((vector<Vector3r>, savedImpulses, , Attr::hidden, "Impulses when saved.")),
 		createIndex();,

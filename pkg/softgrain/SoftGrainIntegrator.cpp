@@ -301,16 +301,19 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 		const auto soft2 =
 			YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId2()]->shape);
 		const bool firstIsBody2 = !soft1 || (soft2 && soft2->index < soft1->index);
-		Vec3 normalImpulse = Vec3::Zero(), shearImpulse = Vec3::Zero();
+		Vec3 normalImpulse = Vec3::Zero(), shearImpulse = Vec3::Zero(),
+		     sumOfPoints = Vec3::Zero();
 		phys.contacts = phys.activeContacts = 0;
 		for (const softgrain::ContactRecord& c : geom.pair->records()) {
 			const double sign = (c.key.side == 0) == firstIsBody2 ? 1 : -1;
 			const Vec3 normalPart = c.impulse.dot(c.normal) * c.normal;
 			normalImpulse += sign * normalPart;
 			shearImpulse += sign * (c.impulse - normalPart);
+			sumOfPoints += c.point;
 			++phys.contacts;
 			phys.activeContacts += !c.impulse.isZero(0);
 		}
+		if (phys.contacts > 0) geom.contactPoint = sumOfPoints / phys.contacts;
 		phys.normalForce = normalImpulse / kick;
 		phys.shearForce = shearImpulse / kick;
 		const Vector3r force = phys.normalForce + phys.shearForce;

@@ -173,8 +173,7 @@ def _dimension(bodies):
         return 3
     raise ValueError(
         "dim: the scene is neither clearly 2D (one layer z = const, blockedDOFs including 'zXY') "
-        "nor clearly "
-        "3D; give dim=2 or dim=3"
+        "nor clearly 3D; give dim=2 or dim=3"
     )
 
 
@@ -192,9 +191,8 @@ def _overlap_factor(bodies, overlap):
     if worst > limit:
         raise ValueError(
             f"overlap = {overlap!r}: bodies #{pair[0]} and #{pair[1]} overlap by "
-            f"{100 * worst:.2g} % of the smaller "
-            f"radius, more than the admissible {100 * limit:g} %; relax the rigid packing further "
-            "or use overlap='shrink'"
+            f"{100 * worst:.2g} % of the smaller radius, more than the admissible "
+            f"{100 * limit:g} %; relax the rigid packing further or use overlap='shrink'"
         )
     return factor if overlap == "shrink" else 1.0
 

@@ -67,6 +67,12 @@ def progress_bar(total):
     )
 
 
+def show_progress(bar, reached, text):
+    """Move a bar to ``reached`` of its total, with a text behind it; drawn when it is due."""
+    bar.set_postfix_str(text, refresh=False)
+    bar.update(min(reached, bar.total) - bar.n)
+
+
 def write_result(folder, result):
     """Write ``result.json`` into the folder, whole or not at all."""
     part = folder / "result.json.part"
