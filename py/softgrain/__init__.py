@@ -10,7 +10,11 @@ The YADE classes (``SoftMat``, ``SoftGrain``, ``SoftGrainIntegrator``, ...) beco
 and of this package; the functions are listed in ``__all__``.
 """
 
-from softgrain import _host
+from pkgutil import extend_path
+
+__path__ = extend_path(__path__, __name__)  # the shared object of a build tree lies elsewhere
+
+from softgrain import _host  # noqa: E402
 
 _classes = _host.load_plugin()
 globals().update(_classes)

@@ -27,8 +27,7 @@ def load_plugin():
     if not plugin.layoutMatches():
         raise ImportError(
             "softgrain was compiled for a YADE whose objects are laid out differently in memory "
-            "than "
-            f"those of the running one ({yade.config.libDir}). Rebuild softgrain against it "
+            f"than those of the running one ({yade.config.libDir}). Rebuild softgrain against it "
             "(-DYADE_SOURCE_DIR=, -DYADE_PREFIX=)"
         )
     known = set(dir(yade.wrapper))
@@ -82,10 +81,8 @@ def _check_version(plugin, config):
     if built_for != running:
         raise ImportError(
             f"softgrain was built for YADE {built_for[0]} with {built_for[1]}-bit numbers, the "
-            "running one is "
-            f"YADE {running[0]} with {running[1]}-bit numbers. Rebuild softgrain with "
-            "-DYADE_SOURCE_DIR= of "
-            "that version"
+            f"running one is YADE {running[0]} with {running[1]}-bit numbers. Rebuild softgrain "
+            "with -DYADE_SOURCE_DIR= of that version"
         )
 
 

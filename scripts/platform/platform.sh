@@ -41,7 +41,7 @@ export_environment() {
     local yade_python
     yade_python=/usr/lib/$(uname -m)-linux-gnu/yade-double/py
     export PATH=/usr/local/sbin:/usr/sbin:/usr/bin:/sbin:/bin:$PATH
-    export PYTHONPATH=$build/python:$yade_python${PYTHONPATH:+:$PYTHONPATH}
+    export PYTHONPATH=$repo/py:$build/python:$yade_python${PYTHONPATH:+:$PYTHONPATH}
     export CCACHE_DIR=$cache/ccache CCACHE_BASEDIR=$repo
     # Without a display, pictures go to files.
     [ -n "${DISPLAY:-}" ] || export MPLBACKEND=${MPLBACKEND:-Agg}
