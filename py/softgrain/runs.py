@@ -1,0 +1,95 @@
+"""Runs of the cases in ``scripts/`` behind figures and benchmarks: each is made once, in a folder
+named by its options, and read from there afterwards."""
+
+import argparse
+import json
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+
+def parse_options(description, jobs, out, **extra):
+    """Options of a program that makes runs.
+
+    Args:
+        description (str): docstring of the program; its first line is shown.
+        jobs (int): default number of runs at the same time, each on one thread.
+        out (str): default folder for pictures, tables and runs.
+        **extra (dict): arguments of ``add_argument`` for further options, by name.
+
+    Returns:
+        argparse.Namespace: the options; the folder ``out`` exists.
+    """
+    parser = argparse.ArgumentParser(description=description.splitlines()[0])
+    for name, settings in extra.items():
+        parser.add_argument("--" + name.replace("_", "-"), **settings)
+    parser.add_argument(
+        "--jobs", type=int, default=jobs, help="runs at the same time, each on one thread [-]"
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path(out), help="folder for pictures, tables and runs"
+    )
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    return options
+
+
+def run_all(script, settings, options):
+    """Results of a case for each of the settings, in their order.
+
+    Args:
+        script (Path): the case, e.g. ``scripts/hertz.py``.
+        settings (list of dict): options of the case by name, with underscores.
+        options (argparse.Namespace): of :func:`parse_options`.
+
+    Returns:
+        list of dict: ``result.json`` of each run; None for a run that failed, which is named on
+        stderr. Its output is in ``log.txt`` of its folder.
+    """
+    with ThreadPoolExecutor(options.jobs) as pool:
+        return list(pool.map(lambda chosen: _run(script, chosen, options.out), settings))
+
+
+def _run(script, chosen, out):
+    folder = run_folder(script, chosen, out)
+    result = folder / "result.json"
+    if not result.exists() and not _make(script, chosen, folder):
+        print(f"failed: see {folder}/log.txt", file=sys.stderr)
+        return None
+    return json.loads(result.read_text())
+
+
+def _make(script, chosen, folder):
+    """Run the case; whether it ended well."""
+    folder.mkdir(parents=True, exist_ok=True)
+    print(f"running {folder.name}", file=sys.stderr)
+    arguments = [f"--{name.replace('_', '-')}={value}" for name, value in chosen.items()]
+    command = ["yade", "-n", "-x", "-j1", str(script), *arguments, f"--out={folder}"]
+    with open(folder / "log.txt", "w") as log:
+        return subprocess.run(command, stdout=log, stderr=log).returncode == 0
+
+
+def run_folder(script, chosen, out):
+    """Folder of the run of ``script`` with the options ``chosen`` within the folder ``out``."""
+    words = [f"{name}={value}" for name, value in chosen.items()]
+    return (out / "runs" / "-".join([Path(script).stem, *words])).resolve()
+
+
+def new_figure(xlabel, ylabel, width=5, **axes_settings):
+    """Figure and axes in the style common to all figures, ``width`` inches wide."""
+    figure = Figure(figsize=(width, 4), layout="constrained")
+    axes = figure.add_subplot()
+    axes.set(xlabel=xlabel, ylabel=ylabel, **axes_settings)
+    axes.grid(alpha=0.3)
+    return figure, axes
+
+
+def write_table(path, head, rows):
+    """Write a Markdown table to a file, and print it."""
+    lines = [head, ["---"] * len(head), *rows]
+    text = "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+    path.write_text(text + "\n")
+    print(text)

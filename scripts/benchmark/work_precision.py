@@ -1,0 +1,174 @@
+"""Error against run time for formulations, contact geometries, orders and resolutions.
+
+Three problems: a disk between plates and a disk in a closing square box, whose errors are against
+converged finite elements, and a compaction of 25 grains, whose error is against the finest run of
+the default method. Each leaves a CSV with all runs and a plot with the Pareto front marked. Run
+times are only comparable if nothing else runs and ``--jobs`` is 1.
+"""
+
+import csv
+import itertools
+from pathlib import Path
+
+import numpy as np
+
+from softgrain import finite_elements
+from softgrain.runs import new_figure, parse_options, run_all
+
+CASES = Path(__file__).resolve().parents[1]
+
+#: Name of the formulation: its options.
+FORMULATIONS = {
+    "TL nodal": {"formulation": "total", "velocity_update": "nodal"},
+    "TL flip": {"formulation": "total", "velocity_update": "flip"},
+    "UL": {"formulation": "updated"},
+}
+CONTACTS = {"points": "s", "surface": "o", "nodes": "^"}  # with the marker of the plot
+ORDERS = (2, 3)
+RESOLUTIONS = (0.2, 0.14, 0.1, 0.07, 0.05)
+FINEST = {"formulation": "total", "velocity_update": "nodal", "contact": "surface", "order": 3}
+COLUMNS = ("formulation", "contact", "order", "zeta", "wall_seconds", "steps", "error")
+
+
+class Problem:
+    """A case with its fixed options and its measure of error."""
+
+    def __init__(self, name, script, settings, error):
+        self.name, self.script, self.settings = name, CASES / script, settings
+        self.error = error
+
+
+def relative_error(x, y, exact_x, exact_y, low, high):
+    """Mean of |y/y_exact - 1| over the samples with low <= x <= high; nan where a run ended
+    before."""
+    x, y = np.asarray(x), np.asarray(y)
+    if x.max() < high - 0.1 * (high - low):
+        return np.nan
+    inside = (x >= low) & (x <= high)
+    return float(np.mean(np.abs(y[inside] / np.interp(x[inside], exact_x, exact_y) - 1)))
+
+
+def disk_error(result):
+    exact = finite_elements.disk_between_plates("plane_strain")
+    return relative_error(
+        result["delta_over_D"],
+        result["force_over_ED"],
+        exact.delta_over_D,
+        exact.force_over_ED,
+        0.03,
+        0.15,
+    )
+
+
+def square_error(result):
+    exact = finite_elements.square_cell()
+    return relative_error(
+        result["wall_displacement_over_D"],
+        result["force_over_ED"],
+        exact.wall_displacement_over_D,
+        exact.force_over_ED,
+        0.02,
+        0.06,
+    )
+
+
+def compaction_error(finest):
+    """Measure against a finer run: mean stresses over windows of 0.02 in phi."""
+    edges = np.arange(0.84, 0.921, 0.02)
+
+    def levels(result):
+        phi, stress = np.array(result["phi"]), np.array(result["stress_over_E"])
+        return np.array([stress[(phi >= a) & (phi < a + 0.02)].mean() for a in edges[:-1]])
+
+    exact = levels(finest)
+    return lambda result: float(np.mean(np.abs(levels(result) / exact - 1)))
+
+
+def problems(options):
+    grains = {"grains": 25, "mu": 0.3, "until_phi": 0.93}
+    finest = run_all(CASES / "compaction.py", [{**grains, **FINEST, "zeta": 0.04}], options)[0]
+    return [
+        Problem("disk", "hertz.py", {"until": 0.16}, disk_error),
+        Problem("square cell", "square_cell.py", {"until_phi": 0.93}, square_error),
+        Problem("compaction", "compaction.py", grains, compaction_error(finest)),
+    ]
+
+
+def measure(problem, options):
+    """A row of COLUMNS for each run that ended well."""
+    methods = list(itertools.product(FORMULATIONS, CONTACTS, ORDERS, options.zeta))
+    settings = [
+        {**problem.settings, **FORMULATIONS[f], "contact": contact, "order": order, "zeta": zeta}
+        for f, contact, order, zeta in methods
+    ]
+    results = run_all(problem.script, settings, options)
+    return [
+        (*method, result["wall_seconds"], result["steps"], problem.error(result))
+        for method, result in zip(methods, results)
+        if result
+    ]
+
+
+def pareto_front(rows):
+    """Rows that no other beats in both time and error, by time."""
+    front, best = [], np.inf
+    for row in sorted(rows, key=lambda r: (r[4], r[6])):
+        if row[6] < best:
+            front.append(row)
+            best = row[6]
+    return front
+
+
+def draw(path, problem, rows):
+    figure, axes = new_figure("run time [s]", "mean relative error", width=7, title=problem.name)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for k, formulation in enumerate(FORMULATIONS):
+        for (contact, marker), order in itertools.product(CONTACTS.items(), ORDERS):
+            line = [r for r in rows if r[:3] == (formulation, contact, order)]
+            axes.plot(
+                [r[4] for r in line],
+                [r[6] for r in line],
+                marker + {2: ":", 3: "-"}[order],
+                color=f"C{k}",
+                mfc="none",
+                ms=4,
+                lw=0.8,
+                label=f"{formulation}, {contact}, order {order}",
+            )
+    front = pareto_front(rows)
+    axes.plot([r[4] for r in front], [r[6] for r in front], color="black", lw=3, alpha=0.25)
+    axes.legend(frameon=False, fontsize=6, loc="center left", bbox_to_anchor=(1, 0.5))
+    figure.savefig(path, dpi=200)
+
+
+def write_csv(path, rows):
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(COLUMNS)
+        writer.writerows(rows)
+
+
+def main():
+    options = parse_options(
+        __doc__,
+        jobs=1,
+        out="work_precision",
+        zeta={
+            "type": float,
+            "nargs": "+",
+            "default": RESOLUTIONS,
+            "help": "relative resolutions 2 dr/D [-]",
+        },
+    )
+    for problem in problems(options):
+        rows = measure(problem, options)
+        name = problem.name.replace(" ", "_")
+        write_csv(options.out / f"{name}.csv", rows)
+        draw(options.out / f"{name}.png", problem, rows)
+        for row in pareto_front(rows):
+            print(f"{problem.name}: {row[:4]}: {row[4]:.1f} s, error {100 * row[6]:.2f} %")
+
+
+if __name__ == "__main__":
+    main()
