@@ -1,5 +1,5 @@
 #include "GrainAssembly.hpp"
-#include "grain/InternalForce.hpp"
+#include "grain/TotalLagrangian.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -42,6 +42,14 @@ template <int dim> Vec3 angularToSpace(const typename WholeGrain<dim>::Angular& 
 template <int dim> Mat<dim> rotationToKernel(const Rotation& q)
 {
 	return q.toRotationMatrix().template topLeftCorner<dim, dim>();
+}
+
+template <int dim> std::vector<double> numbersOf(const std::vector<Vec<dim>>& vectors)
+{
+	std::vector<double> numbers;
+	for (const Vec<dim>& v : vectors)
+		numbers.insert(numbers.end(), v.data(), v.data() + dim);
+	return numbers;
 }
 
 template <int dim> class PairContactsOf : public PairContacts {
@@ -96,7 +104,7 @@ public:
 				throw std::invalid_argument(
 					"grain #" + std::to_string(d.id) +
 					": 2D soft grains must lie in one plane z = const");
-		addBatches(grains);
+		addSets(grains);
 		system_.updateSurfaces(1);
 	}
 
@@ -108,10 +116,9 @@ public:
 	{
 		double slowest = std::numeric_limits<double>::infinity();
 		for (int g = 0; g < grains(); ++g) {
-			const Batch<dim>& batch = system_.batchOf(g);
+			const GrainSet<dim>& set = system_.setOf(g);
 			slowest = std::min(slowest,
-					   batch.grain[system_.laneOf(g)].constants.waveSpeed(
-						   batch.condition));
+					   parameters(g).constants.waveSpeed(set.condition()));
 		}
 		return slowest;
 	}
@@ -160,13 +167,11 @@ public:
 
 	GrainMotion motion(int g) const override
 	{
-		const Batch<dim>& batch = system_.batchOf(g);
-		const WholeGrain<dim> whole = wholeGrain(batch, system_.laneOf(g));
+		const WholeGrain<dim> whole = system_.setOf(g).whole(system_.indexInSet(g));
 		GrainMotion m;
 		m.mass = whole.mass;
 		m.inertia = whole.inertia.trace() / whole.inertia.rows();
-		m.position = toSpace<dim>(
-			Vec<dim>(batch.grain[system_.laneOf(g)].origin + whole.centre), z_);
+		m.position = toSpace<dim>(Vec<dim>(parameters(g).origin + whole.centre), z_);
 		m.velocity = toSpace<dim>(whole.velocity);
 		m.angularVelocity = angularToSpace<dim>(whole.angularVelocity);
 		Mat3 rotation = toSpace<dim>(whole.rotation);
@@ -178,11 +183,10 @@ public:
 	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity,
 			 const Vec3& angularVelocity) override
 	{
-		Batch<dim>& batch = system_.batchOf(g);
-		const int lane = system_.laneOf(g);
-		batch.moveRigidly(lane, wholeGrain(batch, lane).centre, rotationToKernel<dim>(turn),
-				  toKernel<dim>(shift), toKernel<dim>(velocity),
-				  spinMatrix<dim>(angularToKernel<dim>(angularVelocity)));
+		system_.setOf(g).moveRigidly(
+			system_.indexInSet(g), rotationToKernel<dim>(turn), toKernel<dim>(shift),
+			toKernel<dim>(velocity),
+			spinMatrix<dim>(angularToKernel<dim>(angularVelocity)));
 		system_.updateSurface(g);
 		system_.invalidateForces();
 	}
@@ -196,7 +200,7 @@ public:
 		const Box<dim>& b = system_.body(g).box;
 		Box<3> result { toSpace<dim>(b.low, z_), toSpace<dim>(b.high, z_) };
 		if (dim == 2) { // as thick as the grain is wide, as for a sphere of YADE
-			const double R = system_.batchOf(g).grain[system_.laneOf(g)].radius;
+			const double R = parameters(g).radius;
 			result.low[2] -= R;
 			result.high[2] += R;
 		}
@@ -213,16 +217,10 @@ public:
 
 	PointFields points(int g) const override
 	{
-		const Batch<dim>& batch = system_.batchOf(g);
-		const int lane = system_.laneOf(g);
-		const auto& shapes = batch.reference->pointShapes;
 		PointFields fields;
-		int p = 0;
-		for (const PointResponse<dim>& response : pointResponses(batch, lane)) {
-			Vec<dim> x = batch.grain[lane].origin;
-			for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-				x += shapes.value[k].N * batch.x.get(lane, shapes.column[k]);
-			fields.position.push_back(toSpace<dim>(x, z_));
+		for (const PointResponse<dim>& response :
+		     system_.setOf(g).points(system_.indexInSet(g))) {
+			fields.position.push_back(toSpace<dim>(response.position, z_));
 			Mat3 F = toSpace<dim>(response.F), cauchy = toSpace<dim>(response.cauchy);
 			if (dim == 2) {
 				F(2, 2) = response.F33;
@@ -230,26 +228,24 @@ public:
 			}
 			fields.F.push_back(F);
 			fields.cauchy.push_back(cauchy);
-			fields.volume.push_back(batch.pointScale[lane] *
-						batch.reference->pointVolume[p] * response.J);
-			++p;
+			fields.volume.push_back(response.volume);
 		}
 		return fields;
 	}
 
-	void nodalState(int g, Vec3& origin, std::vector<double>& x,
-			std::vector<double>& v) const override
+	std::vector<double> nodePositions(int g) const override
 	{
-		const Batch<dim>& batch = system_.batchOf(g);
-		const int lane = system_.laneOf(g);
-		origin = toSpace<dim>(batch.grain[lane].origin, z_);
-		x.clear();
-		v.clear();
-		for (int I = 0; I < batch.reference->nodes(); ++I)
-			for (int a = 0; a < dim; ++a) {
-				x.push_back(batch.x.get(lane, I)[a]);
-				v.push_back(batch.v.get(lane, I)[a]);
-			}
+		return numbersOf<dim>(system_.setOf(g).nodePositions(system_.indexInSet(g)));
+	}
+	std::vector<double> nodeVelocities(int g) const override
+	{
+		return numbersOf<dim>(system_.setOf(g).nodeVelocities(system_.indexInSet(g)));
+	}
+
+	GrainState state(int g, Vec3& origin) const override
+	{
+		origin = toSpace<dim>(parameters(g).origin, z_);
+		return system_.setOf(g).state(system_.indexInSet(g));
 	}
 
 private:
@@ -258,9 +254,14 @@ private:
 		return static_cast<PairContactsOf<dim>&>(pair).list;
 	}
 
-	/// Grains with equal recipe, law and condition form a batch; batches keep the order of ids
+	const GrainParameters<dim>& parameters(int g) const
+	{
+		return system_.setOf(g).parameters(system_.indexInSet(g));
+	}
+
+	/// Grains with equal recipe, law and condition form a set; sets keep the order of ids
 	/// within.
-	void addBatches(const std::vector<GrainDescription>& grains)
+	void addSets(const std::vector<GrainDescription>& grains)
 	{
 		using Kind = std::tuple<TemplateRecipe, Law, Condition>;
 		std::map<Kind, std::vector<const GrainDescription*>> kinds;
@@ -272,37 +273,31 @@ private:
 			for (const GrainDescription* d : members)
 				parameters.push_back(
 					{ d->radius, d->constants,
-					  toKernel<dim>(d->x.empty() ? d->position : d->origin) });
-			Batch<dim> batch(makeGrainTemplate<dim>(recipe), law, condition,
-					 parameters);
-			for (int lane = 0; lane < batch.grains(); ++lane) {
-				setState(batch, lane, *members[lane]);
-				id_.push_back(members[lane]->id);
+					  toKernel<dim>(d->state.x.empty() ? d->position
+									   : d->origin) });
+			auto set = std::make_unique<TotalLagrangian<dim>>(Batch<dim>(
+				makeGrainTemplate<dim>(recipe), law, condition, parameters));
+			for (int k = 0; k < set->grains(); ++k) {
+				setState(*set, k, *members[k]);
+				id_.push_back(members[k]->id);
 			}
-			system_.addBatch(std::move(batch));
+			system_.add(std::move(set));
 		}
 	}
 
-	static void setState(Batch<dim>& batch, int lane, const GrainDescription& d)
+	static void setState(GrainSet<dim>& set, int k, const GrainDescription& d)
 	{
-		if (d.x.empty()) {
-			batch.place(lane, rotationToKernel<dim>(d.orientation),
-				    toKernel<dim>(d.velocity),
-				    spinMatrix<dim>(angularToKernel<dim>(d.angularVelocity)));
+		if (d.state.x.empty()) {
+			set.place(k, rotationToKernel<dim>(d.orientation),
+				  toKernel<dim>(d.velocity),
+				  spinMatrix<dim>(angularToKernel<dim>(d.angularVelocity)));
 			return;
 		}
-		const std::size_t expected =
-			static_cast<std::size_t>(batch.reference->nodes()) * dim;
-		if (d.x.size() != expected || d.v.size() != expected)
-			throw std::invalid_argument(
-				"grain #" + std::to_string(d.id) + ": its saved nodal state has " +
-				std::to_string(d.x.size()) + " numbers, its discretisation needs " +
-				std::to_string(expected) +
-				"; discretisation parameters cannot be changed after the first "
-				"step");
-		for (int I = 0; I < batch.reference->nodes(); ++I) {
-			batch.x.set(lane, I, Eigen::Map<const Vec<dim>>(&d.x[I * dim]));
-			batch.v.set(lane, I, Eigen::Map<const Vec<dim>>(&d.v[I * dim]));
+		try {
+			set.setState(k, d.state);
+		} catch (const std::invalid_argument& e) {
+			throw std::invalid_argument("grain #" + std::to_string(d.id) + ": " +
+						    e.what());
 		}
 	}
 

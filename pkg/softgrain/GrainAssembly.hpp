@@ -28,8 +28,8 @@ struct GrainDescription {
 	Vec3 velocity = Vec3::Zero();        ///< m/s
 	Vec3 angularVelocity = Vec3::Zero(); ///< 1/s
 	Rotation orientation = Rotation::Identity();
-	Vec3 origin = Vec3::Zero(); ///< of the nodal positions, m; used with a nodal state
-	std::vector<double> x, v;   ///< nodal state to go on from; empty: undeformed
+	Vec3 origin = Vec3::Zero(); ///< of the positions in `state`, m
+	GrainState state;           ///< to go on from; empty: undeformed
 };
 
 /// A rigid plane wall with prescribed motion.
@@ -106,10 +106,11 @@ public:
 	virtual Box<3> box(int g) const = 0;
 	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes
 	virtual PointFields points(int g) const = 0;
-	/// Nodal positions and velocities (present ones, `dim` numbers a node) as GrainDescription
-	/// takes them.
-	virtual void nodalState(int g, Vec3& origin, std::vector<double>& x,
-				std::vector<double>& v) const = 0;
+	/// Of the background nodes, `dim` numbers a node.
+	virtual std::vector<double> nodePositions(int g) const = 0;
+	virtual std::vector<double> nodeVelocities(int g) const = 0;
+	/// Present state and its origin as GrainDescription takes them.
+	virtual GrainState state(int g, Vec3& origin) const = 0;
 };
 
 } // namespace softgrain

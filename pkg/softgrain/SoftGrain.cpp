@@ -60,14 +60,16 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.angularVelocity = body.state->angVel;
 	d.orientation = body.state->ori;
 	d.origin = stateOrigin;
-	d.x = nodePositions;
-	d.v = nodeVelocities;
+	d.state = { savedPositions, savedVelocities };
 	return d;
 }
 
 void SoftGrain::fetchState()
 {
-	if (assembly) assembly->nodalState(index, stateOrigin, nodePositions, nodeVelocities);
+	if (!assembly) return;
+	softgrain::GrainState state = assembly->state(index, stateOrigin);
+	savedPositions = std::move(state.x);
+	savedVelocities = std::move(state.v);
 }
 
 void SoftGrain::postLoad(SoftGrain&)
@@ -90,19 +92,12 @@ py::object SoftGrain::outlineArray() { return softgrain::numpyArray(assembled().
 
 py::object SoftGrain::nodesArray()
 {
-	assembled();
-	fetchState();
-	vector<Real> x = nodePositions;
-	for (std::size_t k = 0; k < x.size(); ++k)
-		x[k] += stateOrigin[int(k) % dim];
-	return softgrain::numpyArray(x, py::make_tuple(-1, dim));
+	return softgrain::numpyArray(assembled().nodePositions(index), py::make_tuple(-1, dim));
 }
 
 py::object SoftGrain::nodalVelocitiesArray()
 {
-	assembled();
-	fetchState();
-	return softgrain::numpyArray(nodeVelocities, py::make_tuple(-1, dim));
+	return softgrain::numpyArray(assembled().nodeVelocities(index), py::make_tuple(-1, dim));
 }
 
 py::dict SoftGrain::pointArrays()

@@ -23,7 +23,7 @@ public:
 	softgrain::TemplateRecipe recipe() const;
 	softgrain::Condition condition(const SoftMat& material) const;
 	softgrain::GrainDescription describe(const Body& body) const;
-	/// Copies the nodal state from the assembly to the saved attributes.
+	/// Copies the state from the assembly to the saved attributes.
 	void fetchState();
 
 	void postLoad(SoftGrain&); ///< checks all attributes, throws std::invalid_argument
@@ -46,9 +46,9 @@ public:
 		((Real, surfaceSpacing, 1, Attr::readonly, "Spacing of surface nodes over dr, in [0.5, 4] [-]; above 1.5 outlines sink into each other between nodes."))
 		((string, quadrature, "cutCell", Attr::readonly, "Where the material points lie: 'cutCell' (lattice cells cut with the outline, weights exact) or 'lattice' (uniform weights)."))
 		((string, contact, "surface", Attr::readonly, "What touches: 'surface' (nodes on the outline against the other outline) or 'points' (boundary points as disks of diameter dr)."))
-		((Vector3r, stateOrigin, Vector3r::Zero(), Attr::hidden, "Origin of nodePositions."))
-		((vector<Real>, nodePositions, , Attr::hidden, "Nodal positions relative to stateOrigin as last fetched."))
-		((vector<Real>, nodeVelocities, , Attr::hidden, "Nodal velocities as last fetched.")),
+		((Vector3r, stateOrigin, Vector3r::Zero(), Attr::hidden, "Origin of savedPositions."))
+		((vector<Real>, savedPositions, , Attr::hidden, "Positions of the state (GrainState) relative to stateOrigin as last fetched."))
+		((vector<Real>, savedVelocities, , Attr::hidden, "Velocities of the state as last fetched.")),
 		createIndex();,
 		.def("outline", &SoftGrain::outlineArray, "Present positions of the contact nodes, in 2D counter-clockwise: array (n, 3) [m].")
 		.def("nodes", &SoftGrain::nodesArray, "Present positions of the background nodes: array (n, dim) [m].")

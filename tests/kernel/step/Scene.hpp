@@ -3,6 +3,7 @@
 #pragma once
 
 #include "Helpers.hpp"
+#include "grain/TotalLagrangian.hpp"
 #include "step/System.hpp"
 
 #include <deque>
@@ -18,11 +19,22 @@ template <int dim> struct Scene {
 	double deepest = 0;
 	int steps = 0, failures = 0; ///< of the solver to reach its tolerance
 
-	void add(Batch<dim> batch)
+	void add(std::unique_ptr<GrainSet<dim>> set)
 	{
-		system.addBatch(std::move(batch));
+		system.add(std::move(set));
 		system.updateSurfaces(1);
 	}
+	void add(Batch<dim> batch)
+	{
+		add(std::make_unique<TotalLagrangian<dim>>(std::move(batch)));
+	}
+	/// Of a total-Lagrangian grain.
+	Batch<dim>& batchOf(int g)
+	{
+		return dynamic_cast<TotalLagrangian<dim>&>(system.setOf(g)).batch();
+	}
+	const Batch<dim>& batchOf(int g) const { return const_cast<Scene*>(this)->batchOf(g); }
+	int laneOf(int g) const { return system.indexInSet(g); }
 	void addPairs(double friction)
 	{
 		for (int a = 0; a < system.grains(); ++a)
@@ -73,10 +85,7 @@ template <int dim> struct Scene {
 		return advance(courant * system.criticalTimeStep() /
 			       std::sqrt(system.stiffening()));
 	}
-	WholeGrain<dim> whole(int g) const
-	{
-		return wholeGrain(system.batchOf(g), system.laneOf(g));
-	}
+	WholeGrain<dim> whole(int g) const { return system.setOf(g).whole(laneOf(g)); }
 	Vec<dim> momentum() const
 	{
 		Vec<dim> sum = Vec<dim>::Zero();
@@ -88,14 +97,11 @@ template <int dim> struct Scene {
 	std::vector<double> state() const
 	{
 		std::vector<double> all;
-		for (int g = 0; g < system.grains(); ++g)
-			for (int I = 0; I < system.batchOf(g).reference->nodes(); ++I)
-				for (int a = 0; a < dim; ++a) {
-					all.push_back(
-						system.batchOf(g).x.get(system.laneOf(g), I)[a]);
-					all.push_back(
-						system.batchOf(g).v.get(system.laneOf(g), I)[a]);
-				}
+		for (int g = 0; g < system.grains(); ++g) {
+			const GrainState s = system.setOf(g).state(laneOf(g));
+			for (const auto* list : { &s.x, &s.v })
+				all.insert(all.end(), list->begin(), list->end());
+		}
 		return all;
 	}
 };

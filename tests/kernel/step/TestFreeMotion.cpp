@@ -99,10 +99,10 @@ TEMPLATE_TEST_CASE_SIG("Free rotation: nothing but centrifugal stress", "[step]"
 	while (scene.time < turn) {
 		scene.advance();
 		if (scene.steps % 20) continue;
-		const auto responses = pointResponses(scene.system.batchOf(0), 0);
+		const auto responses = pointResponses(scene.batchOf(0), 0);
 		double squares = 0;
 		for (std::size_t p = 0; p < responses.size(); ++p)
-			squares += scene.system.batchOf(0).reference->pointVolume[p] *
+			squares += scene.batchOf(0).reference->pointVolume[p] *
 				   responses[p].cauchy.squaredNorm();
 		rms = std::max(rms, std::sqrt(squares / UnitBall<dim>::volume()));
 	}
@@ -133,7 +133,7 @@ TEST_CASE("Free vibration: energy, frequency and rim nodes over 100 periods", "[
 		const double total = totalEnergy(scene);
 		if (scene.steps == 1) energy = total;
 		drift = std::max(drift, std::abs(total / energy - 1));
-		const double q = quadrupole(scene.system.batchOf(0));
+		const double q = quadrupole(scene.batchOf(0));
 		if (last < 0 && q >= 0) {
 			lastCrossing = lastTime + (scene.time - lastTime) * last / (last - q);
 			if (firstCrossing < 0)
@@ -143,7 +143,7 @@ TEST_CASE("Free vibration: energy, frequency and rim nodes over 100 periods", "[
 		}
 		last = q;
 		lastTime = scene.time;
-		largest = std::max(largest, largestDisplacement(scene.system.batchOf(0)));
+		largest = std::max(largest, largestDisplacement(scene.batchOf(0)));
 	}
 	const double frequency = 2 * std::numbers::pi * crossings / (lastCrossing - firstCrossing);
 	CAPTURE(drift, frequency / lambFrequency - 1, crossings, largest / strain, scene.steps);
@@ -166,7 +166,7 @@ TEST_CASE("Free vibration: energy and light rim nodes in strong motion", "[step]
 		scene.advance(dt);
 		if (scene.steps == 1) energy = totalEnergy(scene);
 		drift = std::max(drift, std::abs(totalEnergy(scene) / energy - 1));
-		largest = std::max(largest, largestDisplacement(scene.system.batchOf(0)));
+		largest = std::max(largest, largestDisplacement(scene.batchOf(0)));
 	}
 	CAPTURE(largest, drift);
 	CHECK(largest < 2); // in radii

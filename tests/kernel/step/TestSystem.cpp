@@ -39,8 +39,8 @@ template <int dim> Mat<dim> angularMomentum(const Scene<dim>& scene)
 {
 	Mat<dim> sum = Mat<dim>::Zero();
 	for (int g = 0; g < scene.system.grains(); ++g) {
-		const Batch<dim>& batch = scene.system.batchOf(g);
-		const int lane = scene.system.laneOf(g);
+		const Batch<dim>& batch = scene.batchOf(g);
+		const int lane = scene.laneOf(g);
 		for (int I = 0; I < batch.reference->nodes(); ++I)
 			sum += batch.nodeMass(lane, I) * batch.position(lane, I) *
 			       batch.v.get(lane, I).transpose();
@@ -230,13 +230,13 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 	CHECK(std::isinf(scene.system.criticalTimeStep()));
 	scene.add(grainsAt<2>(0.35, { { 0, 0 }, { 0.03, 0 } }, { 0.01, 0.005 }));
 	scene.add(grainsAt<2>(0.35, { { 0, 0.03 } }));
-	const auto& small = scene.system.batchOf(1);
+	const auto& small = scene.batchOf(1);
 	CHECK(std::abs(scene.system.criticalTimeStep() /
 			       criticalTimeStep(*small.reference, small.condition, small.grain[1]) -
 		       1) < 1e-14);
 	scene.system.updateForces(1);
 	CHECK(std::abs(scene.system.stiffening() - 1) < 1e-6);
-	deform<2>(scene.system.batchOf(2), 0, 0.8 * Mat<2>::Identity());
+	deform<2>(scene.batchOf(2), 0, 0.8 * Mat<2>::Identity());
 	scene.system.invalidateForces();
 	scene.system.updateForces(1);
 	CHECK(scene.system.stiffening() > 1.2);
@@ -244,8 +244,8 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 	// Without motion a twentieth of the smaller point spacing; else twice the way of a step.
 	const double dt = 1e-4;
 	CHECK(std::abs(scene.system.reach(0, 1, dt) - 0.05 * 0.35 * 0.005) < 1e-15);
-	setVelocity<2>(scene.system.batchOf(0), 0, { 3, 4 });
-	setVelocity<2>(scene.system.batchOf(1), 1, { 0, -2 });
+	setVelocity<2>(scene.batchOf(0), 0, { 3, 4 });
+	setVelocity<2>(scene.batchOf(1), 1, { 0, -2 });
 	scene.system.updateSurfaces(1);
 	CHECK(std::abs(scene.system.reach(0, 1, dt) - 2 * dt * 7) < 1e-12);
 	const Plane<2> plane { { 0, 0 }, { 0, 1 }, { 0, 1 } };
@@ -267,8 +267,8 @@ TEST_CASE("System: sums of work go on from a saved state", "[step]")
 		whole.advance(2e-5);
 	for (int n = 0; n < 30; ++n)
 		first.advance(2e-5);
-	const Batch<2>& from = first.system.batchOf(0);
-	Batch<2>& to = second.system.batchOf(0);
+	const Batch<2>& from = first.batchOf(0);
+	Batch<2>& to = second.batchOf(0);
 	for (int I = 0; I < from.reference->nodes(); ++I) {
 		to.x.set(0, I, from.x.get(0, I));
 		to.v.set(0, I, from.v.get(0, I));

@@ -1,6 +1,7 @@
 #include "grain/CriticalTimeStep.hpp"
 
 #include <cmath>
+#include <map>
 #include <random>
 
 namespace softgrain {
@@ -73,14 +74,32 @@ template <int dim>
 double criticalTimeStep(const GrainTemplate<dim>& reference, Condition condition,
 			const GrainParameters<dim>& grain)
 {
-	const double omega = highestFrequency(reference, condition, grain.constants.poisson);
-	return 2 * grain.radius / (omega * grain.constants.waveSpeed(condition));
+	return criticalTimeSteps<dim>(reference, condition, { grain }).front();
+}
+
+template <int dim>
+std::vector<double> criticalTimeSteps(const GrainTemplate<dim>& reference, Condition condition,
+				      const std::vector<GrainParameters<dim>>& grains)
+{
+	std::map<double, double> frequency; // by Poisson's ratio
+	std::vector<double> steps;
+	for (const GrainParameters<dim>& grain : grains) {
+		const auto [known, isNew] = frequency.try_emplace(grain.constants.poisson, 0.);
+		if (isNew)
+			known->second =
+				highestFrequency(reference, condition, grain.constants.poisson);
+		steps.push_back(2 * grain.radius /
+				(known->second * grain.constants.waveSpeed(condition)));
+	}
+	return steps;
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template double highestFrequency<dim>(const GrainTemplate<dim>&, Condition, double);       \
 	template double criticalTimeStep<dim>(const GrainTemplate<dim>&, Condition,                \
-					      const GrainParameters<dim>&);
+					      const GrainParameters<dim>&);                        \
+	template std::vector<double> criticalTimeSteps<dim>(                                       \
+		const GrainTemplate<dim>&, Condition, const std::vector<GrainParameters<dim>>&);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)
 #undef SOFTGRAIN_INSTANTIATE

@@ -16,4 +16,9 @@ template <int dim>
 double criticalTimeStep(const GrainTemplate<dim>& reference, Condition condition,
 			const GrainParameters<dim>& grain);
 
+/// The same for congruent grains; the iteration runs once for each Poisson's ratio.
+template <int dim>
+std::vector<double> criticalTimeSteps(const GrainTemplate<dim>& reference, Condition condition,
+				      const std::vector<GrainParameters<dim>>& grains);
+
 } // namespace softgrain

@@ -134,6 +134,10 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 			gatherGradient(batch, block, p, scales.inverseRadius, point);
 			evaluator.evaluate(point, batch.lame[block]);
 			PointResponse<dim> r;
+			r.position = batch.grain[g].origin;
+			const auto& shapes = batch.reference->pointShapes;
+			for (int k = shapes.begin(p); k < shapes.end(p); ++k)
+				r.position += shapes.value[k].N * batch.x.get(g, shapes.column[k]);
 			Mat<dim> P;
 			for (int a = 0; a < dim; ++a)
 				for (int b = 0; b < dim; ++b) {
@@ -141,6 +145,7 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 					P(a, b) = point.P[a][b][lane];
 				}
 			r.J = point.J[lane];
+			r.volume = batch.pointScale[g] * batch.reference->pointVolume[p] * r.J;
 			r.cauchy = P * r.F.transpose() / r.J;
 			if (batch.condition == Condition::planeStrain)
 				r.cauchy33 = batch.lame[block].lambda[lane] * std::log(r.J) / r.J;

@@ -12,6 +12,8 @@ template <int dim> void computeInternalForce(Batch<dim>& batch, int threads);
 
 /// Deformation and stress at one material point.
 template <int dim> struct PointResponse {
+	Vec<dim> position;   ///< in space, m
+	double volume;       ///< present one, Vp0 J, m^2 (m^3)
 	Mat<dim> F, cauchy;  ///< cauchy = P F^T / J, Pa, per present area
 	double J;            ///< det F, in 2D of the in-plane part: present over reference area
 	double F33 = 1;      ///< out-of-plane stretch in 2D

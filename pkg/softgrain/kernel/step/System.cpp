@@ -1,42 +1,27 @@
 #include "step/System.hpp"
-#include "grain/CriticalTimeStep.hpp"
-#include "grain/InternalForce.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <tuple>
 
 namespace softgrain {
 
-template <int dim> void System<dim>::addBatch(Batch<dim> batch)
+template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 {
-	std::map<double, double>
-		frequency; // by Poisson's ratio: the template and the condition are shared
-	for (int lane = 0; lane < batch.grains(); ++lane) {
-		place_.push_back({ static_cast<int>(batches_.size()), lane });
-		const GrainParameters<dim>& grain = batch.grain[lane];
-		const auto [known, isNew] = frequency.try_emplace(grain.constants.poisson, 0.);
-		if (isNew)
-			known->second = highestFrequency(*batch.reference, batch.condition,
-							 grain.constants.poisson);
-		criticalTimeStep_.push_back(
-			2 * grain.radius /
-			(known->second * grain.constants.waveSpeed(batch.condition)));
-
+	const GrainTemplate<dim>& reference = set->reference();
+	for (int k = 0; k < set->grains(); ++k) {
+		place_.push_back({ static_cast<int>(sets_.size()), k });
+		const double radius = set->parameters(k).radius;
 		ContactBody<dim> body;
-		body.mesh = &batch.reference->contactMesh;
-		body.delassus = &batch.reference->delassus;
-		body.delassusScale = 1 / batch.massScale[lane];
-		body.nodeRadius = grain.radius * batch.reference->contactRadius;
-		body.pointSpacing = grain.radius * batch.reference->pointSpacing();
-		body.position.resize(batch.reference->contactNodes());
+		body.mesh = &reference.contactMesh;
+		body.nodeRadius = radius * reference.contactRadius;
+		body.pointSpacing = radius * reference.pointSpacing();
+		body.position.resize(reference.contactNodes());
 		body.velocity = body.impulse = body.position;
 		bodies_.push_back(std::move(body));
 	}
 	loads_.resize(place_.size());
-	batches_.push_back(std::move(batch));
+	sets_.push_back(std::move(set));
 	forcesFresh_ = false;
 }
 
@@ -45,47 +30,36 @@ template <int dim> template <class Phase> void System<dim>::forEachGrain(int thr
 	const int count = grains();
 #pragma omp parallel for schedule(static) num_threads(threads)
 	for (int g = 0; g < count; ++g)
-		phase(g);
+		phase(g, *sets_[place_[g].set], place_[g].index);
 }
 
 template <int dim> double System<dim>::criticalTimeStep() const
 {
-	return criticalTimeStep_.empty()
-		       ? std::numeric_limits<double>::infinity()
-		       : *std::min_element(criticalTimeStep_.begin(), criticalTimeStep_.end());
+	double smallest = std::numeric_limits<double>::infinity();
+	for (int g = 0; g < grains(); ++g)
+		smallest = std::min(smallest, setOf(g).criticalTimeStep(indexInSet(g)));
+	return smallest;
 }
 
 template <int dim> void System<dim>::updateSurface(int g)
 {
-	const Batch<dim>& batch = batchOf(g);
 	ContactBody<dim>& body = bodies_[g];
-	const SparseRows<double>& shapes = batch.reference->contactShapes;
-	double fastest = 0;
-	for (int s = 0; s < body.nodes(); ++s) {
-		Vec<dim> x = Vec<dim>::Zero(), v = Vec<dim>::Zero();
-		for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
-			x += shapes.value[k] * batch.x.get(laneOf(g), shapes.column[k]);
-			v += shapes.value[k] * batch.v.get(laneOf(g), shapes.column[k]);
-		}
-		body.position[s] = batch.grain[laneOf(g)].origin + x;
-		fastest = std::max(fastest, v.norm());
-	}
-	body.fastest = fastest;
+	body.fastest = setOf(g).contactPositions(indexInSet(g), body.position);
 	body.updateGeometry();
 }
 
 template <int dim> void System<dim>::updateSurfaces(int threads)
 {
-	forEachGrain(threads, [this](int g) { updateSurface(g); });
+	forEachGrain(threads, [this](int g, auto&&...) { updateSurface(g); });
 	forcesFresh_ = false;
 }
 
 template <int dim> void System<dim>::updateForces(int threads)
 {
-	for (Batch<dim>& batch : batches_)
-		computeInternalForce(batch, threads);
+	for (const auto& set : sets_)
+		set->updateForces(threads);
 	for (int g = 0; g < grains(); ++g) {
-		const int point = batchOf(g).report[laneOf(g)].invertedPoint;
+		const int point = setOf(g).report(indexInSet(g)).invertedPoint;
 		if (point >= 0)
 			throw StepError(g, point,
 					"the material point is inverted (J <= 0 or not finite)");
@@ -97,7 +71,7 @@ template <int dim> double System<dim>::stiffening() const
 {
 	double largest = 1;
 	for (int g = 0; g < grains(); ++g)
-		largest = std::max(largest, batchOf(g).report[laneOf(g)].stiffening);
+		largest = std::max(largest, setOf(g).report(indexInSet(g)).stiffening);
 	return largest;
 }
 
@@ -134,48 +108,22 @@ template <int dim> double System<dim>::kickTime(double dt) const
 template <int dim> void System<dim>::predictVelocities(const StepSettings& settings)
 {
 	const double kick = kickTime(settings.dt);
-	forEachGrain(settings.threads, [&](int g) {
-		Batch<dim>& batch = batchOf(g);
-		const int lane = laneOf(g);
-		const BodyLoad<dim>& load = loads_[g];
-		const bool loaded = !load.acceleration.isZero(0) || !load.angular.isZero(0);
-		const Vec<dim> centre =
-			loaded ? wholeGrain(batch, lane).centre : Vec<dim>(Vec<dim>::Zero());
-		for (int I = 0; I < batch.reference->nodes(); ++I) {
-			Vec<dim> acceleration = batch.force.get(lane, I) / batch.nodeMass(lane, I);
-			if (loaded)
-				acceleration += load.acceleration +
-						load.angular * (batch.x.get(lane, I) - centre);
-			batch.vNext.set(lane, I, batch.v.get(lane, I) + kick * acceleration);
-		}
+	forEachGrain(settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+		set.predictVelocities(k, kick, loads_[g]);
 	});
 }
 
-namespace {
-
 template <int dim>
-void interpolate(const Batch<dim>& batch, int lane, const NodalField<dim>& field,
-		 std::vector<Vec<dim>>& at)
+void System<dim>::gatherContacts(const std::vector<char>& touched, const StepSettings& settings)
 {
-	const SparseRows<double>& shapes = batch.reference->contactShapes;
-	at.assign(shapes.rows(), Vec<dim>::Zero());
-	for (int s = 0; s < shapes.rows(); ++s)
-		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
-			at[s] += shapes.value[k] * field.get(lane, shapes.column[k]);
-}
-
-} // namespace
-
-template <int dim>
-void System<dim>::gatherContactVelocities(const std::vector<char>& touched,
-					  const StepSettings& settings)
-{
-	forEachGrain(settings.threads, [&](int g) {
+	forEachGrain(settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		if (!touched[g]) return;
 		ContactBody<dim>& body = bodies_[g];
-		interpolate(batchOf(g), laneOf(g), batchOf(g).vNext, body.velocity);
-		if (settings.trackEnergy)
-			interpolate(batchOf(g), laneOf(g), batchOf(g).v, body.velocityBefore);
+		const ContactMobility mobility = set.contactMobility(k);
+		body.delassus = mobility.table;
+		body.delassusScale = mobility.scale;
+		set.contactVelocities(k, body.velocity);
+		if (settings.trackEnergy) set.contactVelocitiesBefore(k, body.velocityBefore);
 		body.impulse.assign(body.nodes(), Vec<dim>::Zero());
 	});
 }
@@ -184,56 +132,30 @@ template <int dim>
 void System<dim>::applyContactImpulses(const std::vector<char>& touched,
 				       const StepSettings& settings)
 {
-	forEachGrain(settings.threads, [&](int g) {
-		if (!touched[g]) return;
-		Batch<dim>& batch = batchOf(g);
-		const int lane = laneOf(g);
-		const SparseRows<double>& shapes = batch.reference->contactShapes;
-		for (int s = 0; s < bodies_[g].nodes(); ++s) {
-			const Vec<dim>& r = bodies_[g].impulse[s];
-			if (r.isZero(0)) continue;
-			for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
-				const int I = shapes.column[k];
-				batch.vNext.set(lane, I,
-						batch.vNext.get(lane, I) +
-							shapes.value[k] / batch.nodeMass(lane, I) *
-								r);
-			}
-		}
+	forEachGrain(settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+		if (touched[g]) set.applyContactImpulses(k, bodies_[g].impulse);
 	});
 }
 
 template <int dim> void System<dim>::checkVelocities() const
 {
 	for (int g = 0; g < grains(); ++g)
-		for (int I = 0; I < batchOf(g).reference->nodes(); ++I)
-			if (!batchOf(g).vNext.get(laneOf(g), I).allFinite())
-				throw StepError(g, -1, "a nodal velocity is not finite");
+		if (!setOf(g).hasFiniteVelocities(indexInSet(g)))
+			throw StepError(g, -1, "a nodal velocity is not finite");
 }
 
 template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, double kick)
 {
 	energy_ = continuation_.sums;
 	energy_.kinetic = energy_.elastic = 0;
-	for (int g = 0; g < grains(); ++g) {
-		const Batch<dim>& batch = batchOf(g);
-		energy_.kinetic += kineticEnergy(batch, batch.v, batch.vNext, laneOf(g));
-		energy_.elastic += batch.report[laneOf(g)].elasticEnergy;
-	}
 	ContactWork::Halves loads;
 	for (int g = 0; g < grains(); ++g) {
-		const BodyLoad<dim>& load = loads_[g];
-		if (load.acceleration.isZero(0) && load.angular.isZero(0)) continue;
-		const Batch<dim>& batch = batchOf(g);
-		const int lane = laneOf(g);
-		const Vec<dim> centre = wholeGrain(batch, lane).centre;
-		for (int I = 0; I < batch.reference->nodes(); ++I) {
-			const Vec<dim> impulse = kick * batch.nodeMass(lane, I) *
-						 (load.acceleration +
-						  load.angular * (batch.x.get(lane, I) - centre));
-			loads.before += 0.5 * impulse.dot(batch.v.get(lane, I));
-			loads.after += 0.5 * impulse.dot(batch.vNext.get(lane, I));
-		}
+		const GrainSet<dim>& set = setOf(g);
+		const int k = indexInSet(g);
+		energy_.kinetic += set.kineticEnergy(k);
+		energy_.elastic += set.report(k).elasticEnergy;
+		if (!loads_[g].isZero())
+			set.addLoadWork(k, kick, loads_[g], loads.before, loads.after);
 	}
 	auto book = [this](double EnergyBalance::* sum, const ContactWork::Halves& halves) {
 		energy_.*sum += halves.before; // the first half is done when t_n is reached
@@ -243,19 +165,6 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 	book(&EnergyBalance::friction, work.friction);
 	book(&EnergyBalance::planes, work.planes);
 	book(&EnergyBalance::loads, loads);
-}
-
-template <int dim> void System<dim>::move(const StepSettings& settings)
-{
-	for (Batch<dim>& batch : batches_)
-		batch.v.swap(batch.vNext);
-	forEachGrain(settings.threads, [&](int g) {
-		Batch<dim>& batch = batchOf(g);
-		for (int I = 0; I < batch.reference->nodes(); ++I)
-			batch.x.set(laneOf(g), I,
-				    batch.x.get(laneOf(g), I) +
-					    settings.dt * batch.v.get(laneOf(g), I));
-	});
 }
 
 template <int dim>
@@ -281,7 +190,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	}
 
 	predictVelocities(settings);
-	gatherContactVelocities(touched, settings);
+	gatherContacts(touched, settings);
 	solver_.prepare(bodies_, lists, settings.dt, settings.solver);
 	solver_.warmStart();
 	report.solver = solver_.solve();
@@ -290,7 +199,8 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	applyContactImpulses(touched, settings);
 	checkVelocities();
 	if (settings.trackEnergy) balanceEnergy(solver_.work(), kickTime(settings.dt));
-	move(settings);
+	for (const auto& set : sets_)
+		set->move(settings.dt, settings.threads);
 	continuation_.lastStep = settings.dt;
 	updateSurfaces(settings.threads);
 	return report;

@@ -1,22 +1,16 @@
-// The step of the whole system: a list of named phases over batches of grains and their contacts.
+// The step of the whole system: a list of named phases over sets of grains and their contacts.
 #pragma once
 
 #include "contact/ContactSolver.hpp"
 #include "contact/Search.hpp"
-#include "grain/Batch.hpp"
-#include "grain/Observables.hpp"
+#include "grain/GrainSet.hpp"
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace softgrain {
-
-/// Acceleration field of a body load on one grain: a + A r with r from the centre of mass.
-template <int dim> struct BodyLoad {
-	Vec<dim> acceleration = Vec<dim>::Zero(); ///< m/s^2
-	Mat<dim> angular = Mat<dim>::Zero();      ///< skew, 1/s^2
-};
 
 /// What goes wrong in a step. The state is that before the step.
 struct StepError : std::runtime_error {
@@ -65,13 +59,13 @@ struct Continuation {
 
 template <int dim> class System {
 public:
-	/// Adds a batch; its grains get the next indices of the system.
-	void addBatch(Batch<dim> batch);
+	/// Adds a set; its grains get the next indices of the system.
+	void add(std::unique_ptr<GrainSet<dim>> set);
 
 	int grains() const { return static_cast<int>(place_.size()); }
-	Batch<dim>& batchOf(int g) { return batches_[place_[g].batch]; }
-	const Batch<dim>& batchOf(int g) const { return batches_[place_[g].batch]; }
-	int laneOf(int g) const { return place_[g].lane; }
+	GrainSet<dim>& setOf(int g) { return *sets_[place_[g].set]; }
+	const GrainSet<dim>& setOf(int g) const { return *sets_[place_[g].set]; }
+	int indexInSet(int g) const { return place_[g].index; }
 	const ContactBody<dim>& body(int g) const { return bodies_[g]; }
 	std::vector<BodyLoad<dim>>& loads() { return loads_; }
 	const EnergyBalance& energy() const { return energy_; }
@@ -84,14 +78,11 @@ public:
 	/// Smallest undeformed critical time step over the grains, s.
 	double criticalTimeStep() const;
 
-	/// Renews contact-node positions and outlines from the nodal positions. Called by `step` at
-	/// its end; call it after setting nodal state by hand.
+	/// Renews contact-node positions and outlines from the state. Called by `step` at its end;
+	/// call it after setting state by hand.
 	void updateSurfaces(int threads);
 	void updateSurface(int g);
-	void invalidateForces()
-	{
-		forcesFresh_ = false;
-	} ///< after nodal positions were set by hand
+	void invalidateForces() { forcesFresh_ = false; } ///< after state was set by hand
 	/// Internal forces and tangent stiffening of the present positions; throws StepError for an
 	/// inverted point. `step` uses them if they are fresh.
 	void updateForces(int threads);
@@ -106,24 +97,22 @@ public:
 
 private:
 	struct Place {
-		int batch, lane;
+		int set, index;
 	};
+	/// phase(grain in the system, its set, its index there)
 	template <class Phase> void forEachGrain(int threads, Phase&& phase);
 
 	double kickTime(double dt) const;
 	void predictVelocities(const StepSettings& settings);
-	void gatherContactVelocities(const std::vector<char>& touched,
-				     const StepSettings& settings);
+	void gatherContacts(const std::vector<char>& touched, const StepSettings& settings);
 	void applyContactImpulses(const std::vector<char>& touched, const StepSettings& settings);
 	void checkVelocities() const;
 	void balanceEnergy(const ContactWork& work, double kick);
-	void move(const StepSettings& settings);
 
-	std::vector<Batch<dim>> batches_;
+	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
 	std::vector<Place> place_;
 	std::vector<ContactBody<dim>> bodies_;
 	std::vector<BodyLoad<dim>> loads_;
-	std::vector<double> criticalTimeStep_;
 	ContactSolver<dim> solver_;
 	EnergyBalance energy_; ///< at the last t_n
 	Continuation continuation_;

@@ -1,0 +1,93 @@
+// A set of grains as the step sees them, whatever formulation moves them. The step calls the phases
+// in the order in which they stand here; grains are named by their index in the set.
+#pragma once
+
+#include "grain/Batch.hpp"
+#include "grain/InternalForce.hpp"
+#include "grain/Observables.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+/// Acceleration field of a body load on one grain: a + A r with r from the centre of mass.
+template <int dim> struct BodyLoad {
+	Vec<dim> acceleration = Vec<dim>::Zero(); ///< m/s^2
+	Mat<dim> angular = Mat<dim>::Zero();      ///< skew, 1/s^2
+
+	bool isZero() const { return acceleration.isZero(0) && angular.isZero(0); }
+};
+
+/// All that one grain goes on from, `dim` numbers a vector, as the formulation keeps it.
+struct GrainState {
+	std::vector<double> x; ///< positions relative to the grain's origin, m
+	std::vector<double> v; ///< velocities half a step ago, m/s
+};
+
+/// Throws std::invalid_argument unless a saved list has the size that the discretisation needs.
+void requireSize(const char* what, const std::vector<double>& numbers, int expected);
+
+/// Mobility of a grain's contact nodes: `scale` times `table` is W_ss', 1/kg.
+struct ContactMobility {
+	const SparseRows<double>* table;
+	double scale;
+};
+
+template <int dim> class GrainSet {
+public:
+	virtual ~GrainSet() = default;
+
+	virtual int grains() const = 0;
+	virtual const GrainTemplate<dim>& reference() const = 0;
+	virtual Condition condition() const = 0;
+	virtual const GrainParameters<dim>& parameters(int g) const = 0;
+	/// Of the undeformed grain, s.
+	virtual double criticalTimeStep(int g) const = 0;
+
+	// --- the phases of a step ---------------------------------------------------------------
+
+	/// Internal forces of the present positions and `report`. Parallel; the result does not
+	/// depend on the number of threads.
+	virtual void updateForces(int threads) = 0;
+	virtual const BulkReport& report(int g) const = 0;
+	/// v* = v + kick (f/m + load).
+	virtual void predictVelocities(int g, double kick, const BodyLoad<dim>& load) = 0;
+	/// Valid until the grain moves. The table stays where it is for the life of the set.
+	virtual ContactMobility contactMobility(int g) = 0;
+	/// Velocities of the contact nodes after the present phase, into `at`.
+	virtual void contactVelocities(int g, std::vector<Vec<dim>>& at) const = 0;
+	/// The same at t_n - dt/2.
+	virtual void contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const = 0;
+	/// From the contact nodes to the velocities.
+	virtual void applyContactImpulses(int g, const std::vector<Vec<dim>>& impulse) = 0;
+	virtual bool hasFiniteVelocities(int g) const = 0;
+	/// 1/2 sum m v(t_n - dt/2) . v(t_n + dt/2), J.
+	virtual double kineticEnergy(int g) const = 0;
+	/// Adds the work of a load, the halves with the velocities before and after t_n, J.
+	virtual void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
+				 double& after) const = 0;
+	/// The new velocities become the present ones, and all grains move by dt. Parallel.
+	virtual void move(double dt, int threads) = 0;
+	/// Positions of the contact nodes into `at`; returns the speed of the fastest, m/s.
+	virtual double contactPositions(int g, std::vector<Vec<dim>>& at) const = 0;
+
+	// --- what others ask and set ------------------------------------------------------------
+
+	virtual WholeGrain<dim> whole(int g) const = 0;
+	virtual std::vector<PointResponse<dim>> points(int g) const = 0;
+	/// Positions and velocities of the background nodes.
+	virtual std::vector<Vec<dim>> nodePositions(int g) const = 0;
+	virtual std::vector<Vec<dim>> nodeVelocities(int g) const = 0;
+	/// Places a grain undeformed: rotated, moving as a rigid body about its origin.
+	virtual void place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity,
+			   const Mat<dim>& spin) = 0;
+	/// Adds a rigid motion: turns about the centre of mass, shifts, adds
+	/// velocity + spin (x - centre).
+	virtual void moveRigidly(int g, const Mat<dim>& rotation, const Vec<dim>& shift,
+				 const Vec<dim>& velocity, const Mat<dim>& spin) = 0;
+	virtual GrainState state(int g) const = 0;
+	/// Throws std::invalid_argument where the state does not fit the discretisation.
+	virtual void setState(int g, const GrainState& state) = 0;
+};
+
+} // namespace softgrain

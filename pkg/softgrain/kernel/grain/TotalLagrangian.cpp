@@ -1,0 +1,180 @@
+#include "grain/TotalLagrangian.hpp"
+#include "grain/CriticalTimeStep.hpp"
+
+#include <algorithm>
+
+namespace softgrain {
+
+template <int dim>
+TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch)
+	: batch_(std::move(batch))
+	, criticalTimeStep_(criticalTimeSteps(*batch_.reference, batch_.condition, batch_.grain))
+{
+}
+
+template <int dim>
+void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<dim>& load)
+{
+	const bool loaded = !load.isZero();
+	const Vec<dim> centre = loaded ? whole(g).centre : Vec<dim>(Vec<dim>::Zero());
+	for (int I = 0; I < nodes(); ++I) {
+		Vec<dim> acceleration = batch_.force.get(g, I) / batch_.nodeMass(g, I);
+		if (loaded)
+			acceleration +=
+				load.acceleration + load.angular * (batch_.x.get(g, I) - centre);
+		batch_.vNext.set(g, I, batch_.v.get(g, I) + kick * acceleration);
+	}
+}
+
+namespace {
+
+template <int dim>
+void interpolate(const Batch<dim>& batch, int g, const NodalField<dim>& field,
+		 std::vector<Vec<dim>>& at)
+{
+	const SparseRows<double>& shapes = batch.reference->contactShapes;
+	at.assign(shapes.rows(), Vec<dim>::Zero());
+	for (int s = 0; s < shapes.rows(); ++s)
+		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
+			at[s] += shapes.value[k] * field.get(g, shapes.column[k]);
+}
+
+} // namespace
+
+template <int dim>
+void TotalLagrangian<dim>::contactVelocities(int g, std::vector<Vec<dim>>& at) const
+{
+	interpolate(batch_, g, batch_.vNext, at);
+}
+
+template <int dim>
+void TotalLagrangian<dim>::contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const
+{
+	interpolate(batch_, g, batch_.v, at);
+}
+
+template <int dim>
+void TotalLagrangian<dim>::applyContactImpulses(int g, const std::vector<Vec<dim>>& impulse)
+{
+	const SparseRows<double>& shapes = batch_.reference->contactShapes;
+	for (int s = 0; s < shapes.rows(); ++s) {
+		const Vec<dim>& r = impulse[s];
+		if (r.isZero(0)) continue;
+		for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
+			const int I = shapes.column[k];
+			batch_.vNext.set(g, I,
+					 batch_.vNext.get(g, I) +
+						 shapes.value[k] / batch_.nodeMass(g, I) * r);
+		}
+	}
+}
+
+template <int dim> bool TotalLagrangian<dim>::hasFiniteVelocities(int g) const
+{
+	for (int I = 0; I < nodes(); ++I)
+		if (!batch_.vNext.get(g, I).allFinite()) return false;
+	return true;
+}
+
+template <int dim> double TotalLagrangian<dim>::kineticEnergy(int g) const
+{
+	return softgrain::kineticEnergy(batch_, batch_.v, batch_.vNext, g);
+}
+
+template <int dim>
+void TotalLagrangian<dim>::addLoadWork(int g, double kick, const BodyLoad<dim>& load,
+				       double& before, double& after) const
+{
+	const Vec<dim> centre = whole(g).centre;
+	for (int I = 0; I < nodes(); ++I) {
+		const Vec<dim> impulse =
+			kick * batch_.nodeMass(g, I) *
+			(load.acceleration + load.angular * (batch_.x.get(g, I) - centre));
+		before += 0.5 * impulse.dot(batch_.v.get(g, I));
+		after += 0.5 * impulse.dot(batch_.vNext.get(g, I));
+	}
+}
+
+template <int dim> void TotalLagrangian<dim>::move(double dt, int threads)
+{
+	batch_.v.swap(batch_.vNext);
+	const int count = grains();
+#pragma omp parallel for schedule(static) num_threads(threads)
+	for (int g = 0; g < count; ++g)
+		for (int I = 0; I < nodes(); ++I)
+			batch_.x.set(g, I, batch_.x.get(g, I) + dt * batch_.v.get(g, I));
+}
+
+template <int dim>
+double TotalLagrangian<dim>::contactPositions(int g, std::vector<Vec<dim>>& at) const
+{
+	const SparseRows<double>& shapes = batch_.reference->contactShapes;
+	double fastest = 0;
+	at.resize(shapes.rows());
+	for (int s = 0; s < shapes.rows(); ++s) {
+		Vec<dim> x = Vec<dim>::Zero(), v = Vec<dim>::Zero();
+		for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
+			x += shapes.value[k] * batch_.x.get(g, shapes.column[k]);
+			v += shapes.value[k] * batch_.v.get(g, shapes.column[k]);
+		}
+		at[s] = batch_.grain[g].origin + x;
+		fastest = std::max(fastest, v.norm());
+	}
+	return fastest;
+}
+
+template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodePositions(int g) const
+{
+	std::vector<Vec<dim>> x;
+	for (int I = 0; I < nodes(); ++I)
+		x.push_back(batch_.position(g, I));
+	return x;
+}
+
+template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodeVelocities(int g) const
+{
+	std::vector<Vec<dim>> v;
+	for (int I = 0; I < nodes(); ++I)
+		v.push_back(batch_.v.get(g, I));
+	return v;
+}
+
+template <int dim>
+void TotalLagrangian<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity,
+				 const Mat<dim>& spin)
+{
+	batch_.place(g, rotation, velocity, spin);
+}
+
+template <int dim>
+void TotalLagrangian<dim>::moveRigidly(int g, const Mat<dim>& rotation, const Vec<dim>& shift,
+				       const Vec<dim>& velocity, const Mat<dim>& spin)
+{
+	batch_.moveRigidly(g, whole(g).centre, rotation, shift, velocity, spin);
+}
+
+template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
+{
+	GrainState s;
+	for (int I = 0; I < nodes(); ++I)
+		for (int a = 0; a < dim; ++a) {
+			s.x.push_back(batch_.x.get(g, I)[a]);
+			s.v.push_back(batch_.v.get(g, I)[a]);
+		}
+	return s;
+}
+
+template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& s)
+{
+	requireSize("positions", s.x, nodes() * dim);
+	requireSize("velocities", s.v, nodes() * dim);
+	for (int I = 0; I < nodes(); ++I) {
+		batch_.x.set(g, I, Eigen::Map<const Vec<dim>>(&s.x[I * dim]));
+		batch_.v.set(g, I, Eigen::Map<const Vec<dim>>(&s.v[I * dim]));
+	}
+}
+
+template class TotalLagrangian<2>;
+template class TotalLagrangian<3>;
+
+} // namespace softgrain

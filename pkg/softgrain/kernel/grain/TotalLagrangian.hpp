@@ -1,0 +1,60 @@
+// The total-Lagrangian MPM as a set of grains: shape functions and masses never change, so the
+// nodal positions and velocities of a batch are the state (method: section 2).
+#pragma once
+
+#include "grain/GrainSet.hpp"
+
+namespace softgrain {
+
+template <int dim> class TotalLagrangian : public GrainSet<dim> {
+public:
+	explicit TotalLagrangian(Batch<dim> batch);
+
+	Batch<dim>& batch() { return batch_; }
+	const Batch<dim>& batch() const { return batch_; }
+
+	int grains() const override { return batch_.grains(); }
+	const GrainTemplate<dim>& reference() const override { return *batch_.reference; }
+	Condition condition() const override { return batch_.condition; }
+	const GrainParameters<dim>& parameters(int g) const override { return batch_.grain[g]; }
+	double criticalTimeStep(int g) const override { return criticalTimeStep_[g]; }
+
+	void updateForces(int threads) override { computeInternalForce(batch_, threads); }
+	const BulkReport& report(int g) const override { return batch_.report[g]; }
+	void predictVelocities(int g, double kick, const BodyLoad<dim>& load) override;
+	ContactMobility contactMobility(int g) override
+	{
+		return { &batch_.reference->delassus, 1 / batch_.massScale[g] };
+	}
+	void contactVelocities(int g, std::vector<Vec<dim>>& at) const override;
+	void contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const override;
+	void applyContactImpulses(int g, const std::vector<Vec<dim>>& impulse) override;
+	bool hasFiniteVelocities(int g) const override;
+	double kineticEnergy(int g) const override;
+	void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
+			 double& after) const override;
+	void move(double dt, int threads) override;
+	double contactPositions(int g, std::vector<Vec<dim>>& at) const override;
+
+	WholeGrain<dim> whole(int g) const override { return wholeGrain(batch_, g); }
+	std::vector<PointResponse<dim>> points(int g) const override
+	{
+		return pointResponses(batch_, g);
+	}
+	std::vector<Vec<dim>> nodePositions(int g) const override;
+	std::vector<Vec<dim>> nodeVelocities(int g) const override;
+	void place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity,
+		   const Mat<dim>& spin) override;
+	void moveRigidly(int g, const Mat<dim>& rotation, const Vec<dim>& shift,
+			 const Vec<dim>& velocity, const Mat<dim>& spin) override;
+	GrainState state(int g) const override;
+	void setState(int g, const GrainState& state) override;
+
+private:
+	int nodes() const { return batch_.reference->nodes(); }
+
+	Batch<dim> batch_;
+	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
+};
+
+} // namespace softgrain
