@@ -158,6 +158,10 @@ public:
 			lists.push_back(&listOf(*pair));
 		return system_.step(settings, lists);
 	}
+	ContactProblemArrays contactProblem() const override
+	{
+		return arraysOf(system_.contactProblem());
+	}
 
 	void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) override
 	{

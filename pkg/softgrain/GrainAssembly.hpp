@@ -2,6 +2,7 @@
 // scene hidden. No YADE header, no physics.
 #pragma once
 
+#include "ContactProblemArrays.hpp"
 #include "step/System.hpp"
 
 #include <Eigen/Geometry>
@@ -92,6 +93,7 @@ public:
 			    double dt) const = 0;
 	virtual StepReport step(const StepSettings& settings,
 				const std::vector<PairContacts*>& pairs) = 0;
+	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
 
 	virtual void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) = 0;
 	virtual GrainMotion motion(int g) const = 0;

@@ -1,5 +1,6 @@
 // The shared object is both: an extension module of Python and a plugin of YADE. Importing it
 // registers our classes with a YADE that has already started.
+#include "PythonContactProblem.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrainIntegrator.hpp"
 #include "Yade.hpp"
@@ -64,4 +65,7 @@ BOOST_PYTHON_MODULE(_softgrain)
 	py::def("criticalTimeStep", criticalTimeStep,
 		"Critical time step of the undeformed soft grains of the scene [s]; 0 if there are "
 		"none.");
+	py::def("solveContactProblem", softgrain::solveDict,
+		"Sweeps over a contact problem: (problem, tolerance, maxSweeps) to dict; see "
+		"softgrain.solve_contact_problem.");
 }

@@ -1,4 +1,5 @@
 #include "SoftGrainIntegrator.hpp"
+#include "PythonContactProblem.hpp"
 #include "Require.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
@@ -284,7 +285,6 @@ softgrain::StepSettings SoftGrainIntegrator::settings() const
 	s.solver.overlapRelaxation = overlapRelaxation;
 	s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
 	s.trackEnergy = scene->trackEnergy;
-	s.measureResidual = measureResidual;
 	s.threads = threads();
 	return s;
 }
@@ -349,7 +349,8 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 	contacts = report.solver.contacts;
 	activeContacts = report.solver.active;
 	sweeps = report.solver.sweeps;
-	residual = report.residual;
+	residual = report.solver.residual;
+	largestResidual = std::max(largestResidual, residual);
 	overlap = report.deepest;
 	largestOverlap = std::max(largestOverlap, overlap);
 	steps += 1;
@@ -381,6 +382,12 @@ py::dict SoftGrainIntegrator::energyDict() const
 	for (std::size_t k = 0; k < energyNames.size(); ++k)
 		d[energyNames[k]] = k < energies.size() ? energies[k] : 0.;
 	return d;
+}
+
+py::dict SoftGrainIntegrator::contactProblem() const
+{
+	return softgrain::toDict(assembly_ ? assembly_->contactProblem()
+					   : softgrain::ContactProblemArrays());
 }
 
 /// The collider watches State.pos only; outlines that leave their boxes are watched here.

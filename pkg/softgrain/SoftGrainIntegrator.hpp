@@ -14,27 +14,28 @@ public:
 	void
 	postLoad(SoftGrainIntegrator&); ///< checks all attributes, throws std::invalid_argument
 	py::dict energyDict() const;
+	py::dict contactProblem() const;
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGrainIntegrator, GlobalEngine,
 		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies (with *damping* = 0, or the reactions on free rigid bodies are damped). Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads. Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; positions and velocities are then those before the step, readable and savable.",
 		((Real, timeStepFraction, 0.5, Attr::triggerPostLoad, "Fraction of the critical time step that O.dt is kept at or up to 30 % below while grains deform (it changes seldom, by jumps), in (0, 1] [-]. Assigning O.dt by hand ends that: then O.dt is left alone and only refused when too large."))
-		((Real, tolerance, 1e-2, Attr::triggerPostLoad, "Contact sweeps end when one changes the impulses by less than this share (energy norm), > 0 [-]."))
-		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on sweeps per step, ≥ 1; steps that hit it are counted in *cappedSteps*."))
+		((Real, tolerance, 1e-2, Attr::triggerPostLoad, "Residual of the contact conditions at which the sweeps of a step end, > 0 [-]. See *residual*."))
+		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on sweeps per step, ≥ 1; steps that hit it with a *residual* above *tolerance* are counted in *cappedSteps*."))
 		((Real, overlapRelaxation, 0.1, Attr::triggerPostLoad, "Share of an overlap worked off per step, in [0, 1] [-]; at once would throw grains apart."))
 		((Real, overlapSpeed, 1e-3, Attr::triggerPostLoad, "Cap on the speed at which overlaps are worked off, over the slowest wave speed of the grains, ≥ 0 [-]."))
 		((Real, maxOverlap, 1, Attr::triggerPostLoad, "Overlap at which the run stops, over the spacing of material points, > 0 [-]."))
-		((bool, measureResidual, false, , "Measure *residual* in every step (costs one more sweep)."))
 		((Real, criticalDt, 0, Attr::readonly, "Critical time step of the grains as deformed now [s]. |yupdate|"))
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
 		((int, activeContacts, 0, Attr::readonly, "Contact points that carry force. |yupdate|"))
 		((int, sweeps, 0, Attr::readonly, "Sweeps of the last step. |yupdate|"))
-		((Real, residual, 0, Attr::readonly, "Largest violation of the contact conditions after the last step, measured apart from the solver: natural map over the largest impulse [-]. |yupdate|"))
+		((Real, residual, 0, Attr::readonly, "How far the impulses of the last step are from solving the contact conditions, measured apart from the sweeps: size of the changes that would solve each contact alone, over the size of the impulses, both in the energy norm √(Σ W r²); between 0 and 2 [-]. |yupdate|"))
+		((Real, largestResidual, 0, Attr::readonly, "Largest *residual* of a step so far [-]. |yupdate|"))
 		((Real, overlap, 0, Attr::readonly, "Largest overlap in the last step over the spacing of material points [-]. |yupdate|"))
 		((Real, largestOverlap, 0, Attr::readonly, "Largest overlap so far over the spacing of material points [-]. |yupdate|"))
 		((Real, steps, 0, Attr::readonly, "Steps so far. |yupdate|"))
 		((Real, totalSweeps, 0, Attr::readonly, "Sweeps so far. |yupdate|"))
-		((Real, cappedSteps, 0, Attr::readonly, "Steps whose sweeps hit *maxSweeps* before *tolerance*. |yupdate|"))
+		((Real, cappedSteps, 0, Attr::readonly, "Steps so far whose *residual* was still above *tolerance* after *maxSweeps* sweeps. |yupdate|"))
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
 		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
@@ -42,6 +43,7 @@ public:
 		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads [J].")),
 		/*ctor*/,
 		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), loads (work of body loads) [J, 2D J/m]. kinetic + elastic + friction + impact − walls − loads stays constant.")
+		.def("contactProblem", &SoftGrainIntegrator::contactProblem, "Contact problem of the last step as a dict of numpy arrays, with n contacts in dim dimensions, ready for ``numpy.savez``. Find impulses r with u = u_free + W r that satisfy 0 ≤ u_n + b ⊥ r_n ≥ 0, \\|r_t\\| ≤ mu r_n, sliding opposite to u_t at the bound. Keys: *normal* (n, dim), unit; *free_velocity* (n, dim), u_free [m/s]; *bias* (n), b [m/s]; *friction* (n), mu; *delassus_offset*, *delassus_column*, *delassus_value*, W [1/kg] in compressed sparse rows, n x n, each entry standing for itself times the identity of dim dimensions; *start* (n, dim), impulses the sweeps started from [N s]; *impulse* (n, dim), those they found [N s]. In 2D everything is per metre of thickness. Empty arrays before the first step.")
 	);
 	// clang-format on
 

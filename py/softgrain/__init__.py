@@ -27,6 +27,7 @@ from softgrain.build import (  # noqa: E402
     soft_sphere,
     soften,
 )
+from softgrain.contact_problem import solve_contact_problem  # noqa: E402
 from softgrain.observe import (  # noqa: E402
     Balance,
     coordination_number,
@@ -53,6 +54,7 @@ __all__ = sorted(_classes) + [
     "soft_disk",
     "soft_sphere",
     "soften",
+    "solve_contact_problem",
     "von_mises",
     "wall_force",
 ]

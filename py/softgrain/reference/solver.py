@@ -15,7 +15,7 @@ import numpy as np
 class SolverSettings:
     """When the sweeps end and how overlaps are worked off."""
 
-    tolerance: float = 1e-2  #: relative change of the impulses in a sweep, in the norm sum W r^2
+    tolerance: float = 1e-2  #: residual at which the sweeps end
     max_sweeps: int = 100
     overlap_relaxation: float = 0.1  #: share of an overlap that is worked off per step
     overlap_speed: float = np.inf  #: cap on the speed of that, m/s
@@ -26,7 +26,7 @@ class SolverReport:
     """What the sweeps came to."""
 
     sweeps: int = 0
-    change: float = 0.0  #: relative change of the impulses in the last sweep
+    residual: float = 0.0  #: of the impulses found
 
 
 def closing_bias(gap, dt, settings):
@@ -48,10 +48,46 @@ def project_on_cone(r, normal, friction):
     return r_n * normal + friction * r_n / size * tangential
 
 
+def solved_impulse(r, u, normal, bias, friction, W):
+    """Impulse that solves one contact exactly, the others held; u [m/s] is with the present r."""
+    return project_on_cone(r - (u + bias * normal) / W, normal, friction)
+
+
+def residual(delassus, free_velocity, normal, bias, friction, impulse):
+    """How far impulses are from a solution: the natural map in the energy norm.
+
+    With rho_k the change of r_k that would solve contact k alone,
+    sqrt(sum W |rho|^2 / max(sum W |r|^2, sum W |r + rho|^2)); 0 where both sums are.
+
+    Args:
+        delassus (ndarray): W [1/kg], shape (contacts, contacts).
+        free_velocity (ndarray): relative velocities without impulses [m/s], shape (contacts, dim).
+        normal (ndarray): shape (contacts, dim).
+        bias (ndarray): b [m/s], shape (contacts,).
+        friction (ndarray): coefficients mu, shape (contacts,).
+        impulse (ndarray): r [N s], shape (contacts, dim).
+
+    Returns:
+        float: between 0 and 2 [-].
+    """
+    W = delassus.diagonal()
+    u = free_velocity + delassus @ impulse
+    solved = np.array([
+        solved_impulse(*contact) for contact in zip(impulse, u, normal, bias, friction, W)
+    ]).reshape(impulse.shape)
+
+    def energy(r):
+        return np.sum(W[:, None] * r**2)
+
+    violation = energy(solved - impulse)
+    return np.sqrt(violation / max(energy(impulse), energy(solved))) if violation > 0 else 0.0
+
+
 def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
     """Nonlinear Gauss-Seidel: sweeps of r_k <- proj(r_k - (u_k + b_k n_k)/W_kk).
 
-    Sweeps go forwards and backwards in turn and end when one changes little.
+    Sweeps go forwards and backwards in turn. The residual is measured after each that changes
+    little; they end when it is within the tolerance.
 
     Args:
         delassus (ndarray): W [1/kg], shape (contacts, contacts).
@@ -63,25 +99,35 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
         settings (SolverSettings): when to stop.
 
     Returns:
-        SolverReport: number of sweeps, last change.
+        SolverReport: number of sweeps, residual.
     """
     report = SolverReport()
     if len(impulse) == 0:
         return report
+    problem = (delassus, free_velocity, normal, bias, friction)
     for k in range(len(impulse)):
         impulse[k] = project_on_cone(impulse[k], normal[k], friction[k])
-    order = range(len(impulse))
     while report.sweeps < settings.max_sweeps:
-        changed = total = 0.0
-        for k in order if report.sweeps % 2 == 0 else reversed(order):
-            W = delassus[k, k]
-            u = free_velocity[k] + delassus[k] @ impulse
-            r = project_on_cone(impulse[k] - (u + bias[k] * normal[k]) / W, normal[k], friction[k])
-            changed += W * np.sum((r - impulse[k]) ** 2)
-            total += W * np.sum(r**2)
-            impulse[k] = r
+        change = sweep(*problem, impulse, forwards=report.sweeps % 2 == 0)
         report.sweeps += 1
-        report.change = np.sqrt(changed / total) if total > 0 else np.sqrt(changed)
-        if report.change <= settings.tolerance:
-            break
+        if change <= settings.tolerance or report.sweeps == settings.max_sweeps:
+            report.residual = residual(*problem, impulse)
+            if report.residual <= settings.tolerance:
+                break
     return report
+
+
+def sweep(delassus, free_velocity, normal, bias, friction, impulse, forwards):
+    """Solve each contact in turn; returns the relative change of the impulses, in energy norm."""
+    changed = total = 0.0
+    order = range(len(impulse))
+    for k in order if forwards else reversed(order):
+        W = delassus[k, k]
+        u = free_velocity[k] + delassus[k] @ impulse
+        r = solved_impulse(impulse[k], u, normal[k], bias[k], friction[k], W)
+        changed += W * np.sum((r - impulse[k]) ** 2)
+        total += W * np.sum(r**2)
+        impulse[k] = r
+    if changed == 0:
+        return 0.0
+    return np.sqrt(changed / total) if total > 0 else np.inf

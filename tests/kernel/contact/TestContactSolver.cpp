@@ -306,7 +306,7 @@ TEMPLATE_TEST_CASE_SIG("Solver: frictionless problems against enumeration", "[co
 		Problem<dim> problem(seed, 0);
 		ContactSolver<dim> solver;
 		const SolverReport report = problem.solve(solver);
-		CAPTURE(seed, report.sweeps, report.change);
+		CAPTURE(seed, report.sweeps, report.residual);
 		CHECK(report.converged);
 		const Eigen::VectorXd exact = enumerated(problem);
 		REQUIRE(exact.allFinite());
@@ -330,7 +330,7 @@ TEMPLATE_TEST_CASE_SIG("Solver: friction against damped projections, and all con
 		Problem<dim> problem(seed, seed % 2 ? 0.3 : 0.8);
 		ContactSolver<dim> solver;
 		const SolverReport report = problem.solve(solver);
-		CAPTURE(seed, report.sweeps, report.change);
+		CAPTURE(seed, report.sweeps, report.residual);
 		CHECK(report.converged);
 		CHECK(solver.residual() < 1e-10);
 		const States states = checkConditions(problem, 1e-9);
@@ -409,17 +409,55 @@ TEMPLATE_TEST_CASE_SIG("Solver: the cap on sweeps is kept and reported", "[conta
 	const SolverReport capped = problem.solve(solver);
 	CHECK(capped.sweeps == 3);
 	CHECK(!capped.converged);
-	CHECK(capped.change > problem.settings.tolerance);
+	CHECK(capped.residual > problem.settings.tolerance);
+	CHECK(capped.residual == solver.residual());
 
 	problem.settings.maxSweeps = 1000;
 	problem.settings.tolerance = 1e-3;
 	const SolverReport loose = problem.solve(solver);
 	CHECK(loose.converged);
-	CHECK(loose.change <= 1e-3);
+	CHECK(loose.residual <= 1e-3);
+	CHECK(loose.residual == solver.residual());
 	problem.settings.tolerance = 1e-9;
 	for (Contact<dim>* c : problem.contacts())
 		c->impulse.setZero();
 	CHECK(problem.solve(solver).sweeps > loose.sweeps);
+}
+
+TEMPLATE_TEST_CASE_SIG("Solver: the problem can be taken out and solved elsewhere", "[contact]",
+		       ((int dim), dim), 2, 3)
+{
+	Problem<dim> problem(3, 0.3);
+	ContactSolver<dim> solver;
+	Random random(3);
+	for (Contact<dim>* c : problem.contacts())
+		c->impulse = random.vector<dim>();
+	problem.settings.tolerance = 1e-6;
+	const SolverReport report = problem.solve(solver);
+	ContactProblem<dim> taken = solver.problem();
+	const auto all = problem.contacts();
+	REQUIRE(taken.contacts() == static_cast<int>(all.size()));
+
+	const Eigen::MatrixXd A = problem.delassus();
+	const auto free = problem.free(); // with the bias
+	Eigen::MatrixXd W = Eigen::MatrixXd::Zero(A.rows(), A.cols());
+	for (int c = 0; c < taken.contacts(); ++c) {
+		for (int e = taken.delassus.begin(c); e < taken.delassus.end(c); ++e)
+			W(c, taken.delassus.column[e]) += taken.delassus.value[e];
+		CHECK((taken.freeVelocity[c] + taken.bias[c] * taken.normal[c] - free[c]).norm() <
+		      1e-14);
+		CHECK(taken.normal[c] == all[c]->normal);
+		CHECK(taken.impulse[c] == all[c]->impulse);
+		CHECK(taken.friction[c] == problem.friction(c));
+	}
+	CHECK((W - A).norm() < 1e-14 * A.norm());
+	CHECK(std::abs(taken.residual() - report.residual) < 1e-13);
+
+	const auto solution = taken.impulse;
+	const SolverReport again = solve(taken, 1e-6, 100000);
+	CHECK(again.sweeps == report.sweeps);
+	for (int c = 0; c < taken.contacts(); ++c)
+		CHECK((taken.impulse[c] - solution[c]).norm() < 1e-12);
 }
 
 TEST_CASE("Solver: nothing to do", "[contact]")

@@ -1,22 +1,15 @@
 #include "contact/ContactSolver.hpp"
+#include "contact/CoulombCone.hpp"
+#include "contact/Residual.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace softgrain {
 
 namespace {
-
-/// Projection onto Coulomb's cone, normal part first (exact for the one-contact problem).
-template <int dim> Vec<dim> onCone(const Vec<dim>& r, const Vec<dim>& n, double friction)
-{
-	const double normal = r.dot(n);
-	if (normal <= 0) return Vec<dim>::Zero();
-	const Vec<dim> tangential = r - normal * n;
-	const double size = tangential.norm(), bound = friction * normal;
-	if (size <= bound) return r;
-	return normal * n + (bound / size) * tangential;
-}
 
 template <int dim>
 double inverseMobility(const Contact<dim>& contact, const ContactBody<dim>& body,
@@ -45,11 +38,13 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 			ContactBody<dim>* second =
 				list->second < 0 ? nullptr : &bodies[list->second];
 			Constraint c;
-			c.contact = &contact;
+			c.contact = contact;
+			c.listed = &contact;
 			c.body = contact.key.side == 0 ? first : second;
 			c.partner = contact.key.side == 0 ? second : first;
 			c.planeVelocity =
 				second ? Vec<dim>(Vec<dim>::Zero()) : list->plane.velocity;
+			c.freeVelocity = relativeVelocity(c, &ContactBody<dim>::velocity);
 			c.inverseW = inverseMobility(contact, *c.body, c.partner);
 			c.bias = contact.gap >= 0
 					 ? contact.gap / dt
@@ -64,7 +59,7 @@ template <int dim>
 Vec<dim> ContactSolver<dim>::relativeVelocity(const Constraint& c,
 					      std::vector<Vec<dim>> ContactBody<dim>::* field) const
 {
-	const Contact<dim>& contact = *c.contact;
+	const Contact<dim>& contact = c.contact;
 	Vec<dim> u = (c.body->*field)[contact.key.node] - c.planeVelocity;
 	for (int i = 0; i < contact.partners; ++i)
 		u -= contact.weight[i] * (c.partner->*field)[contact.partner[i]];
@@ -73,25 +68,25 @@ Vec<dim> ContactSolver<dim>::relativeVelocity(const Constraint& c,
 
 template <int dim> void ContactSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
-	const Contact<dim>& contact = *c.contact;
+	const Contact<dim>& contact = c.contact;
 	c.body->push(contact.key.node, J);
 	for (int i = 0; i < contact.partners; ++i)
 		c.partner->push(contact.partner[i], -contact.weight[i] * J);
 }
 
-template <int dim>
-Vec<dim> ContactSolver<dim>::solvedImpulse(const Constraint& c, const Vec<dim>& r) const
+template <int dim> Vec<dim> ContactSolver<dim>::solvedImpulse(const Constraint& c) const
 {
-	const Vec<dim>& n = c.contact->normal;
-	const Vec<dim> u = relativeVelocity(c, &ContactBody<dim>::velocity);
-	return onCone<dim>(r - c.inverseW * (u + c.bias * n), n, c.friction);
+	return solvedContact<dim>(c.contact.impulse,
+				  relativeVelocity(c, &ContactBody<dim>::velocity),
+				  c.contact.normal, c.bias, c.inverseW, c.friction);
 }
 
 template <int dim> void ContactSolver<dim>::warmStart()
 {
-	for (const Constraint& c : constraints_) {
-		c.contact->impulse = onCone<dim>(c.contact->impulse, c.contact->normal, c.friction);
-		if (!c.contact->impulse.isZero(0)) applyImpulse(c, c.contact->impulse);
+	for (Constraint& c : constraints_) {
+		c.contact.impulse = onCone<dim>(c.contact.impulse, c.contact.normal, c.friction);
+		c.start = c.contact.impulse;
+		if (!c.start.isZero(0)) applyImpulse(c, c.start);
 	}
 }
 
@@ -100,16 +95,16 @@ template <int dim> double ContactSolver<dim>::sweep(bool forwards)
 	double changed = 0, total = 0;
 	const std::size_t count = constraints_.size();
 	for (std::size_t k = 0; k < count; ++k) {
-		const Constraint& c = constraints_[forwards ? k : count - 1 - k];
-		const Vec<dim> r = solvedImpulse(c, c.contact->impulse);
-		const Vec<dim> J = r - c.contact->impulse;
+		Constraint& c = constraints_[forwards ? k : count - 1 - k];
+		const Vec<dim> r = solvedImpulse(c);
+		const Vec<dim> J = r - c.contact.impulse;
 		total += r.squaredNorm() / c.inverseW;
 		if (J.isZero(0)) continue;
 		changed += J.squaredNorm() / c.inverseW;
-		c.contact->impulse = r;
+		c.contact.impulse = r;
 		applyImpulse(c, J);
 	}
-	return total > 0 ? std::sqrt(changed / total) : std::sqrt(changed);
+	return changed > 0 ? std::sqrt(changed / total) : 0;
 }
 
 template <int dim> SolverReport ContactSolver<dim>::solve()
@@ -117,32 +112,33 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	SolverReport report;
 	report.contacts = static_cast<int>(constraints_.size());
 	if (constraints_.empty()) return report;
-	do {
-		report.change = sweep(report.sweeps % 2 == 0);
+	report.converged = false;
+	while (!report.converged && report.sweeps < settings_.maxSweeps) {
+		const double change = sweep(report.sweeps % 2 == 0);
 		++report.sweeps;
-	} while (report.change > settings_.tolerance && report.sweeps < settings_.maxSweeps);
-	report.converged = report.change <= settings_.tolerance;
-	for (const Constraint& c : constraints_)
-		report.active += !c.contact->impulse.isZero(0);
+		if (change > settings_.tolerance && report.sweeps < settings_.maxSweeps) continue;
+		report.residual = residual();
+		report.converged = report.residual <= settings_.tolerance;
+	}
+	for (const Constraint& c : constraints_) {
+		report.active += !c.contact.impulse.isZero(0);
+		c.listed->impulse = c.contact.impulse;
+	}
 	return report;
 }
 
 template <int dim> double ContactSolver<dim>::residual() const
 {
-	double largest = 0, violation = 0;
-	for (const Constraint& c : constraints_) {
-		largest = std::max(largest, c.contact->impulse.norm());
-		violation = std::max(
-			violation,
-			(solvedImpulse(c, c.contact->impulse) - c.contact->impulse).norm());
-	}
-	return largest > 0 ? violation / largest : violation;
+	ResidualSum sum;
+	for (const Constraint& c : constraints_)
+		sum.add<dim>(c.contact.impulse, solvedImpulse(c), c.inverseW);
+	return sum.value();
 }
 
 template <int dim> void ContactSolver<dim>::collectImpulses()
 {
 	for (const Constraint& c : constraints_) {
-		const Contact<dim>& contact = *c.contact;
+		const Contact<dim>& contact = c.contact;
 		c.body->impulse[contact.key.node] += contact.impulse;
 		for (int i = 0; i < contact.partners; ++i)
 			c.partner->impulse[contact.partner[i]] -=
@@ -154,8 +150,8 @@ template <int dim> ContactWork ContactSolver<dim>::work() const
 {
 	ContactWork work;
 	for (const Constraint& c : constraints_) {
-		const Vec<dim>& r = c.contact->impulse;
-		const Vec<dim> normal = r.dot(c.contact->normal) * c.contact->normal;
+		const Vec<dim>& r = c.contact.impulse;
+		const Vec<dim> normal = r.dot(c.contact.normal) * c.contact.normal;
 		const Vec<dim> before = relativeVelocity(c, &ContactBody<dim>::velocityBefore);
 		const Vec<dim> after = relativeVelocity(c, &ContactBody<dim>::velocity);
 		work.impact.before -= 0.5 * normal.dot(before);
@@ -166,6 +162,48 @@ template <int dim> ContactWork ContactSolver<dim>::work() const
 		work.planes.after += 0.5 * r.dot(c.planeVelocity);
 	}
 	return work;
+}
+
+template <int dim> SparseRows<double> ContactSolver<dim>::delassus() const
+{
+	using Share = std::pair<int, double>; // of a contact in a node
+	std::map<std::pair<const ContactBody<dim>*, int>, std::vector<Share>> at;
+	for (std::size_t k = 0; k < constraints_.size(); ++k)
+		forEachShare(constraints_[k], [&](const ContactBody<dim>* body, int node, double w) {
+			at[{ body, node }].push_back({ static_cast<int>(k), w });
+		});
+	SparseRows<double> rows;
+	for (const Constraint& c : constraints_) {
+		std::map<int, double> row;
+		forEachShare(c, [&](const ContactBody<dim>* body, int node, double w) {
+			const SparseRows<double>& table = *body->delassus;
+			for (int e = table.begin(node); e < table.end(node); ++e) {
+				const auto found = at.find({ body, table.column[e] });
+				if (found == at.end()) continue;
+				for (const auto& [l, share] : found->second)
+					row[l] += w * share * body->delassusScale * table.value[e];
+			}
+		});
+		for (const auto& [l, W] : row)
+			rows.append(l, W);
+		rows.closeRow();
+	}
+	return rows;
+}
+
+template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
+{
+	ContactProblem<dim> problem;
+	problem.delassus = delassus();
+	for (const Constraint& c : constraints_) {
+		problem.normal.push_back(c.contact.normal);
+		problem.freeVelocity.push_back(c.freeVelocity);
+		problem.bias.push_back(c.bias);
+		problem.friction.push_back(c.friction);
+		problem.start.push_back(c.start);
+		problem.impulse.push_back(c.contact.impulse);
+	}
+	return problem;
 }
 
 template class ContactSolver<2>;

@@ -6,22 +6,20 @@
 //     0 <= u_n + b  _|_  r_n >= 0,     |r_t| <= mu r_n, sliding opposite to u_t at the bound,
 // where b = g/dt for a gap and, for an overlap, the capped speed at which it is worked off. Nodal
 // masses are isotropic, so the Delassus block of a contact is W times the identity and the
-// one-contact problem has the closed solution  r <- proj_C(r - (u + b n)/W)  with C Coulomb's cone,
-// normal part first.
+// one-contact problem has a closed solution (CoulombCone.hpp). How well all conditions hold
+// together is measured apart from the sweeps (Residual.hpp).
 #pragma once
 
 #include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
+#include "contact/ContactProblem.hpp"
 
 #include <vector>
 
 namespace softgrain {
 
 struct SolverSettings {
-	/// Sweeps end when one changes the impulses by less than this share of their size (both in
-	/// the energy norm sum W r^2). The stress of a compaction of 25 grains at mu = 0.3 is the
-	/// same within 0.5 % at 1e-2 (15 sweeps a step) and at 1e-3 (over 100):
-	/// doc/decisions/0002-sweep-tolerance.md.
+	/// Residual (ResidualSum) at which sweeps end: doc/decisions/0002-sweep-tolerance.md.
 	double tolerance = 1e-2;
 	int maxSweeps = 100; ///< cap; steps that hit it are counted
 	/// Share of an overlap that is worked off per step. All at once would throw the grains
@@ -35,8 +33,8 @@ struct SolverReport {
 	int contacts = 0; ///< within reach
 	int active = 0;   ///< with an impulse
 	int sweeps = 0;
-	double change = 0;     ///< relative change of the impulses in the last sweep
-	bool converged = true; ///< change <= tolerance within maxSweeps
+	double residual = 0;   ///< of the impulses found
+	bool converged = true; ///< residual <= tolerance within maxSweeps
 };
 
 /// Work of the contact impulses of one step, J (2D: J/m), split into the halves done at the
@@ -57,21 +55,27 @@ public:
 		     double dt, const SolverSettings& settings);
 	/// Applies the impulses left by the last step, made admissible for the present normals.
 	void warmStart();
-	/// Gauss-Seidel sweeps, forwards and backwards in turn, until the tolerance or the cap.
+	/// Gauss-Seidel sweeps, forwards and backwards in turn, until the residual is within the
+	/// tolerance or the cap is hit; then the contacts of the lists have their impulses.
 	SolverReport solve();
-	/// Largest dimensionless violation of the conditions, measured apart from the solver:
-	/// natural map |r - proj_C(r - (u + b n)/W)| over the largest impulse.
+	/// Of the present impulses: see ResidualSum.
 	double residual() const;
 	/// Sums the impulses on every contact node into ContactBody::impulse.
 	void collectImpulses();
 	ContactWork work() const;
+	/// The problem and its solution, of the last `solve`; lists and velocities are not needed
+	/// any more, bodies are.
+	ContactProblem<dim> problem() const;
 
 private:
 	struct Constraint {
-		Contact<dim>* contact;
+		Contact<dim> contact;      ///< a copy with the present impulse
+		Contact<dim>* listed;      ///< valid up to the end of `solve`
 		ContactBody<dim>* body;    ///< of the node
 		ContactBody<dim>* partner; ///< of the partner nodes, null for a plane
 		Vec<dim> planeVelocity;
+		Vec<dim> freeVelocity; ///< u without impulses
+		Vec<dim> start = Vec<dim>::Zero(); ///< impulse before the first sweep
 		double inverseW; ///< kg
 		double bias;     ///< b, m/s
 		double friction;
@@ -79,9 +83,17 @@ private:
 
 	Vec<dim> relativeVelocity(const Constraint& c,
 				  std::vector<Vec<dim>> ContactBody<dim>::* field) const;
-	Vec<dim> solvedImpulse(const Constraint& c, const Vec<dim>& r) const;
+	Vec<dim> solvedImpulse(const Constraint& c) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
-	double sweep(bool forwards);
+	double sweep(bool forwards); ///< relative change of the impulses, in the residual's norm
+	SparseRows<double> delassus() const;
+	/// Calls with each body, node and share of the node in the contact's relative velocity.
+	template <class Visit> static void forEachShare(const Constraint& c, Visit&& visit)
+	{
+		visit(c.body, c.contact.key.node, 1.);
+		for (int i = 0; i < c.contact.partners; ++i)
+			visit(c.partner, c.contact.partner[i], -c.contact.weight[i]);
+	}
 
 	std::vector<Constraint> constraints_;
 	SolverSettings settings_;

@@ -194,7 +194,6 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	solver_.prepare(bodies_, lists, settings.dt, settings.solver);
 	solver_.warmStart();
 	report.solver = solver_.solve();
-	if (settings.measureResidual) report.residual = solver_.residual();
 	solver_.collectImpulses();
 	applyContactImpulses(touched, settings);
 	checkVelocities();

@@ -37,7 +37,6 @@ struct EnergyBalance {
 
 struct StepReport {
 	SolverReport solver;
-	double residual = 0;   ///< natural map, only where asked for
 	double deepest = 0;    ///< largest overlap of the step, in dr
 	double stiffening = 1; ///< largest over all grains
 	double kick = 0; ///< time over which the forces at t_n acted; impulse / kick is a force, s
@@ -47,7 +46,6 @@ struct StepSettings {
 	double dt = 0; ///< s
 	SolverSettings solver;
 	bool trackEnergy = false;
-	bool measureResidual = false;
 	int threads = 1;
 };
 
@@ -91,6 +89,9 @@ public:
 	/// Distance within which gaps must be handed to `step`: no node travels further in a step.
 	double reach(int first, int second, double dt) const;
 	double reach(int g, const Plane<dim>& plane, double dt) const;
+
+	/// Contact problem of the last step, solved.
+	ContactProblem<dim> contactProblem() const { return solver_.problem(); }
 
 	/// Advances all grains by dt. `lists` hold the contacts of t_n and receive their impulses.
 	StepReport step(const StepSettings& settings, std::vector<ContactList<dim>*> lists);

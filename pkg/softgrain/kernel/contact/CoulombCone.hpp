@@ -1,0 +1,31 @@
+// Coulomb's law at one contact, as a map of impulses.
+#pragma once
+
+#include "Vector.hpp"
+
+namespace softgrain {
+
+/// proj_C: normal part first, max(0, r_n); then the tangential part is cut to mu r_n. This is not
+/// the nearest point of the cone, which would lift r_n where the tangential part is too large: with
+/// it a sliding contact would open, u_n = mu |u_t|.
+template <int dim> Vec<dim> onCone(const Vec<dim>& r, const Vec<dim>& n, double friction)
+{
+	const double normal = r.dot(n);
+	if (normal <= 0) return Vec<dim>::Zero();
+	const Vec<dim> tangential = r - normal * n;
+	const double size = tangential.norm(), bound = friction * normal;
+	if (size <= bound) return r;
+	return normal * n + (bound / size) * tangential;
+}
+
+/// Impulse that solves one contact exactly while all others are held: u is the velocity with the
+/// present impulse r, b the bias, W the (isotropic) mobility of the contact. Conditions hold at all
+/// contacts if and only if this changes no impulse.
+template <int dim>
+Vec<dim> solvedContact(const Vec<dim>& r, const Vec<dim>& u, const Vec<dim>& n, double b,
+		       double inverseW, double friction)
+{
+	return onCone<dim>(r - inverseW * (u + b * n), n, friction);
+}
+
+} // namespace softgrain

@@ -1,0 +1,34 @@
+// How far impulses are from a solution, whoever found them.
+#pragma once
+
+#include "Vector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softgrain {
+
+/// Sums the natural map rho = proj_C(r - (u + b n)/W) - r over all contacts in the energy norm:
+///     residual = sqrt( sum W |rho|^2 / max(sum W |r|^2, sum W |r + rho|^2) )
+/// It has no unit, lies between 0 and 2, and is 0 exactly at solutions. The second sum takes over
+/// where impulses are still missing (r = 0); where no contact has or needs one the residual is 0.
+class ResidualSum {
+public:
+	/// One contact: its impulse, the one that would solve it (`solvedContact`), its mobility.
+	template <int dim>
+	void add(const Vec<dim>& impulse, const Vec<dim>& solved, double inverseW)
+	{
+		violation_ += (solved - impulse).squaredNorm() / inverseW;
+		present_ += impulse.squaredNorm() / inverseW;
+		wanted_ += solved.squaredNorm() / inverseW;
+	}
+	double value() const
+	{
+		return violation_ > 0 ? std::sqrt(violation_ / std::max(present_, wanted_)) : 0;
+	}
+
+private:
+	double violation_ = 0, present_ = 0, wanted_ = 0; ///< kg m^2/s^2
+};
+
+} // namespace softgrain
