@@ -303,6 +303,7 @@ def main():
             "dt": O.dt,
             "sweeps_per_step": engine.totalSweeps / engine.steps,
             "capped_steps": int(engine.cappedSteps),
+            "residual_max": engine.largestResidual,
             "max_overlap_over_dr": engine.largestOverlap,
             "energy_error": recorder.energy_error,
             "options": {name: str(value) for name, value in vars(options).items()},

@@ -173,6 +173,7 @@ def main():
             "dt": O.dt,
             "sweeps_per_step": engine.totalSweeps / engine.steps,
             "capped_steps": int(engine.cappedSteps),
+            "residual_max": engine.largestResidual,
             "options": {name: str(value) for name, value in vars(options).items()},
         },
     )

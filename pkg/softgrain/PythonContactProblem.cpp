@@ -12,8 +12,8 @@ namespace {
 template <class Number>
 std::vector<Number> numbersOf(const py::dict& dict, const char* key, const char* type)
 {
-	const py::object bytes =
-		py::import("numpy").attr("ascontiguousarray")(dict[key], type).attr("tobytes")();
+	const py::object array = dict[key], numpy = py::import("numpy"),
+			 bytes = numpy.attr("ascontiguousarray")(array, type).attr("tobytes")();
 	std::vector<Number> numbers(
 		static_cast<std::size_t>(PyBytes_Size(bytes.ptr())) / sizeof(Number));
 	if (!numbers.empty())
@@ -34,7 +34,7 @@ std::vector<int> integersOf(const py::dict& dict, const char* key)
 
 ContactProblemArrays fromDict(const py::dict& dict)
 {
-	const py::object shape = py::import("numpy").attr("shape")(dict["normal"]);
+	const py::object normal = dict["normal"], shape = py::import("numpy").attr("shape")(normal);
 	if (py::len(shape) != 2)
 		throw std::invalid_argument("normal is not an array (contacts, dim)");
 	ContactProblemArrays p;

@@ -18,6 +18,7 @@ NUMBERS = (
     "dt",
     "sweeps_per_step",
     "capped_steps",
+    "residual_max",
     "max_overlap_over_dr",
     "energy_error",
 )

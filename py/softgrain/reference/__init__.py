@@ -15,7 +15,7 @@ disks. The parts are laid out as those of the kernel:
 from .grain import Grain
 from .material import Material
 from .search import Contact
-from .solver import SolverReport, SolverSettings
+from .solver import SolverReport, SolverSettings, residual
 from .system import System, Wall
 from .template import Recipe, Template
 
@@ -29,4 +29,5 @@ __all__ = [
     "System",
     "Template",
     "Wall",
+    "residual",
 ]

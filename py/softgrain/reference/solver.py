@@ -86,8 +86,8 @@ def residual(delassus, free_velocity, normal, bias, friction, impulse):
 def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
     """Nonlinear Gauss-Seidel: sweeps of r_k <- proj(r_k - (u_k + b_k n_k)/W_kk).
 
-    Sweeps go forwards and backwards in turn. The residual is measured after each that changes
-    little; they end when it is within the tolerance.
+    The residual is measured after each sweep that changes little; they end when it is within the
+    tolerance.
 
     Args:
         delassus (ndarray): W [1/kg], shape (contacts, contacts).
@@ -108,20 +108,19 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
     for k in range(len(impulse)):
         impulse[k] = project_on_cone(impulse[k], normal[k], friction[k])
     while report.sweeps < settings.max_sweeps:
-        change = sweep(*problem, impulse, forwards=report.sweeps % 2 == 0)
+        change = sweep(*problem, impulse)
         report.sweeps += 1
-        if change <= settings.tolerance or report.sweeps == settings.max_sweeps:
+        if change <= 2 * settings.tolerance or report.sweeps == settings.max_sweeps:
             report.residual = residual(*problem, impulse)
             if report.residual <= settings.tolerance:
                 break
     return report
 
 
-def sweep(delassus, free_velocity, normal, bias, friction, impulse, forwards):
+def sweep(delassus, free_velocity, normal, bias, friction, impulse):
     """Solve each contact in turn; returns the relative change of the impulses, in energy norm."""
     changed = total = 0.0
-    order = range(len(impulse))
-    for k in order if forwards else reversed(order):
+    for k in range(len(impulse)):
         W = delassus[k, k]
         u = free_velocity[k] + delassus[k] @ impulse
         r = solved_impulse(impulse[k], u, normal[k], bias[k], friction[k], W)

@@ -41,7 +41,8 @@ ContactProblem<dim> assembled(const std::vector<Touch<dim>>& touches, const Eige
 	return problem;
 }
 
-/// Contacts in all directions between `bodies` bodies, some of them with a fixed one.
+/// Contacts in all directions between `bodies` bodies, some of them with a fixed one. No overlap: a
+/// solution exists, since the bodies could stand still.
 template <int dim>
 ContactProblem<dim> randomProblem(unsigned seed, int bodies, int contacts, double friction)
 {
@@ -55,7 +56,7 @@ ContactProblem<dim> randomProblem(unsigned seed, int bodies, int contacts, doubl
 	std::vector<Touch<dim>> touches;
 	for (int k = 0; k < contacts; ++k) {
 		Touch<dim> touch { Eigen::VectorXd::Zero(bodies), random.direction<dim>(),
-				   random.uniform(-0.1, 0.3), friction * random.uniform(0.5, 1) };
+				   random.uniform(0, 0.3), friction * random.uniform(0.5, 1) };
 		touch.shares[random.index(bodies)] += 1;
 		const int other = random.index(bodies + 1);
 		if (other < bodies) touch.shares[other] -= 1;

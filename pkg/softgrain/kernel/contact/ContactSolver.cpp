@@ -11,6 +11,10 @@ namespace softgrain {
 
 namespace {
 
+/// Worth measuring the residual: it was 0.55 to 1.1 times the change of the sweep before it in
+/// problems of a compaction.
+constexpr double changePerResidual = 2;
+
 template <int dim>
 double inverseMobility(const Contact<dim>& contact, const ContactBody<dim>& body,
 		       const ContactBody<dim>* partner)
@@ -90,12 +94,10 @@ template <int dim> void ContactSolver<dim>::warmStart()
 	}
 }
 
-template <int dim> double ContactSolver<dim>::sweep(bool forwards)
+template <int dim> double ContactSolver<dim>::sweep()
 {
 	double changed = 0, total = 0;
-	const std::size_t count = constraints_.size();
-	for (std::size_t k = 0; k < count; ++k) {
-		Constraint& c = constraints_[forwards ? k : count - 1 - k];
+	for (Constraint& c : constraints_) {
 		const Vec<dim> r = solvedImpulse(c);
 		const Vec<dim> J = r - c.contact.impulse;
 		total += r.squaredNorm() / c.inverseW;
@@ -114,9 +116,10 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	if (constraints_.empty()) return report;
 	report.converged = false;
 	while (!report.converged && report.sweeps < settings_.maxSweeps) {
-		const double change = sweep(report.sweeps % 2 == 0);
+		const double change = sweep();
 		++report.sweeps;
-		if (change > settings_.tolerance && report.sweeps < settings_.maxSweeps) continue;
+		const bool promising = change <= changePerResidual * settings_.tolerance;
+		if (!promising && report.sweeps < settings_.maxSweeps) continue;
 		report.residual = residual();
 		report.converged = report.residual <= settings_.tolerance;
 	}
