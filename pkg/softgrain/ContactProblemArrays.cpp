@@ -97,7 +97,7 @@ SolverReport solveIn(ContactProblemArrays& arrays, double tolerance, int maxSwee
 
 template <int dim> ContactProblemArrays arraysOf(const ContactProblem<dim>& p)
 {
-	return { dim,	 p.delassus, flat(p.normal), flat(p.freeVelocity),
+	return { dim,    p.delassus, flat(p.normal), flat(p.freeVelocity),
 		 p.bias, p.friction, flat(p.start),  flat(p.impulse) };
 }
 

@@ -14,8 +14,8 @@ std::vector<Number> numbersOf(const py::dict& dict, const char* key, const char*
 {
 	const py::object array = dict[key], numpy = py::import("numpy"),
 			 bytes = numpy.attr("ascontiguousarray")(array, type).attr("tobytes")();
-	std::vector<Number> numbers(
-		static_cast<std::size_t>(PyBytes_Size(bytes.ptr())) / sizeof(Number));
+	std::vector<Number> numbers(static_cast<std::size_t>(PyBytes_Size(bytes.ptr())) /
+				    sizeof(Number));
 	if (!numbers.empty())
 		std::memcpy(numbers.data(), PyBytes_AsString(bytes.ptr()),
 			    numbers.size() * sizeof(Number));

@@ -96,7 +96,7 @@ def compaction(friction):
     O.bodies[top].state.vel = (0.1, -1, 0)
     O.engines = sg.engines(gravity=(0, -9.81, 0))
     sg.set_time_step()
-    while O.bodies[top].state.pos[1] > 0.0335:
+    while O.bodies[top].state.pos[1] > 0.0305:
         O.step()
     return sg.integrator().contactProblem()
 

@@ -105,7 +105,7 @@ def test_stored_problems_show_everything():
 
 def test_problem_of_a_step():
     """What the integrator hands out is what it solved."""
-    squeezed_scene(60)
+    squeezed_scene(150)
     engine = sg.integrator()
     problem = engine.contactProblem()
     assert len(problem["bias"]) == engine.contacts > 10
@@ -121,10 +121,10 @@ def test_problem_of_a_step():
     np.testing.assert_allclose(
         again["impulse"], problem["impulse"], atol=1e-9 * np.abs(problem["impulse"]).max()
     )
-    exact = sg.solve_contact_problem(problem)["impulse"]
-    states = check_conditions(problem, exact / np.abs(exact).max(), np.inf)
-    assert states["open"]
-    assert residual_of(problem, exact) < 1e-9
+    exact = sg.solve_contact_problem(problem)
+    assert exact["converged"]
+    change = W @ (exact["impulse"] - problem["impulse"])
+    assert 0 < np.linalg.norm(change) < 0.1 * np.linalg.norm(problem["free_velocity"])
 
 
 def test_problem_outlives_the_scene_it_was_taken_from(tmp_path):

@@ -65,8 +65,8 @@ ContactProblem<dim> randomProblem(unsigned seed, int bodies, int contacts, doubl
 	return assembled<dim>(touches, mass, velocity);
 }
 
-/// A tower of blocks on the ground, one step of gravity and a push sideways at its top. Each pair of
-/// neighbours touches in `redundancy` contacts of one normal: their matrix W is singular.
+/// A tower of blocks on the ground, one step of gravity and a push sideways at its top. Each pair
+/// of neighbours touches in `redundancy` contacts of one normal: their matrix W is singular.
 template <int dim> ContactProblem<dim> tower(int blocks, int redundancy, double friction)
 {
 	const Vec<dim> up = Vec<dim>::Unit(dim - 1), sideways = Vec<dim>::Unit(0);

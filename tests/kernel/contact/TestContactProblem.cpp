@@ -22,7 +22,7 @@ template <int dim> States checkConditions(const ContactProblem<dim>& problem, do
 	States states;
 	const std::vector<Vec<dim>> velocity = problem.velocity();
 	for (int k = 0; k < problem.contacts(); ++k) {
-		const Vec<dim> &n = problem.normal[k], &r = problem.impulse[k];
+		const Vec<dim>&n = problem.normal[k], &r = problem.impulse[k];
 		const double un = velocity[k].dot(n) + problem.bias[k], rn = r.dot(n),
 			     bound = problem.friction[k] * rn;
 		const Vec<dim> ut = velocity[k] - velocity[k].dot(n) * n, rt = r - rn * n;
@@ -75,7 +75,7 @@ TEMPLATE_TEST_CASE_SIG("Cone: the map keeps impulses that satisfy the conditions
 		CHECK(changed(sliding, -b * n + t) < 1e-13);
 		CHECK(changed(none, (0.1 - b) * n + t) == 0);
 
-		CHECK(changed(sliding, -b * n - t) > 0.01);        // slides with the force
+		CHECK(changed(sliding, -b * n - t) > 0.01);         // slides with the force
 		CHECK(changed(0.5 * stuck, (-b - 0.1) * n) > 0.01); // sinks in
 		CHECK(changed(stuck, (-b + 0.1) * n) > 0.01);       // pressed and opening
 		CHECK(changed(0.5 * stuck, -b * n + t) > 5e-4);     // slides below the bound
@@ -190,7 +190,7 @@ TEST_CASE("Problem: what the sweeps cannot solve is not called solved", "[contac
 	CHECK(report.residual > 1e-4);
 	CHECK(std::abs(problem.residual() - report.residual) < 1e-12);
 	for (int k = 0; k < problem.contacts(); ++k) {
-		const Vec<2> &n = problem.normal[k], &r = problem.impulse[k];
+		const Vec<2>&n = problem.normal[k], &r = problem.impulse[k];
 		const double rn = r.dot(n);
 		CHECK(rn >= 0); // admissible all the same
 		CHECK((r - rn * n).norm() <= problem.friction[k] * rn * (1 + 1e-12));

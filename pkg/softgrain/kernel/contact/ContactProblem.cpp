@@ -38,8 +38,7 @@ template <int dim> double ContactProblem<dim>::residual() const
 }
 
 /// The contacts become the nodes of one body, each against a plane of its own.
-template <int dim>
-SolverReport solve(ContactProblem<dim>& problem, double tolerance, int maxSweeps)
+template <int dim> SolverReport solve(ContactProblem<dim>& problem, double tolerance, int maxSweeps)
 {
 	std::vector<ContactBody<dim>> bodies(1);
 	bodies[0].delassus = &problem.delassus;

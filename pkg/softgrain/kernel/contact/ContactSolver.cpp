@@ -172,9 +172,10 @@ template <int dim> SparseRows<double> ContactSolver<dim>::delassus() const
 	using Share = std::pair<int, double>; // of a contact in a node
 	std::map<std::pair<const ContactBody<dim>*, int>, std::vector<Share>> at;
 	for (std::size_t k = 0; k < constraints_.size(); ++k)
-		forEachShare(constraints_[k], [&](const ContactBody<dim>* body, int node, double w) {
-			at[{ body, node }].push_back({ static_cast<int>(k), w });
-		});
+		forEachShare(constraints_[k],
+			     [&](const ContactBody<dim>* body, int node, double w) {
+				     at[{ body, node }].push_back({ static_cast<int>(k), w });
+			     });
 	SparseRows<double> rows;
 	for (const Constraint& c : constraints_) {
 		std::map<int, double> row;

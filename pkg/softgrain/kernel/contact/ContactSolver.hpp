@@ -75,10 +75,10 @@ private:
 		ContactBody<dim>* body;    ///< of the node
 		ContactBody<dim>* partner; ///< of the partner nodes, null for a plane
 		Vec<dim> planeVelocity;
-		Vec<dim> freeVelocity; ///< u without impulses
+		Vec<dim> freeVelocity;             ///< u without impulses
 		Vec<dim> start = Vec<dim>::Zero(); ///< impulse before the first sweep
-		double inverseW; ///< kg
-		double bias;     ///< b, m/s
+		double inverseW;                   ///< kg
+		double bias;                       ///< b, m/s
 		double friction;
 	};
 
