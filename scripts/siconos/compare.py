@@ -9,11 +9,11 @@ Runs outside YADE, with the Siconos of Debian 12 (Debian 13 has none):
 
 A problem is a file of arrays as ``SoftGrainIntegrator.contactProblem`` gives them (see its
 documentation), with softgrain's impulses in ``impulse``. Columns of the table: contacts and
-dimension; sweeps of NSGS; the residual of softgrain (doc/theory.md) and the one of Siconos, each of
-both answers, softgrain's first; largest difference of the velocities over the largest velocity
-without impulses; difference of the energies r.W r, relative; largest difference of the impulses over
-the largest one. Where W is singular on the contacts that carry force (hyperstatic), or friction
-strong, impulses may differ between exact solutions.
+dimension; sweeps of NSGS; the residual of softgrain (doc/theory.md) and the one of Siconos, each
+of both answers, softgrain's first; largest difference of the velocities over the largest velocity
+without impulses; relative difference of the energies r.W r; largest difference of the impulses
+over the largest one. Where W is singular on the contacts that carry force (hyperstatic), or
+friction strong, impulses may differ between exact solutions.
 """
 
 import argparse
@@ -27,7 +27,7 @@ try:
     import siconos.numerics as siconos
 except ImportError as error:
     sys.exit(
-        f"compare.py: {error}. Siconos is a package of Debian 12 and not of Debian 13: on Debian 12 "
+        f"compare.py: {error}. Siconos is a package of Debian 12, not of Debian 13: there "
         "apt-get install python3-siconos python3-numpy, then run it by /usr/bin/python3"
     )
 
@@ -106,8 +106,8 @@ class Problem:
 def solve_by_siconos(problem, tolerance, max_sweeps):
     """Impulses of NSGS from zero, and its number of sweeps."""
     siconos_problem, _, frames = problem.for_siconos(problem.dim)
-    kind = siconos.SICONOS_FRICTION_2D_NSGS if problem.dim == 2 else siconos.SICONOS_FRICTION_3D_NSGS
-    options = siconos.SolverOptions(kind)
+    kinds = {2: siconos.SICONOS_FRICTION_2D_NSGS, 3: siconos.SICONOS_FRICTION_3D_NSGS}
+    options = siconos.SolverOptions(kinds[problem.dim])
     options.iparam[siconos.SICONOS_IPARAM_MAX_ITER] = max_sweeps
     options.dparam[siconos.SICONOS_DPARAM_TOL] = tolerance
     reaction = np.zeros(problem.contacts * problem.dim)
@@ -145,7 +145,7 @@ def parse_options():
 
 def main():
     options = parse_options()
-    columns = ("contacts", "dim", "sweeps", "residual", "residual", "Siconos'", "Siconos'",
+    columns = ("contacts", "dim", "sweeps", "residual", "of NSGS", "Siconos'", "of NSGS",
                "velocity", "energy", "impulse")
     print(f"{'problem':24}", *(f"{c:>9}" for c in columns))
     for file in options.files:

@@ -1,7 +1,7 @@
 """The contact problem of a step: as data, solved on its own, and against Siconos.
 
-The problems in ``tests/data/contact_problems`` were made by ``scripts/siconos/make_problems.py`` and
-solved by Siconos' NSGS through ``scripts/siconos/compare.py --store``.
+The problems in ``tests/data/contact_problems`` were made by ``scripts/siconos/make_problems.py``
+and solved by Siconos' NSGS through ``scripts/siconos/compare.py --store``.
 """
 
 from pathlib import Path
@@ -87,7 +87,7 @@ def test_siconos_finds_the_same(file):
 
 
 def test_stored_problems_show_everything():
-    """Open, sticking and sliding contacts; friction up to 10; redundant contacts; both dimensions."""
+    """Open, sticking, sliding and redundant contacts; friction up to 10; both dimensions."""
     seen, dims, friction, singular = set(), set(), 0, False
     for file in FILES:
         problem = load(file)
