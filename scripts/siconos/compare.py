@@ -1,18 +1,19 @@
 #!/usr/bin/python3
-"""Solve contact problems by Siconos' NSGS and compare with the impulses found by softgrain.
+"""Solve contact problems by Siconos and compare with the impulses found by softgrain.
 
-    /usr/bin/python3 scripts/siconos/compare.py [--store] PROBLEM.npz ...
+    /usr/bin/python3 scripts/siconos/compare.py [--solver newton] [--store] PROBLEM.npz ...
 
 Runs outside YADE, with the Siconos of Debian 12 (Debian 13 has none):
 
     apt-get install python3-siconos python3-numpy
 
 A problem is a file of arrays as ``SoftGrainIntegrator.contactProblem`` gives them (see its
-documentation), with softgrain's impulses in ``impulse``. Columns of the table: contacts and
-dimension; sweeps of NSGS; the residual of softgrain (doc/theory.md) and the one of Siconos, each
-of both answers, softgrain's first; largest difference of the velocities over the largest velocity
-without impulses; relative difference of the energies r.W r; largest difference of the impulses
-over the largest one. Where W is singular on the contacts that carry force (hyperstatic), or
+documentation), with softgrain's impulses in ``impulse``. Two solvers of Siconos: NSGS, nonlinear
+Gauss-Seidel as softgrain's, and a semismooth Newton method (Alart and Curnier), which has nothing
+in common with it but may fail where W is singular. Columns of the table: contacts and dimension;
+iterations; the residual of softgrain (doc/theory.md) and the one of Siconos, each of both answers,
+softgrain's first; largest difference of the velocities over the largest velocity without impulses;
+relative difference of the energies r.W r; largest difference of the impulses over the largest one. Where W is singular on the contacts that carry force (hyperstatic), or
 friction strong, impulses may differ between exact solutions.
 """
 
@@ -103,20 +104,23 @@ class Problem:
         )[1]
 
 
-def solve_by_siconos(problem, tolerance, max_sweeps):
-    """Impulses of NSGS from zero, and its number of sweeps."""
-    siconos_problem, _, frames = problem.for_siconos(problem.dim)
-    kinds = {2: siconos.SICONOS_FRICTION_2D_NSGS, 3: siconos.SICONOS_FRICTION_3D_NSGS}
-    options = siconos.SolverOptions(kinds[problem.dim])
-    options.iparam[siconos.SICONOS_IPARAM_MAX_ITER] = max_sweeps
+def solve_by_siconos(problem, solver, tolerance, max_iterations):
+    """Impulses from zero, and the number of iterations; Newton's method exists in 3D only."""
+    dim, kind, driver = {
+        ("nsgs", 2): (2, siconos.SICONOS_FRICTION_2D_NSGS, siconos.fc2d_driver),
+        ("nsgs", 3): (3, siconos.SICONOS_FRICTION_3D_NSGS, siconos.fc3d_driver),
+        ("newton", 2): (3, siconos.SICONOS_FRICTION_3D_NSN_AC, siconos.fc3d_driver),
+        ("newton", 3): (3, siconos.SICONOS_FRICTION_3D_NSN_AC, siconos.fc3d_driver),
+    }[solver, problem.dim]
+    siconos_problem, _, frames = problem.for_siconos(dim)
+    options = siconos.SolverOptions(kind)
+    options.iparam[siconos.SICONOS_IPARAM_MAX_ITER] = max_iterations
     options.dparam[siconos.SICONOS_DPARAM_TOL] = tolerance
-    reaction = np.zeros(problem.contacts * problem.dim)
+    reaction = np.zeros(problem.contacts * dim)
     velocity = np.zeros_like(reaction)
-    driver = siconos.fc2d_driver if problem.dim == 2 else siconos.fc3d_driver
     driver(siconos_problem, reaction, velocity, options)
-    reaction = reaction.reshape(problem.contacts, problem.dim)
-    sweeps = int(options.iparam[siconos.SICONOS_IPARAM_ITER_DONE])
-    return np.einsum("kax,ka->kx", frames, reaction), sweeps
+    impulse = np.einsum("kax,ka->kx", frames, reaction.reshape(-1, dim))
+    return impulse[:, : problem.dim], int(options.iparam[siconos.SICONOS_IPARAM_ITER_DONE])
 
 
 def comparison(problem, ours, theirs):
@@ -134,25 +138,40 @@ def parse_options():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("files", nargs="+", type=Path, help="problems, .npz")
-    parser.add_argument("--tolerance", type=float, default=1e-12, help="of Siconos' NSGS [-]")
-    parser.add_argument("--max-sweeps", type=int, default=1_000_000, help="of Siconos' NSGS")
-    parser.add_argument(
-        "--store", action="store_true", help="add the answer to the file, as siconos_impulse"
-    )
-    return parser.parse_args()
+    add = parser.add_argument
+    add("files", nargs="+", type=Path, help="problems, .npz")
+    add("--solver", choices=("nsgs", "newton"), default="nsgs", help="of Siconos")
+    add("--tolerance", type=float, default=1e-12, help="of Siconos' solver [-]")
+    add("--max-iterations", type=int, help="of Siconos' solver; default 10^6, for Newton 500")
+    add("--store", action="store_true", help="add the answer to the file, as siconos_impulse")
+    options = parser.parse_args()
+    if options.max_iterations is None:
+        options.max_iterations = {"nsgs": 1_000_000, "newton": 500}[options.solver]
+    return options
 
 
 def main():
     options = parse_options()
-    columns = ("contacts", "dim", "sweeps", "residual", "of NSGS", "Siconos'", "of NSGS",
-               "velocity", "energy", "impulse")
+    columns = (
+        "contacts",
+        "dim",
+        "iterated",
+        "residual",
+        "theirs",
+        "Siconos'",
+        "theirs",
+        "velocity",
+        "energy",
+        "impulse",
+    )
     print(f"{'problem':24}", *(f"{c:>9}" for c in columns))
     for file in options.files:
         with np.load(file) as arrays:
             arrays = dict(arrays)
         problem = Problem(arrays)
-        theirs, sweeps = solve_by_siconos(problem, options.tolerance, options.max_sweeps)
+        theirs, iterations = solve_by_siconos(
+            problem, options.solver, options.tolerance, options.max_iterations
+        )
         ours = arrays["impulse"]
         figures = [
             problem.residual(ours),
@@ -161,8 +180,11 @@ def main():
             problem.siconos_measure(theirs),
             *comparison(problem, ours, theirs),
         ]
-        print(f"{file.stem:24}", f"{problem.contacts:9} {problem.dim:9} {sweeps:9}",
-              *(f"{x:9.1e}" for x in figures))
+        print(
+            f"{file.stem:24}",
+            f"{problem.contacts:9} {problem.dim:9} {iterations:9}",
+            *(f"{x:9.1e}" for x in figures),
+        )
         if options.store:
             np.savez_compressed(file, **{**arrays, "siconos_impulse": theirs})
 

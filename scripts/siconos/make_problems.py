@@ -55,7 +55,7 @@ def tower(dim, blocks, redundancy, friction):
     H = np.repeat(np.eye(blocks) - np.eye(blocks, k=-1), redundancy, axis=0)
     velocity = np.zeros((blocks, dim))
     velocity[:, -1] = -0.1
-    velocity[blocks // 2:, 0] = np.linspace(0.05, 0.3, blocks - blocks // 2)
+    velocity[blocks // 2 :, 0] = np.linspace(0.05, 0.3, blocks - blocks // 2)
     normal = np.zeros((len(H), dim))
     normal[:, -1] = 1
     mass = np.linspace(1, 3, blocks)
