@@ -11,38 +11,6 @@ using namespace softgrain::testing;
 
 namespace {
 
-/// Counts of what a solution shows.
-struct States {
-	int open = 0, stick = 0, slip = 0;
-};
-
-/// Signorini's and Coulomb's conditions, one by one, with velocities summed anew.
-template <int dim> States checkConditions(const ContactProblem<dim>& problem, double tolerance)
-{
-	States states;
-	const std::vector<Vec<dim>> velocity = problem.velocity();
-	for (int k = 0; k < problem.contacts(); ++k) {
-		const Vec<dim>&n = problem.normal[k], &r = problem.impulse[k];
-		const double un = velocity[k].dot(n) + problem.bias[k], rn = r.dot(n),
-			     bound = problem.friction[k] * rn;
-		const Vec<dim> ut = velocity[k] - velocity[k].dot(n) * n, rt = r - rn * n;
-		CHECK(un > -tolerance);
-		CHECK(rn >= 0);
-		CHECK(std::abs(un * rn) < tolerance);
-		CHECK(rt.norm() < bound + tolerance);
-		if (rn < tolerance)
-			++states.open;
-		else if (ut.norm() < tolerance)
-			++states.stick;
-		else {
-			++states.slip;
-			CHECK(std::abs(rt.norm() - bound) < tolerance);
-			CHECK(std::abs(ut.dot(rt) + ut.norm() * rt.norm()) < tolerance);
-		}
-	}
-	return states;
-}
-
 /// Nearest point of Coulomb's cone.
 template <int dim> Vec<dim> nearestOnCone(const Vec<dim>& r, const Vec<dim>& n, double mu)
 {

@@ -1,4 +1,4 @@
-#include "Helpers.hpp"
+#include "Problems.hpp"
 #include "contact/ContactSolver.hpp"
 
 #include <Eigen/Dense>
@@ -141,6 +141,25 @@ template <int dim> struct Problem {
 					  shares(c, 1).dot(W[1] * shares(d, 1));
 		return A;
 	}
+	/// The same as numbers alone, with the present impulses; the bias is part of the
+	/// velocities.
+	ContactProblem<dim> dense()
+	{
+		ContactProblem<dim> result;
+		const Eigen::MatrixXd A = delassus();
+		const auto all = contacts();
+		result.freeVelocity = free();
+		for (int c = 0; c < static_cast<int>(all.size()); ++c) {
+			for (int d = 0; d < static_cast<int>(all.size()); ++d)
+				result.delassus.append(d, A(c, d));
+			result.delassus.closeRow();
+			result.normal.push_back(all[c]->normal);
+			result.bias.push_back(0);
+			result.friction.push_back(friction(c));
+			result.impulse.push_back(all[c]->impulse);
+		}
+		return result;
+	}
 	/// Relative velocities without impulses, with the bias b n added.
 	std::vector<Vec<dim>> free()
 	{
@@ -223,42 +242,6 @@ template <int dim> std::vector<Vec<dim>> projected(Problem<dim>& problem)
 	return r;
 }
 
-/// Counts of what a solution shows.
-struct States {
-	int open = 0, stick = 0, slip = 0;
-};
-
-/// Signorini's and Coulomb's conditions, one by one, with velocities from the dense matrix.
-template <int dim> States checkConditions(Problem<dim>& problem, double tolerance)
-{
-	States states;
-	const auto all = problem.contacts();
-	const Eigen::MatrixXd A = problem.delassus();
-	const auto free = problem.free();
-	for (std::size_t c = 0; c < all.size(); ++c) {
-		Vec<dim> u = free[c];
-		for (std::size_t d = 0; d < all.size(); ++d)
-			u += A(c, d) * all[d]->impulse;
-		const Vec<dim> n = all[c]->normal, r = all[c]->impulse;
-		const double un = u.dot(n), rn = r.dot(n), bound = problem.friction(c) * rn;
-		const Vec<dim> ut = u - un * n, rt = r - rn * n;
-		CHECK(un > -tolerance);
-		CHECK(rn >= 0);
-		CHECK(std::abs(un * rn) < tolerance);
-		CHECK(rt.norm() < bound + tolerance);
-		if (rn == 0)
-			++states.open;
-		else if (ut.norm() < tolerance)
-			++states.stick;
-		else {
-			++states.slip;
-			CHECK(std::abs(rt.norm() - bound) < tolerance);
-			CHECK(std::abs(ut.dot(rt) + ut.norm() * rt.norm()) < tolerance);
-		}
-	}
-	return states;
-}
-
 /// One body of one node of mass 2 above a plane.
 struct Ball {
 	SparseRows<double> table;
@@ -333,7 +316,7 @@ TEMPLATE_TEST_CASE_SIG("Solver: friction against damped projections, and all con
 		CAPTURE(seed, report.sweeps, report.residual);
 		CHECK(report.converged);
 		CHECK(solver.residual() < 1e-10);
-		const States states = checkConditions(problem, 1e-9);
+		const States states = checkConditions(problem.dense(), 1e-9);
 		seen.open += states.open;
 		seen.stick += states.stick;
 		seen.slip += states.slip;
@@ -438,20 +421,22 @@ TEMPLATE_TEST_CASE_SIG("Solver: the problem can be taken out and solved elsewher
 	const auto all = problem.contacts();
 	REQUIRE(taken.contacts() == static_cast<int>(all.size()));
 
-	const Eigen::MatrixXd A = problem.delassus();
-	const auto free = problem.free(); // with the bias
-	Eigen::MatrixXd W = Eigen::MatrixXd::Zero(A.rows(), A.cols());
+	const ContactProblem<dim> expected = problem.dense();
+	Eigen::MatrixXd W = -problem.delassus();
+	const double size = W.norm();
 	for (int c = 0; c < taken.contacts(); ++c) {
 		for (int e = taken.delassus.begin(c); e < taken.delassus.end(c); ++e)
 			W(c, taken.delassus.column[e]) += taken.delassus.value[e];
-		CHECK((taken.freeVelocity[c] + taken.bias[c] * taken.normal[c] - free[c]).norm() <
-		      1e-14);
-		CHECK(taken.normal[c] == all[c]->normal);
-		CHECK(taken.impulse[c] == all[c]->impulse);
-		CHECK(taken.friction[c] == problem.friction(c));
+		CHECK((taken.freeVelocity[c] + taken.bias[c] * taken.normal[c] -
+		       expected.freeVelocity[c])
+			      .norm() < 1e-14);
+		CHECK(taken.normal[c] == expected.normal[c]);
+		CHECK(taken.impulse[c] == expected.impulse[c]);
+		CHECK(taken.friction[c] == expected.friction[c]);
 	}
-	CHECK((W - A).norm() < 1e-14 * A.norm());
+	CHECK(W.norm() < 1e-14 * size);
 	CHECK(std::abs(taken.residual() - report.residual) < 1e-13);
+	CHECK(std::abs(expected.residual() - report.residual) < 1e-13);
 
 	const auto solution = taken.impulse;
 	const SolverReport again = solve(taken, 1e-6, 100000);
