@@ -13,8 +13,9 @@ Gauss-Seidel as softgrain's, and a semismooth Newton method (Alart and Curnier),
 in common with it but may fail where W is singular. Columns of the table: contacts and dimension;
 iterations; the residual of softgrain (doc/theory.md) and the one of Siconos, each of both answers,
 softgrain's first; largest difference of the velocities over the largest velocity without impulses;
-relative difference of the energies r.W r; largest difference of the impulses over the largest one. Where W is singular on the contacts that carry force (hyperstatic), or
-friction strong, impulses may differ between exact solutions.
+relative difference of the energies r.W r; largest difference of the impulses over the largest one.
+Where W is singular on the contacts that carry force (hyperstatic), or friction strong, impulses may
+differ between exact solutions.
 """
 
 import argparse

@@ -65,7 +65,7 @@ public:
 	void collectImpulses();
 	ContactWork work() const;
 	/// The problem and its solution, of the last `solve`; lists and velocities are not needed
-	/// any more, bodies are.
+	/// any more; the mobility tables of the bodies are, as they were then.
 	ContactProblem<dim> problem() const;
 
 private:
