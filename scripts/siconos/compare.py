@@ -29,7 +29,7 @@ try:
     import siconos.numerics as siconos
 except ImportError as error:
     sys.exit(
-        f"compare.py: {error}. Siconos is a package of Debian 12, not of Debian 13: there "
+        f"compare.py: {error}. Siconos is a package of Debian 12, not of Debian 13. On Debian 12: "
         "apt-get install python3-siconos python3-numpy, then run it by /usr/bin/python3"
     )
 
