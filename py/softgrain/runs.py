@@ -38,6 +38,15 @@ def parse_options(description, jobs, out, **extra):
 
 
 def run_all(script, settings, options):
+    """As :func:`try_all`, but the program ends if a run failed, when all others have been made."""
+    results = try_all(script, settings, options)
+    failures = results.count(None)
+    if failures:
+        sys.exit(f"{failures} of {len(results)} runs failed")
+    return results
+
+
+def try_all(script, settings, options):
     """Results of a case for each of the settings, in their order.
 
     Args:

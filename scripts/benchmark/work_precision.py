@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from softgrain import finite_elements
-from softgrain.runs import new_figure, parse_options, run_all
+from softgrain.runs import new_figure, parse_options, run_all, try_all
 
 CASES = Path(__file__).resolve().parents[1]
 
@@ -101,7 +101,7 @@ def measure(problem, options):
         {**problem.settings, **FORMULATIONS[f], "contact": contact, "order": order, "zeta": zeta}
         for f, contact, order, zeta in methods
     ]
-    results = run_all(problem.script, settings, options)
+    results = try_all(problem.script, settings, options)
     return [
         (*method, result["wall_seconds"], result["steps"], problem.error(result))
         for method, result in zip(methods, results)
