@@ -58,6 +58,7 @@ def parse_options(arguments=None):
         help="packing fraction to stop at [-]",
     )
     add("--contact", choices=("surface", "points"), default="surface", help="contact geometry")
+    command_line.add_method_options(parser)
     add("--seed", type=int, default=1, help="of the packing generator, at least 1 [-]")
     add(
         "--out",
@@ -66,6 +67,7 @@ def parse_options(arguments=None):
         help="folder for results",
     )
     options = parser.parse_args(arguments)
+    command_line.check_method(parser, options)
     if options.grains < 4:
         parser.error(
             f"argument --grains: {options.grains} is outside the admissible range [4, inf)"
@@ -162,7 +164,12 @@ def make_soft(options):
     )
     O.materials.append(material)
     O.engines = []
-    sg.soften(material=material, zeta=options.zeta, contact=options.contact)
+    sg.soften(
+        material=material,
+        zeta=options.zeta,
+        contact=options.contact,
+        **command_line.method_attributes(options),
+    )
     O.engines = sg.engines()
     O.trackEnergy = True
 

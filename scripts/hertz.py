@@ -42,7 +42,7 @@ def parse_options(arguments=None):
         help="what closes the third dimension",
     )
     add("--contact", choices=("surface", "points"), default="surface", help="contact geometry")
-    add("--order", type=int, choices=(1, 2, 3), default=3, help="order of the B-splines")
+    command_line.add_method_options(parser)
     add(
         "--speed",
         type=command_line.positive,
@@ -57,7 +57,9 @@ def parse_options(arguments=None):
         help="approach of the plates over the diameter to stop at [-]",
     )
     add("--out", type=command_line.output_folder, default=Path("hertz"), help="folder for results")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    command_line.check_method(parser, options)
+    return options
 
 
 def make_scene(options):
@@ -69,8 +71,8 @@ def make_scene(options):
         (0, 0, 0),
         radius,
         zeta=options.zeta,
-        order=options.order,
         contact=options.contact,
+        **command_line.method_attributes(options),
         material=sg.SoftMat(
             young=options.young,
             poisson=options.poisson,

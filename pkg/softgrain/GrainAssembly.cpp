@@ -1,5 +1,4 @@
 #include "GrainAssembly.hpp"
-#include "grain/TotalLagrangian.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -263,24 +262,24 @@ private:
 		return system_.setOf(g).parameters(system_.indexInSet(g));
 	}
 
-	/// Grains with equal recipe, law and condition form a set; sets keep the order of ids
-	/// within.
+	/// Grains with equal recipe, scheme, law and condition form a set; sets keep the order of
+	/// ids within.
 	void addSets(const std::vector<GrainDescription>& grains)
 	{
-		using Kind = std::tuple<TemplateRecipe, Law, Condition>;
+		using Kind = std::tuple<TemplateRecipe, Scheme, Law, Condition>;
 		std::map<Kind, std::vector<const GrainDescription*>> kinds;
 		for (const GrainDescription& d : grains)
-			kinds[{ d.recipe, d.law, d.condition }].push_back(&d);
+			kinds[{ d.recipe, d.scheme, d.law, d.condition }].push_back(&d);
 		for (const auto& [kind, members] : kinds) {
-			const auto& [recipe, law, condition] = kind;
+			const auto& [recipe, scheme, law, condition] = kind;
 			std::vector<GrainParameters<dim>> parameters;
 			for (const GrainDescription* d : members)
 				parameters.push_back(
 					{ d->radius, d->constants,
 					  toKernel<dim>(d->state.x.empty() ? d->position
 									   : d->origin) });
-			auto set = std::make_unique<TotalLagrangian<dim>>(Batch<dim>(
-				makeGrainTemplate<dim>(recipe), law, condition, parameters));
+			auto set = makeGrainSet<dim>(makeGrainTemplate<dim>(recipe), law, condition,
+						     parameters, scheme);
 			for (int k = 0; k < set->grains(); ++k) {
 				setState(*set, k, *members[k]);
 				id_.push_back(members[k]->id);

@@ -21,6 +21,7 @@ struct GrainDescription {
 	int id = -1; ///< of the YADE body
 	int dim = 2;
 	TemplateRecipe recipe;
+	Scheme scheme;
 	Law law = Law::neoHookean;
 	Condition condition = Condition::planeStrain;
 	ElasticConstants constants;

@@ -38,6 +38,19 @@ softgrain::TemplateRecipe SoftGrain::recipe() const
 	return r;
 }
 
+softgrain::Scheme SoftGrain::scheme() const
+{
+	using softgrain::Formulation;
+	using softgrain::VelocityUpdate;
+	softgrain::Scheme s;
+	s.formulation = choose("formulation", formulation, "total", Formulation::total, "updated",
+			       Formulation::updated);
+	s.velocityUpdate = choose("velocityUpdate", velocityUpdate, "nodal", VelocityUpdate::nodal,
+				  "flip", VelocityUpdate::flip);
+	s.picShare = picShare;
+	return s;
+}
+
 softgrain::Condition SoftGrain::condition(const SoftMat& material) const
 {
 	return dim == 3 ? softgrain::Condition::solid
@@ -51,6 +64,7 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.id = body.getId();
 	d.dim = dim;
 	d.recipe = recipe();
+	d.scheme = scheme();
 	d.law = material.constitutiveLaw();
 	d.condition = condition(material);
 	d.constants = material.constants();
@@ -60,7 +74,7 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.angularVelocity = body.state->angVel;
 	d.orientation = body.state->ori;
 	d.origin = stateOrigin;
-	d.state = { savedPositions, savedVelocities };
+	d.state = { savedPositions, savedVelocities, savedGradients };
 	return d;
 }
 
@@ -70,11 +84,13 @@ void SoftGrain::fetchState()
 	softgrain::GrainState state = assembly->state(index, stateOrigin);
 	savedPositions = std::move(state.x);
 	savedVelocities = std::move(state.v);
+	savedGradients = std::move(state.F);
 }
 
 void SoftGrain::postLoad(SoftGrain&)
 {
 	recipe().validate();
+	scheme().validate(recipe());
 	softgrain::require(radius > 0 && math::isfinite(radius), "radius", radius, "(0, inf) m");
 	softgrain::require(dim == 2 || dim == 3, "dim", dim, "2, 3");
 }

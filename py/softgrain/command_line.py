@@ -45,6 +45,58 @@ def _checked(text, admissible, range_text):
     return value
 
 
+def share(text):
+    """Argument type: a number in [0, 1]."""
+    return _checked(text, lambda value: 0 <= value <= 1, "a number in [0, 1]")
+
+
+def add_method_options(parser):
+    """Options of a case that choose how grains are computed; see :func:`method_attributes`."""
+    add = parser.add_argument
+    add("--order", type=int, choices=(1, 2, 3), default=3, help="order of the B-splines")
+    add(
+        "--formulation",
+        choices=("total", "updated"),
+        default="total",
+        help="total or updated Lagrangian material point method (updated: order 2 or 3)",
+    )
+    add(
+        "--velocity-update",
+        choices=("nodal", "flip"),
+        default="nodal",
+        help="where velocities live from step to step with formulation total: at the nodes, or at "
+        "the material points (the classical cycle); with updated always at the points",
+    )
+    add(
+        "--pic-share",
+        type=share,
+        default=0.0,
+        help="share of PIC beside FLIP where velocities live at the points [-]",
+    )
+
+
+def method_attributes(options):
+    """Attributes of ``SoftGrain`` after :func:`add_method_options`."""
+    return {
+        "order": options.order,
+        "formulation": options.formulation,
+        "velocityUpdate": options.velocity_update,
+        "picShare": options.pic_share,
+    }
+
+
+def check_method(parser, options):
+    """Refuse combinations of :func:`add_method_options` that cannot be."""
+    if options.formulation == "updated" and options.order == 1:
+        parser.error("argument --order: 1 is outside the admissible range [2, 3] for updated")
+    at_points = options.formulation == "updated" or options.velocity_update == "flip"
+    if options.pic_share > 0 and not at_points:
+        parser.error(
+            f"argument --pic-share: {options.pic_share} needs --velocity-update flip or "
+            "--formulation updated"
+        )
+
+
 def output_folder(text):
     """Argument type: a folder, made if missing."""
     folder = Path(text)

@@ -62,6 +62,18 @@ def test_plane_stress(tmp_path):
     assert errors(result, "plane_strain")[-1] < -0.15
 
 
+@pytest.mark.parametrize(
+    "method, limit",
+    [(("--velocity-update", "flip"), 0.02), (("--formulation", "updated"), 0.025)],
+    ids=("flip", "updated"),
+)
+def test_other_methods(tmp_path, method, limit):
+    """The classical cycle and the updated Lagrangian method, a little further off."""
+    result = press(tmp_path, "--zeta", "0.1", "--speed", "0.1", *method)
+    assert np.abs(errors(result)).max() < limit
+    assert np.abs(errors(result)).mean() < 0.6 * limit
+
+
 def test_result_does_not_depend_on_units(tmp_path):
     """Everything scales with the modulus, the diameter and the speed of waves."""
     common = ("--zeta", "0.25", "--until", "0.05")

@@ -76,6 +76,11 @@ HERTZ = {
     "--poisson 0.5": "--poisson: ",
     "--order 4": "--order: invalid choice: ",
     "--condition flat": "--condition: invalid choice: 'flat'",
+    "--formulation euler": "--formulation: invalid choice: 'euler'",
+    "--velocity-update pic": "--velocity-update: invalid choice: 'pic'",
+    "--formulation updated --order 1": "--order: 1 is outside the admissible range [2, 3]",
+    "--pic-share 0.1": "--pic-share: 0.1 needs --velocity-update flip",
+    "--velocity-update flip --pic-share 2": "--pic-share: '2' is not a number in [0, 1]",
 }
 
 

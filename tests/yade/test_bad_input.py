@@ -88,6 +88,11 @@ def test_material_changed_later(attributes, message):
         ({"surfaceSpacing": 9}, "surfaceSpacing = 9 .*[0.5, 4]"),
         ({"quadrature": "gauss"}, "quadrature = 'gauss' is unknown.*'cutCell', 'lattice'"),
         ({"contact": "springs"}, "contact = 'springs' is unknown.*'surface', 'points'"),
+        ({"formulation": "euler"}, "formulation = 'euler' is unknown.*'total', 'updated'"),
+        ({"velocityUpdate": "pic"}, "velocityUpdate = 'pic' is unknown.*'nodal', 'flip'"),
+        ({"picShare": 2, "velocityUpdate": "flip"}, "picShare = 2 .*[0, 1]"),
+        ({"picShare": 0.1}, "picShare = 0.1 .*velocityUpdate = 'flip'.*formulation = 'updated'"),
+        ({"formulation": "updated", "order": 1}, "order = 1 .*2, 3 for formulation = 'updated'"),
     ],
     ids=str,
 )
@@ -377,6 +382,8 @@ def test_discretisation_is_read_only():
         ("dim", 3),
         ("order", 2),
         ("contact", "points"),
+        ("formulation", "updated"),
+        ("velocityUpdate", "flip"),
     ):
         with pytest.raises(AttributeError):
             setattr(disk.shape, name, value)

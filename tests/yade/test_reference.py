@@ -41,6 +41,9 @@ class Case:
     walls: tuple = (BOTTOM, TOP)
     gravity: float = 0.0  # m/s^2
     friction: float = 0.3
+    formulation: str = "total"
+    velocity_update: str = "nodal"
+    pic_share: float = 0.0
 
     @property
     def recipes(self):
@@ -81,6 +84,15 @@ CASES = {
     "corner": Case(walls=(SIDE, BOTTOM, TOP)),
     # the outline bulges out of the box of its nodes
     "sparse outline": Case(surface_spacing=2.8, zeta=(0.25, 0.25), centres=HEAD_ON),
+    "flip": Case(velocity_update="flip"),
+    "flip with a share of PIC, points": Case(
+        contact="points", zeta=(0.25, 0.25), velocity_update="flip", pic_share=0.1, gravity=-3000.0
+    ),
+    "updated": Case(formulation="updated"),
+    "updated with a share of PIC, plane stress, quadratic, points": Case(
+        "planeStress", contact="points", order=2, zeta=(0.25, 0.25), gravity=-3000.0,
+        formulation="updated", pic_share=0.1,
+    ),
 }
 
 
@@ -114,6 +126,8 @@ def build_in_yade(case):
             padded(case.centres[g]), RADII[g], material,
             zeta=recipe.zeta, order=recipe.order, surfaceSpacing=recipe.surface_spacing,
             quadrature=recipe.quadrature, contact=recipe.contact,
+            formulation=case.formulation, velocityUpdate=case.velocity_update,
+            picShare=case.pic_share,
         )
         disk.state.vel, disk.state.angVel = padded(VELOCITIES[g]), (0, 0, SPINS[g])
         O.bodies.append(disk)
@@ -167,9 +181,14 @@ def run_in_yade(name):
 
 
 def build_oracle(case):
+    if case.formulation == "updated":
+        make, method = reference.UpdatedGrain, {}
+    else:
+        make, method = reference.Grain, {"flip": case.velocity_update == "flip"}
     grains = [
-        reference.Grain(
-            case.recipes[g], case.materials[g], RADII[g], case.centres[g], VELOCITIES[g], SPINS[g]
+        make(
+            case.recipes[g], case.materials[g], RADII[g], case.centres[g], VELOCITIES[g], SPINS[g],
+            pic_share=case.pic_share, **method
         )
         for g in case.kernel_order
     ]
@@ -195,8 +214,8 @@ def run_oracle(system, dt, steps):
     for _ in range(steps):
         report = system.step(dt)
         snapshots.append(Snapshot(
-            [grain.x for grain in system.grains],
-            [grain.v for grain in system.grains],
+            [grain.state[0] for grain in system.grains],
+            [grain.state[1] for grain in system.grains],
             impulses_of_oracle(system),
             system.deepest_overlap(),
             report.sweeps,

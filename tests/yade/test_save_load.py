@@ -145,6 +145,36 @@ def test_before_the_first_step(tmp_path):
     assert_same_bits(present_state(), after)
 
 
+METHODS = (
+    {"velocityUpdate": "flip"},
+    {"formulation": "updated"},
+    {"formulation": "updated", "picShare": 0.1, "order": 2},
+)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("method", METHODS, ids=str)
+def test_other_methods_go_on(method, suffix, tmp_path):
+    """Velocities and deformation gradients that live at the points are saved too."""
+    for x, velocity in ((0, 2), (2.01 * RADIUS, -1)):
+        disk = add_disk((x, 0, 0), **method)
+        disk.state.vel = (velocity, 0, 0)
+        disk.state.angVel = (0, 0, 50)
+    add_wall(-1.01 * RADIUS, 1, friction=0.3, velocity=(0, 1, 0))
+    ready()
+    O.trackEnergy = True
+    run(20)
+    assert sg.integrator().activeContacts > 0
+    O.save(str(tmp_path / f"scene.{suffix}"))
+    run(60)
+    after = present_state()
+    O.load(str(tmp_path / f"scene.{suffix}"))
+    shape = sg.soft_bodies()[0].shape
+    assert {name: getattr(shape, name) for name in method} == method
+    run(60)
+    assert_same_bits(present_state(), after)
+
+
 def test_users_motion_before_saving(tmp_path):
     """What the user changed since the last step is not lost."""
     disk = add_disk()

@@ -6,13 +6,13 @@ disks. The parts are laid out as those of the kernel:
 
 * :mod:`~softgrain.reference.template`: what never changes, at unit size;
 * :mod:`~softgrain.reference.material`: from deformation gradient to stress;
-* :mod:`~softgrain.reference.grain`: nodal positions and velocities, internal force;
+* :mod:`~softgrain.reference.grain`: state, internal force, motion; total and updated Lagrangian;
 * :mod:`~softgrain.reference.search`: contacts and their gaps;
 * :mod:`~softgrain.reference.solver`: impulses by nonlinear Gauss-Seidel;
 * :mod:`~softgrain.reference.system`: the step.
 """
 
-from .grain import Grain
+from .grain import Grain, UpdatedGrain
 from .material import Material
 from .search import Contact
 from .solver import SolverReport, SolverSettings, residual
@@ -28,6 +28,7 @@ __all__ = [
     "SolverSettings",
     "System",
     "Template",
+    "UpdatedGrain",
     "Wall",
     "residual",
 ]

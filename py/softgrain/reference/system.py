@@ -45,6 +45,8 @@ class System:
         Returns:
             SolverReport: what the contact sweeps came to.
         """
+        for grain in self.grains:
+            grain.lay_grid()
         self.find_contacts(dt)
         self.predict_velocities(dt)
         report = self.solve_contacts(dt)
@@ -74,13 +76,14 @@ class System:
     def predict_velocities(self, dt):
         """v_I += dt (f_I / m_I + gravity): the velocities without contact."""
         for grain in self.grains:
-            grain.v = grain.v + dt * (grain.internal_force() / grain.mass[:, None] + self.gravity)
+            acceleration = grain.internal_force() / grain.mass[:, None] + self.gravity
+            grain.v_next = grain.v + dt * acceleration
 
     def solve_contacts(self, dt):
         """Find all impulses r together and put them on the nodes, v += M^-1 H^T r."""
         H = self.contact_matrix()
         mass = np.concatenate([grain.mass for grain in self.grains])
-        v = np.concatenate([grain.v for grain in self.grains])
+        v = np.concatenate([grain.v_next for grain in self.grains])
         contacts = [contact for _, contact in self.contacts]
         impulse = np.array([contact.impulse for contact in contacts]).reshape(-1, 2)
         report = solve(
@@ -97,7 +100,7 @@ class System:
         v = v + H.T @ impulse / mass[:, None]
         ends = np.cumsum([len(grain.mass) for grain in self.grains])
         for grain, part in zip(self.grains, np.split(v, ends[:-1])):
-            grain.v = part
+            grain.v_next = part
         return report
 
     def contact_matrix(self):
@@ -113,9 +116,9 @@ class System:
         H = np.zeros((len(self.contacts), begins[-1]))
         for row, (pair, contact) in zip(H, self.contacts):
             g, h = pair if contact.side == 0 else pair[::-1]
-            row[begins[g]:begins[g + 1]] += self.grains[g].template.contact_shape[contact.node]
+            row[begins[g]:begins[g + 1]] += self.grains[g].contact_shape[contact.node]
             for node, share in contact.partners.items():
-                row[begins[h]:begins[h + 1]] -= share * self.grains[h].template.contact_shape[node]
+                row[begins[h]:begins[h + 1]] -= share * self.grains[h].contact_shape[node]
         return H
 
     def deepest_overlap(self):
@@ -141,9 +144,9 @@ class System:
         return np.tan(min(self.grains[g].material.friction_angle, partner.friction_angle))
 
     def move(self, dt):
-        """x_I += dt v_I, and walls with their own velocities."""
+        """Grains with their new velocities, and walls with their own."""
         for grain in self.grains:
-            grain.x = grain.x + dt * grain.v
+            grain.move(dt)
         for wall in self.walls:
             wall.position = wall.position + dt * np.asarray(wall.velocity)
 

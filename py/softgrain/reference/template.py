@@ -46,6 +46,7 @@ class Template:
         point_volume (ndarray): Vp0, shape (points,); the sum is pi.
         node_position (ndarray): XI, shape (nodes, 2), in lexicographic order.
         node_mass (ndarray): mI = sum_p Vp0 N_I(Xp), shape (nodes,).
+        point_shape (ndarray): N_I(Xp), shape (points, nodes).
         point_gradient (ndarray): G_I(Xp), shape (points, nodes, 2).
         contact_position (ndarray): Xs, shape (contact nodes, 2); on a surface counter-clockwise.
         contact_shape (ndarray): N_I(Xs), shape (contact nodes, nodes).
@@ -60,10 +61,10 @@ class Template:
         """
         self.recipe = recipe
         self.point_position, self.point_volume = material_points(recipe.quadrature, recipe.zeta)
-        grid = _Grid(recipe, self.point_position, self.point_volume)
+        grid = Grid(recipe, self.point_position, self.point_volume)
         self.node_position = grid.node_position
-        point_shape, self.point_gradient = grid.shapes(self.point_position)
-        self.node_mass = self.point_volume @ point_shape
+        self.point_shape, self.point_gradient = grid.shapes(self.point_position)
+        self.node_mass = self.point_volume @ self.point_shape
         if recipe.contact == "surface":
             self.contact_position = surface_nodes(recipe.surface_spacing * recipe.zeta)
             self.contact_radius = 0.0
@@ -207,17 +208,26 @@ def spline_derivative(order, x):
     return spline(order - 1, x + 0.5) - spline(order - 1, x - 0.5)
 
 
-class _Grid:
+class Grid:
     """Tensor-product B-splines on a square grid of step h with a node at the centre.
 
     Of all grid nodes J, those with enough mass carry unknowns (I). The others are tied to them,
     x_J = sum_I T_JI x_I, so that the shape functions on the unknowns are N_I = sum_J T_JI N_J.
     """
 
-    def __init__(self, recipe, point_position, point_volume):
+    def __init__(self, recipe, point_position, point_volume, also=()):
+        """Find the nodes that carry unknowns.
+
+        Args:
+            recipe (Recipe): order, step and threshold of tied nodes.
+            point_position (ndarray): shape (points, 2).
+            point_volume (ndarray): weights of the points, shape (points,).
+            also (ndarray): further places where shapes will be asked for, shape (places, 2).
+        """
         self._order = recipe.order
         self._step = recipe.node_spacing * recipe.zeta
-        reach = int(np.ceil(1 / self._step)) + recipe.order
+        farthest = max(np.abs(point_position).max(), np.abs(np.append(also, 1)).max())
+        reach = int(np.ceil(farthest / self._step)) + recipe.order
         self._line = np.arange(-reach, reach + 1)
         everywhere = np.array(list(product(self._line, repeat=DIM)))
         shape, _ = self._raw_shapes(point_position)

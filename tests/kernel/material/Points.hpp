@@ -48,17 +48,36 @@ template <int dim> PointResult<dim> getLane(const PointLanes<dim>& point, int la
 	return r;
 }
 
-/// Response of the law to F, computed in one lane beside seven undeformed ones.
+/// Lanes of which one holds F, the others are undeformed.
+template <int dim> struct OneAmongLanes {
+	PointLanes<dim> point;
+	LameConstants lame;
+
+	OneAmongLanes(const Mat<dim>& F, const ElasticConstants& c, int lane)
+	{
+		for (int l = 0; l < laneWidth; ++l)
+			setLane<dim>(point, lame, l, l == lane ? F : Mat<dim>(Mat<dim>::Identity()),
+				     c);
+	}
+};
+
+/// Response of the law to F.
 template <class Case>
 PointResult<Case::dim> respond(const Mat<Case::dim>& F, const ElasticConstants& c, int lane = 3)
 {
-	constexpr int dim = Case::dim;
-	PointLanes<dim> point;
-	LameConstants lame;
-	for (int l = 0; l < laneWidth; ++l)
-		setLane<dim>(point, lame, l, l == lane ? F : Mat<dim>(Mat<dim>::Identity()), c);
-	NeoHookean<dim, Case::condition>::evaluate(point, lame);
-	return getLane<dim>(point, lane);
+	OneAmongLanes<Case::dim> one(F, c, lane);
+	NeoHookean<Case::dim, Case::condition>::evaluate(one.point, one.lame);
+	return getLane<Case::dim>(one.point, lane);
+}
+
+/// The same with the stiffening seen by a grid fixed in space.
+template <class Case>
+PointResult<Case::dim> respondInSpace(const Mat<Case::dim>& F, const ElasticConstants& c)
+{
+	OneAmongLanes<Case::dim> one(F, c, 3);
+	NeoHookean<Case::dim, Case::condition>::evaluate(one.point, one.lame);
+	NeoHookean<Case::dim, Case::condition>::stiffenInSpace(one.point, one.lame);
+	return getLane<Case::dim>(one.point, 3);
 }
 
 } // namespace softgrain::testing

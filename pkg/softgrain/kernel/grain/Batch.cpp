@@ -7,6 +7,19 @@
 namespace softgrain {
 
 template <int dim>
+void checkGrains(Condition condition, const std::vector<GrainParameters<dim>>& grains)
+{
+	if ((dim == 3) != (condition == Condition::solid))
+		throw std::invalid_argument(
+			"condition must be 'solid' in 3D, and plane strain or plane stress in 2D");
+	for (const GrainParameters<dim>& grain : grains) {
+		grain.constants.validate();
+		require(grain.radius > 0 && std::isfinite(grain.radius), "radius", grain.radius,
+			"(0, inf) m");
+	}
+}
+
+template <int dim>
 Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Condition theCondition,
 		  const std::vector<GrainParameters<dim>>& grains)
 	: reference(std::move(ref))
@@ -15,16 +28,11 @@ Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Con
 	, grain(grains)
 	, report(grains.size())
 {
-	if ((dim == 3) != (condition == Condition::solid))
-		throw std::invalid_argument(
-			"condition must be 'solid' in 3D, and plane strain or plane stress in 2D");
+	checkGrains(condition, grains);
 	lame.resize(blocks());
-	for (int g = 0; g < this->grains(); ++g) {
-		grain[g].constants.validate();
-		const double R = grain[g].radius;
-		require(R > 0 && std::isfinite(R), "radius", R, "(0, inf) m");
-		pointScale.push_back(std::pow(R, dim));
-		massScale.push_back(grain[g].constants.density * pointScale[g]);
+	for (const GrainParameters<dim>& own : grain) {
+		pointScale.push_back(std::pow(own.radius, dim));
+		massScale.push_back(own.constants.density * pointScale.back());
 	}
 	for (int b = 0; b < blocks(); ++b)
 		for (int l = 0; l < laneWidth; ++l) {
@@ -65,6 +73,8 @@ void Batch<dim>::moveRigidly(int g, const Vec<dim>& centre, const Mat<dim>& rota
 	}
 }
 
+template void checkGrains<2>(Condition, const std::vector<GrainParameters<2>>&);
+template void checkGrains<3>(Condition, const std::vector<GrainParameters<3>>&);
 template struct Batch<2>;
 template struct Batch<3>;
 

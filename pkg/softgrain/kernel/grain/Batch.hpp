@@ -61,6 +61,10 @@ template <int dim> struct GrainParameters {
 				  ///< grain far from the origin of space loses no digits
 };
 
+/// Throws std::invalid_argument naming what is inadmissible about grains or their condition.
+template <int dim>
+void checkGrains(Condition condition, const std::vector<GrainParameters<dim>>& grains);
+
 /// What the force pass found in one grain.
 struct BulkReport {
 	double elasticEnergy = 0; ///< J (2D: J/m)

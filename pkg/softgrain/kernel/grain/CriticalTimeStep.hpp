@@ -5,6 +5,12 @@
 
 namespace softgrain {
 
+/// Critical step where velocities live at the points over that where they stay at the nodes. With S
+/// the (symmetric, 0 <= S <= 1) operator that takes nodal velocities to the points and back, the
+/// step amplifies a mode by -1 where the largest eigenvalue of dt^2 (2 - S) M^-1 K is 4; that is at
+/// most twice the largest of M^-1 K, so 1/sqrt(2) is safe.
+constexpr double pointVelocityTimeStepShare = 0.7071067811865476;
+
 /// Highest angular frequency of the undeformed grain, times R/c (dimensionless), by power iteration
 /// on the linearised internal force of the template (method: section 2). Raised by 1 % because the
 /// iteration approaches from below.

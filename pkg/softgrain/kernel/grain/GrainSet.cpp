@@ -1,4 +1,6 @@
 #include "grain/GrainSet.hpp"
+#include "grain/TotalLagrangian.hpp"
+#include "grain/UpdatedLagrangian.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -14,5 +16,26 @@ void requireSize(const char* what, const std::vector<double>& numbers, int expec
 		"; discretisation parameters cannot be changed after the first "
 		"step");
 }
+
+template <int dim>
+std::unique_ptr<GrainSet<dim>>
+makeGrainSet(std::shared_ptr<const GrainTemplate<dim>> reference, Law law, Condition condition,
+	     const std::vector<GrainParameters<dim>>& grains, const Scheme& scheme)
+{
+	scheme.validate(reference->recipe);
+	if (scheme.formulation == Formulation::updated)
+		return std::make_unique<UpdatedLagrangian<dim>>(std::move(reference), law,
+								condition, grains, scheme.picShare);
+	return std::make_unique<TotalLagrangian<dim>>(
+		Batch<dim>(std::move(reference), law, condition, grains), scheme);
+}
+
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template std::unique_ptr<GrainSet<dim>> makeGrainSet<dim>(                                 \
+		std::shared_ptr<const GrainTemplate<dim>>, Law, Condition,                         \
+		const std::vector<GrainParameters<dim>>&, const Scheme&);
+SOFTGRAIN_INSTANTIATE(2)
+SOFTGRAIN_INSTANTIATE(3)
+#undef SOFTGRAIN_INSTANTIATE
 
 } // namespace softgrain

@@ -5,7 +5,9 @@
 #include "grain/Batch.hpp"
 #include "grain/InternalForce.hpp"
 #include "grain/Observables.hpp"
+#include "grain/Scheme.hpp"
 
+#include <memory>
 #include <vector>
 
 namespace softgrain {
@@ -18,10 +20,13 @@ template <int dim> struct BodyLoad {
 	bool isZero() const { return acceleration.isZero(0) && angular.isZero(0); }
 };
 
-/// All that one grain goes on from, `dim` numbers a vector, as the formulation keeps it.
+/// All that one grain goes on from, component by component, as its formulation keeps it: total
+/// Lagrangian x of the nodes and v of the nodes ('flip': of the points); updated Lagrangian x and v
+/// of the points, then of the contact nodes, and F of the points.
 struct GrainState {
 	std::vector<double> x; ///< positions relative to the grain's origin, m
 	std::vector<double> v; ///< velocities half a step ago, m/s
+	std::vector<double> F; ///< deformation gradients, column by column
 };
 
 /// Throws std::invalid_argument unless a saved list has the size that the discretisation needs.
@@ -75,7 +80,8 @@ public:
 
 	virtual WholeGrain<dim> whole(int g) const = 0;
 	virtual std::vector<PointResponse<dim>> points(int g) const = 0;
-	/// Positions and velocities of the background nodes.
+	/// Positions and velocities of the background nodes (updated Lagrangian: of the material
+	/// points, since nothing persists at nodes).
 	virtual std::vector<Vec<dim>> nodePositions(int g) const = 0;
 	virtual std::vector<Vec<dim>> nodeVelocities(int g) const = 0;
 	/// Places a grain undeformed: rotated, moving as a rigid body about its origin.
@@ -89,5 +95,11 @@ public:
 	/// Throws std::invalid_argument where the state does not fit the discretisation.
 	virtual void setState(int g, const GrainState& state) = 0;
 };
+
+/// Undeformed grains at their origins. Throws std::invalid_argument naming what is inadmissible.
+template <int dim>
+std::unique_ptr<GrainSet<dim>>
+makeGrainSet(std::shared_ptr<const GrainTemplate<dim>> reference, Law law, Condition condition,
+	     const std::vector<GrainParameters<dim>>& grains, const Scheme& scheme);
 
 } // namespace softgrain

@@ -123,40 +123,47 @@ template <int dim> void computeInternalForce(Batch<dim>& batch, int threads)
 	});
 }
 
+template <int dim>
+PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Condition condition,
+				 const LameConstants& lame)
+{
+	PointResponse<dim> r;
+	Mat<dim> P;
+	for (int a = 0; a < dim; ++a)
+		for (int b = 0; b < dim; ++b) {
+			r.F(a, b) = point.F[a][b][lane];
+			P(a, b) = point.P[a][b][lane];
+		}
+	r.J = point.J[lane];
+	r.cauchy = P * r.F.transpose() / r.J;
+	if (condition == Condition::planeStrain)
+		r.cauchy33 = lame.lambda[lane] * std::log(r.J) / r.J;
+	if (condition == Condition::planeStress) {
+		// forces are per unit reference thickness, Cauchy stress per present one
+		r.F33 = std::exp(
+			detail::thicknessStrain(std::log(r.J), lame.lambda[lane], lame.mu[lane]));
+		r.cauchy /= r.F33;
+	}
+	return r;
+}
+
 template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>& batch, int g)
 {
 	const int block = g / laneWidth, lane = g % laneWidth;
 	const BlockScales scales = blockScales(batch, block);
+	const auto& shapes = batch.reference->pointShapes;
 	std::vector<PointResponse<dim>> responses;
 	withLaw<dim>(batch.law, batch.condition, [&](auto evaluator) {
 		PointLanes<dim> point;
 		for (int p = 0; p < batch.reference->points(); ++p) {
 			gatherGradient(batch, block, p, scales.inverseRadius, point);
 			evaluator.evaluate(point, batch.lame[block]);
-			PointResponse<dim> r;
+			PointResponse<dim> r =
+				pointResponse(point, lane, batch.condition, batch.lame[block]);
 			r.position = batch.grain[g].origin;
-			const auto& shapes = batch.reference->pointShapes;
 			for (int k = shapes.begin(p); k < shapes.end(p); ++k)
 				r.position += shapes.value[k].N * batch.x.get(g, shapes.column[k]);
-			Mat<dim> P;
-			for (int a = 0; a < dim; ++a)
-				for (int b = 0; b < dim; ++b) {
-					r.F(a, b) = point.F[a][b][lane];
-					P(a, b) = point.P[a][b][lane];
-				}
-			r.J = point.J[lane];
 			r.volume = batch.pointScale[g] * batch.reference->pointVolume[p] * r.J;
-			r.cauchy = P * r.F.transpose() / r.J;
-			if (batch.condition == Condition::planeStrain)
-				r.cauchy33 = batch.lame[block].lambda[lane] * std::log(r.J) / r.J;
-			if (batch.condition == Condition::planeStress) {
-				// forces are per unit reference thickness, Cauchy stress per
-				// present one
-				r.F33 = std::exp(detail::thicknessStrain(
-					std::log(r.J), batch.lame[block].lambda[lane],
-					batch.lame[block].mu[lane]));
-				r.cauchy /= r.F33;
-			}
 			responses.push_back(r);
 		}
 	});
@@ -165,6 +172,8 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template void computeInternalForce<dim>(Batch<dim>&, int);                                 \
+	template PointResponse<dim> pointResponse<dim>(const PointLanes<dim>&, int, Condition,     \
+						       const LameConstants&);                      \
 	template std::vector<PointResponse<dim>> pointResponses<dim>(const Batch<dim>&, int);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)

@@ -19,6 +19,10 @@ template <int dim> struct PointResponse {
 	double F33 = 1;      ///< out-of-plane stretch in 2D
 	double cauchy33 = 0; ///< out-of-plane normal stress in 2D, Pa
 };
+/// From an evaluated lane; position and volume are left to the caller.
+template <int dim>
+PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Condition condition,
+				 const LameConstants& lame);
 /// At every material point of grain `g`.
 template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>& batch, int g);
 

@@ -3,6 +3,8 @@
 
 #include "grain/Batch.hpp"
 
+#include <Eigen/Dense>
+
 namespace softgrain {
 
 /// Momenta and mean motion of one grain. Angular quantities are vectors in 3D; in 2D they are
@@ -20,6 +22,17 @@ template <int dim> struct WholeGrain {
 	Mat<dim> rotation = Mat<dim>::Identity();  ///< mean rotation: nearest to the motion X -> x
 };
 
+/// A part of a grain with mass: background node or material point.
+template <int dim> struct Particle {
+	double mass;   ///< kg
+	Vec<dim> x, v; ///< relative to the grain's origin, m; m/s
+	Vec<dim> X;    ///< in the reference configuration, any unit
+};
+
+/// Of `count` particles, `particle(i)` being the i-th.
+template <int dim, class ParticleAt> WholeGrain<dim> wholeOf(int count, ParticleAt&& particle);
+
+/// Of the background nodes of grain `g`.
 template <int dim> WholeGrain<dim> wholeGrain(const Batch<dim>& batch, int g);
 
 /// Kinetic energy 1/2 sum_I mI v_I . w_I, J (2D: J/m). With v and w the velocities half a step
@@ -34,5 +47,54 @@ template <int dim> Mat<dim> spinMatrix(const typename WholeGrain<dim>::Angular& 
 
 /// Current area (volume) sum_p Vp0 J_p, m^2 (m^3).
 template <int dim> double currentVolume(const Batch<dim>& batch, int g);
+
+// --- implementation -----------------------------------------------------------------------------
+
+namespace detail {
+
+inline Eigen::Matrix<double, 1, 1> cross(const Vec<2>& a, const Vec<2>& b)
+{
+	return Eigen::Matrix<double, 1, 1>(a[0] * b[1] - a[1] * b[0]);
+}
+inline Vec<3> cross(const Vec<3>& a, const Vec<3>& b) { return a.cross(b); }
+
+inline Eigen::Matrix<double, 1, 1> pointInertia(const Vec<2>& r)
+{
+	return Eigen::Matrix<double, 1, 1>(r.squaredNorm());
+}
+inline Mat<3> pointInertia(const Vec<3>& r)
+{
+	return r.squaredNorm() * Mat<3>::Identity() - r * r.transpose();
+}
+
+/// Rotation nearest to A in the sense of the polar decomposition.
+template <int dim> Mat<dim> nearestRotation(const Mat<dim>& A);
+
+} // namespace detail
+
+template <int dim, class ParticleAt> WholeGrain<dim> wholeOf(int count, ParticleAt&& particle)
+{
+	WholeGrain<dim> whole;
+	whole.inertia.setZero();
+	for (int i = 0; i < count; ++i) {
+		const Particle<dim> p = particle(i);
+		whole.mass += p.mass;
+		whole.centre += p.mass * p.x;
+		whole.velocity += p.mass * p.v;
+	}
+	whole.centre /= whole.mass;
+	whole.velocity /= whole.mass;
+	Mat<dim> motion = Mat<dim>::Zero();
+	for (int i = 0; i < count; ++i) {
+		const Particle<dim> p = particle(i);
+		const Vec<dim> r = p.x - whole.centre;
+		whole.angularMomentum += p.mass * detail::cross(r, Vec<dim>(p.v - whole.velocity));
+		whole.inertia += p.mass * detail::pointInertia(r);
+		motion += p.mass * r * p.X.transpose();
+	}
+	whole.angularVelocity = whole.inertia.inverse() * whole.angularMomentum;
+	whole.rotation = detail::nearestRotation<dim>(motion);
+	return whole;
+}
 
 } // namespace softgrain

@@ -6,10 +6,25 @@
 namespace softgrain {
 
 template <int dim>
-TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch)
+TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch, const Scheme& scheme)
 	: batch_(std::move(batch))
 	, criticalTimeStep_(criticalTimeSteps(*batch_.reference, batch_.condition, batch_.grain))
 {
+	if (!scheme.hasPointVelocities()) return;
+	pointVelocities_.emplace(batch_, scheme.picShare);
+	for (double& step : criticalTimeStep_)
+		step *= pointVelocityTimeStepShare;
+}
+
+template <int dim> WholeGrain<dim> TotalLagrangian<dim>::whole(int g) const
+{
+	if (!pointVelocities_) return wholeGrain(batch_, g);
+	const GrainTemplate<dim>& reference = *batch_.reference;
+	return wholeOf<dim>(reference.points(), [&](int p) {
+		return Particle<dim> { batch_.massScale[g] * reference.pointVolume[p],
+				       pointAt(g, p), pointVelocities_->get(g, p),
+				       reference.pointPosition[p] };
+	});
 }
 
 template <int dim>
@@ -97,12 +112,16 @@ void TotalLagrangian<dim>::addLoadWork(int g, double kick, const BodyLoad<dim>& 
 
 template <int dim> void TotalLagrangian<dim>::move(double dt, int threads)
 {
-	batch_.v.swap(batch_.vNext);
+	if (pointVelocities_)
+		pointVelocities_->update(batch_, threads);
+	else
+		batch_.v.swap(batch_.vNext);
+	const NodalField<dim>& v = pointVelocities_ ? batch_.vNext : batch_.v;
 	const int count = grains();
 #pragma omp parallel for schedule(static) num_threads(threads)
 	for (int g = 0; g < count; ++g)
 		for (int I = 0; I < nodes(); ++I)
-			batch_.x.set(g, I, batch_.x.get(g, I) + dt * batch_.v.get(g, I));
+			batch_.x.set(g, I, batch_.x.get(g, I) + dt * v.get(g, I));
 }
 
 template <int dim>
@@ -139,39 +158,73 @@ template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodeVelocities(in
 	return v;
 }
 
+/// Relative to the grain's origin.
+template <int dim> Vec<dim> TotalLagrangian<dim>::pointAt(int g, int p) const
+{
+	const auto& shapes = batch_.reference->pointShapes;
+	Vec<dim> x = Vec<dim>::Zero();
+	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
+		x += shapes.value[k].N * batch_.x.get(g, shapes.column[k]);
+	return x;
+}
+
 template <int dim>
 void TotalLagrangian<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity,
 				 const Mat<dim>& spin)
 {
 	batch_.place(g, rotation, velocity, spin);
+	if (!pointVelocities_) return;
+	pointVelocities_->takeFromNodes(batch_, g);
+	pointVelocities_->mapToNodes(batch_, g);
 }
 
 template <int dim>
 void TotalLagrangian<dim>::moveRigidly(int g, const Mat<dim>& rotation, const Vec<dim>& shift,
 				       const Vec<dim>& velocity, const Mat<dim>& spin)
 {
-	batch_.moveRigidly(g, whole(g).centre, rotation, shift, velocity, spin);
+	const Vec<dim> centre = whole(g).centre;
+	batch_.moveRigidly(g, centre, rotation, shift, velocity, spin);
+	if (!pointVelocities_) return;
+	for (int p = 0; p < batch_.reference->points(); ++p)
+		pointVelocities_->set(g, p,
+				      rotation * pointVelocities_->get(g, p) + velocity +
+					      spin * (pointAt(g, p) - centre - shift));
+	pointVelocities_->mapToNodes(batch_, g);
 }
 
 template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
 {
 	GrainState s;
+	auto append = [](std::vector<double>& list, const Vec<dim>& value) {
+		list.insert(list.end(), value.data(), value.data() + dim);
+	};
 	for (int I = 0; I < nodes(); ++I)
-		for (int a = 0; a < dim; ++a) {
-			s.x.push_back(batch_.x.get(g, I)[a]);
-			s.v.push_back(batch_.v.get(g, I)[a]);
-		}
+		append(s.x, batch_.x.get(g, I));
+	if (pointVelocities_)
+		for (int p = 0; p < batch_.reference->points(); ++p)
+			append(s.v, pointVelocities_->get(g, p));
+	else
+		for (int I = 0; I < nodes(); ++I)
+			append(s.v, batch_.v.get(g, I));
 	return s;
 }
 
 template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& s)
 {
+	const int velocities = pointVelocities_ ? batch_.reference->points() : nodes();
 	requireSize("positions", s.x, nodes() * dim);
-	requireSize("velocities", s.v, nodes() * dim);
-	for (int I = 0; I < nodes(); ++I) {
+	requireSize("velocities", s.v, velocities * dim);
+	requireSize("deformation gradients", s.F, 0);
+	for (int I = 0; I < nodes(); ++I)
 		batch_.x.set(g, I, Eigen::Map<const Vec<dim>>(&s.x[I * dim]));
-		batch_.v.set(g, I, Eigen::Map<const Vec<dim>>(&s.v[I * dim]));
+	for (int k = 0; k < velocities; ++k) {
+		const Vec<dim> v = Eigen::Map<const Vec<dim>>(&s.v[k * dim]);
+		if (pointVelocities_)
+			pointVelocities_->set(g, k, v);
+		else
+			batch_.v.set(g, k, v);
 	}
+	if (pointVelocities_) pointVelocities_->mapToNodes(batch_, g);
 }
 
 template class TotalLagrangian<2>;

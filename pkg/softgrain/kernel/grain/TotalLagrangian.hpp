@@ -1,14 +1,20 @@
 // The total-Lagrangian MPM as a set of grains: shape functions and masses never change, so the
-// nodal positions and velocities of a batch are the state (method: section 2).
+// nodal positions and velocities of a batch are the state (method: section 2). With
+// VelocityUpdate::flip the velocities live at the material points instead; positions and
+// deformation gradients are then computed alike, because points move as the nodes make them.
 #pragma once
 
 #include "grain/GrainSet.hpp"
+#include "grain/PointVelocities.hpp"
+
+#include <optional>
 
 namespace softgrain {
 
 template <int dim> class TotalLagrangian : public GrainSet<dim> {
 public:
-	explicit TotalLagrangian(Batch<dim> batch);
+	/// Grains in the state of the batch.
+	explicit TotalLagrangian(Batch<dim> batch, const Scheme& scheme = {});
 
 	Batch<dim>& batch() { return batch_; }
 	const Batch<dim>& batch() const { return batch_; }
@@ -36,7 +42,8 @@ public:
 	void move(double dt, int threads) override;
 	double contactPositions(int g, std::vector<Vec<dim>>& at) const override;
 
-	WholeGrain<dim> whole(int g) const override { return wholeGrain(batch_, g); }
+	/// Of the nodes, or of the points where velocities live there.
+	WholeGrain<dim> whole(int g) const override;
 	std::vector<PointResponse<dim>> points(int g) const override
 	{
 		return pointResponses(batch_, g);
@@ -52,9 +59,11 @@ public:
 
 private:
 	int nodes() const { return batch_.reference->nodes(); }
+	Vec<dim> pointAt(int g, int p) const;
 
 	Batch<dim> batch_;
-	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
+	std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
+	std::vector<double> criticalTimeStep_;                ///< of the undeformed grains, s
 };
 
 } // namespace softgrain

@@ -116,6 +116,27 @@ template <int dim, Condition condition> struct NeoHookean {
 		}
 	}
 
+	/// Replaces the stiffening, after `evaluate`, by that seen by a grid fixed in space: with a
+	/// spatial wave vector k, rho0 omega^2 = mu |F^T k|^2 + (lambda + mu - lambda ln J) |k|^2.
+	static void stiffenInSpace(PointLanes<dim>& point, const LameConstants& lame)
+	{
+#pragma omp simd
+		for (int l = 0; l < laneWidth; ++l) {
+			double F[dim][dim], tau = 0, b = 0; // first diagonal entries
+			laneOf(point.F, l, F);
+			for (int a = 0; a < dim; ++a) {
+				tau += point.P[0][a][l] * F[0][a];
+				b += F[0][a] * F[0][a];
+			}
+			const double lambda = lame.lambda[l], mu = lame.mu[l];
+			const double rest = tau - mu * b; // lambda ln J - mu; with P33 = 0 also
+							  // -mu F33^2
+			point.stiffening[l] = (mu * detail::largestSquaredStretch<dim>(F) +
+					       inPlane(lambda, -rest) - rest) /
+					      (inPlane(lambda, mu) + 2 * mu);
+		}
+	}
+
 private:
 	static void laneOf(const Lanes (&tensor)[dim][dim], int l, double (&T)[dim][dim])
 	{

@@ -16,31 +16,51 @@ struct SplineStencil {
 	std::array<double, maxSplineOrder + 1> gradient {}; ///< dN/dx, in 1/(grid step)
 };
 
-/// B-splines of `order` 1 (linear), 2 (quadratic) or 3 (cubic) centred on the integers, at `x` in
-/// grid steps. They sum to 1 and reproduce linear functions: sum_i i N(x - i) = x.
-inline SplineStencil splineStencil(int order, double x)
+/// One of the factors for each B-spline that does not vanish.
+using SplineFactors = std::array<double, maxSplineOrder + 1>;
+
+/// Grid index of the first B-spline that does not vanish at `x` (grid steps), as a number.
+template <int order> double firstSpline(double x)
+{
+	return order == 2 ? std::floor(x + 0.5) - 1 : std::floor(x) - (order == 3);
+}
+
+/// Values and gradients at `t` from the grid node that is the first one (order 1) or the second one
+/// (orders 2 and 3) of the stencil.
+template <int order> void splineFactors(double t, SplineFactors& value, SplineFactors& gradient)
+{
+	if constexpr (order == 1) {
+		value = { 1 - t, t, 0, 0 };
+		gradient = { -1, 1, 0, 0 };
+	} else if constexpr (order == 2) { // t in [-1/2, 1/2)
+		value = { 0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t),
+			  0 };
+		gradient = { t - 0.5, -2 * t, t + 0.5, 0 };
+	} else { // t in [0, 1)
+		const double u = 1 - t;
+		value = { u * u * u / 6, 2. / 3 - t * t * (1 - 0.5 * t),
+			  2. / 3 - u * u * (1 - 0.5 * u), t * t * t / 6 };
+		gradient = { -0.5 * u * u, t * (1.5 * t - 2), -u * (1.5 * u - 2), 0.5 * t * t };
+	}
+}
+
+/// B-splines of `order` centred on the integers, at `x` in grid steps. They sum to 1 and reproduce
+/// linear functions: sum_i i N(x - i) = x.
+template <int order> SplineStencil splineStencil(double x)
 {
 	SplineStencil s;
-	if (order == 1) {
-		s.first = static_cast<int>(std::floor(x));
-		const double t = x - s.first;
-		s.value = { 1 - t, t, 0, 0 };
-		s.gradient = { -1, 1, 0, 0 };
-	} else if (order == 2) {
-		s.first = static_cast<int>(std::floor(x + 0.5)) - 1;
-		const double t = x - (s.first + 1); // in [-1/2, 1/2)
-		s.value = { 0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t),
-			    0 };
-		s.gradient = { t - 0.5, -2 * t, t + 0.5, 0 };
-	} else {
-		s.first = static_cast<int>(std::floor(x)) - 1;
-		const double t = x - (s.first + 1); // in [0, 1)
-		const double u = 1 - t;
-		s.value = { u * u * u / 6, 2. / 3 - t * t * (1 - 0.5 * t),
-			    2. / 3 - u * u * (1 - 0.5 * u), t * t * t / 6 };
-		s.gradient = { -0.5 * u * u, t * (1.5 * t - 2), -u * (1.5 * u - 2), 0.5 * t * t };
-	}
+	const double first = firstSpline<order>(x);
+	s.first = static_cast<int>(first);
+	splineFactors<order>(x - (s.first + (order > 1)), s.value, s.gradient);
 	return s;
+}
+
+/// The same with order 1 (linear), 2 (quadratic) or 3 (cubic) chosen at run time.
+inline SplineStencil splineStencil(int order, double x)
+{
+	return order == 1   ? splineStencil<1>(x)
+	       : order == 2 ? splineStencil<2>(x)
+			    : splineStencil<3>(x);
 }
 
 } // namespace softgrain

@@ -61,8 +61,10 @@ template <int dim> void System<dim>::updateForces(int threads)
 	for (int g = 0; g < grains(); ++g) {
 		const int point = setOf(g).report(indexInSet(g)).invertedPoint;
 		if (point >= 0)
-			throw StepError(g, point,
-					"the material point is inverted (J <= 0 or not finite)");
+			throw StepError(
+				g, point,
+				"the material point is inverted (J <= 0 or not finite) or has left "
+				"its grain");
 	}
 	forcesFresh_ = true;
 }
