@@ -41,7 +41,12 @@ def parse_options(arguments=None):
         default="plane_strain",
         help="what closes the third dimension",
     )
-    add("--contact", choices=("surface", "points"), default="surface", help="contact geometry")
+    add(
+        "--contact",
+        choices=("surface", "points", "nodes"),
+        default="surface",
+        help="contact geometry",
+    )
     command_line.add_method_options(parser)
     add(
         "--speed",

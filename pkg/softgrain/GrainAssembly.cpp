@@ -69,10 +69,19 @@ public:
 			const int grain = c.key.side == 0 ? list.first : list.second;
 			result.push_back(
 				{ c.key,
-				  toSpace<dim>(system_->body(grain).position[c.key.node], z_),
+				  toSpace<dim>(system_->body(grain).contactPoint(c.key.node), z_),
 				  toSpace<dim>(c.normal), toSpace<dim>(c.impulse), c.gap });
 		}
 		return result;
+	}
+
+	std::vector<ContactPressure> pressures() const override
+	{
+		if (list.contacts.empty()) return {};
+		return contactPressures<dim>(system_->body(list.first),
+					     list.second < 0 ? nullptr
+							     : &system_->body(list.second),
+					     list.contacts, system_->lastKick());
 	}
 
 	void restore(const std::vector<ContactRecord>& saved) override
@@ -236,6 +245,12 @@ public:
 		return fields;
 	}
 
+	double undeformedVolume(int g) const override
+	{
+		const GrainParameters<dim>& grain = parameters(g);
+		return std::pow(grain.radius, dim) * system_.setOf(g).reference().volume;
+	}
+
 	std::vector<double> nodePositions(int g) const override
 	{
 		return numbersOf<dim>(system_.setOf(g).nodePositions(system_.indexInSet(g)));
@@ -325,7 +340,7 @@ std::shared_ptr<GrainAssembly> GrainAssembly::create(const std::vector<GrainDesc
 			throw std::invalid_argument("grains #" + std::to_string(first.id) +
 						    " and #" + std::to_string(d.id) +
 						    " have different contact geometries; a scene "
-						    "uses 'surface' or 'points' for all");
+						    "uses 'surface', 'points' or 'nodes' for all");
 	}
 	if (grains.front().dim == 2) return std::make_shared<GrainAssemblyOf<2>>(grains);
 	return std::make_shared<GrainAssemblyOf<3>>(grains);

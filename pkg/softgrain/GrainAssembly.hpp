@@ -3,6 +3,7 @@
 #pragma once
 
 #include "ContactProblemArrays.hpp"
+#include "contact/Pressure.hpp"
 #include "step/System.hpp"
 
 #include <Eigen/Geometry>
@@ -62,6 +63,8 @@ public:
 	virtual double deepest() const = 0; ///< largest overlap, in dr
 	virtual void setFriction(double coefficient) = 0;
 	virtual std::vector<ContactRecord> records() const = 0;
+	/// Of the last step, one for each record.
+	virtual std::vector<ContactPressure> pressures() const = 0;
 	/// Puts saved impulses back; the next search carries them over to the contacts it finds.
 	virtual void restore(const std::vector<ContactRecord>& saved) = 0;
 };
@@ -109,6 +112,7 @@ public:
 	virtual Box<3> box(int g) const = 0;
 	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes
 	virtual PointFields points(int g) const = 0;
+	virtual double undeformedVolume(int g) const = 0; ///< m^2 (m^3)
 	/// Of the background nodes, `dim` numbers a node.
 	virtual std::vector<double> nodePositions(int g) const = 0;
 	virtual std::vector<double> nodeVelocities(int g) const = 0;

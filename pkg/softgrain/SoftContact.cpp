@@ -45,7 +45,8 @@ py::dict SoftGeom::contactArrays() const
 	std::vector<Vec3> point, normals, impulse;
 	std::vector<double> gap;
 	std::vector<int> side, node;
-	if (pair)
+	std::vector<double> area, pressure;
+	if (pair) {
 		for (const ContactRecord& c : pair->records()) {
 			point.push_back(c.point);
 			normals.push_back(c.normal);
@@ -54,11 +55,18 @@ py::dict SoftGeom::contactArrays() const
 			side.push_back(c.key.side);
 			node.push_back(c.key.node);
 		}
+		for (const softgrain::ContactPressure& p : pair->pressures()) {
+			area.push_back(p.area);
+			pressure.push_back(p.pressure);
+		}
+	}
 	py::dict arrays;
 	arrays["point"] = softgrain::numpyArray(point);
 	arrays["normal"] = softgrain::numpyArray(normals);
 	arrays["impulse"] = softgrain::numpyArray(impulse);
 	arrays["gap"] = softgrain::numpyArray(gap, py::make_tuple(-1));
+	arrays["area"] = softgrain::numpyArray(area, py::make_tuple(-1));
+	arrays["pressure"] = softgrain::numpyArray(pressure, py::make_tuple(-1));
 	arrays["side"] = softgrain::numpyArray(side, py::make_tuple(-1));
 	arrays["node"] = softgrain::numpyArray(node, py::make_tuple(-1));
 	return arrays;

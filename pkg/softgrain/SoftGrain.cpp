@@ -11,13 +11,16 @@ YADE_PLUGIN((SoftGrain)(Bo1_SoftGrain_Aabb));
 namespace {
 
 template <class Choice>
-Choice choose(const char* parameter, const string& value, const string& first, Choice firstChoice,
-	      const string& second, Choice secondChoice)
+Choice choose(const char* parameter, const string& value,
+	      const std::vector<std::pair<string, Choice>>& choices)
 {
-	if (value == first) return firstChoice;
-	if (value == second) return secondChoice;
-	throw std::invalid_argument(string(parameter) + " = '" + value + "' is unknown; known: '" +
-				    first + "', '" + second + "'");
+	string known;
+	for (const auto& [name, choice] : choices) {
+		if (value == name) return choice;
+		known += (known.empty() ? "'" : ", '") + name + "'";
+	}
+	throw std::invalid_argument(string(parameter) + " = '" + value +
+				    "' is unknown; known: " + known);
 }
 
 } // namespace
@@ -31,10 +34,18 @@ softgrain::TemplateRecipe SoftGrain::recipe() const
 	r.order = order;
 	r.nodeSpacing = nodeSpacing;
 	r.surfaceSpacing = surfaceSpacing;
-	r.quadrature = choose("quadrature", quadrature, "cutCell", QuadratureRule::cutCell,
-			      "lattice", QuadratureRule::lattice);
-	r.contact = choose("contact", contact, "surface", ContactGeometry::surface, "points",
-			   ContactGeometry::points);
+	r.quadrature = choose<QuadratureRule>(
+		"quadrature", quadrature,
+		{ { "cutCell", QuadratureRule::cutCell }, { "lattice", QuadratureRule::lattice } });
+	r.contact = choose<ContactGeometry>("contact", contact,
+					    { { "surface", ContactGeometry::surface },
+					      { "points", ContactGeometry::points },
+					      { "nodes", ContactGeometry::nodes } });
+	r.form.form = choose<softgrain::Form>(
+		"form", form,
+		{ { "ball", softgrain::Form::ball }, { "block", softgrain::Form::block } });
+	for (int a = 0; a < 3; ++a)
+		r.form.aspect[a] = aspect[a];
 	return r;
 }
 
@@ -93,6 +104,11 @@ void SoftGrain::postLoad(SoftGrain&)
 	scheme().validate(recipe());
 	softgrain::require(radius > 0 && math::isfinite(radius), "radius", radius, "(0, inf) m");
 	softgrain::require(dim == 2 || dim == 3, "dim", dim, "2, 3");
+	const bool flatOrRound = form == "ball" || dim == 2;
+	softgrain::require(!flatOrRound || aspect[2] == 1, "aspect[2]", aspect[2],
+			   "1 for a ball, and in 2D");
+	softgrain::require(form != "ball" || (aspect[0] == 1 && aspect[1] == 1), "aspect",
+			   std::max(aspect[0], aspect[1]), "1 for a ball");
 }
 
 softgrain::GrainAssembly& SoftGrain::assembled()
@@ -127,6 +143,8 @@ py::dict SoftGrain::pointArrays()
 	return arrays;
 }
 
+Real SoftGrain::undeformedVolume() { return assembled().undeformedVolume(index); }
+
 Real SoftGrain::presentVolume()
 {
 	const auto fields = assembled().points(index);
@@ -142,9 +160,9 @@ void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& b
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
 	if (!bound) bound = shared_ptr<Bound>(new Aabb);
 	const auto outline = outlineBox(grain, *scene);
-	const auto box =
-		outline ? outline->grown(margin * grain.radius)
-			: softgrain::Box<3> { se3.position, se3.position }.grown(grain.radius);
+	const auto box = outline ? outline->grown(margin * grain.radius)
+				 : softgrain::Box<3> { se3.position, se3.position }.grown(
+					   grain.radius * grain.aspect.norm());
 	bound->min = box.low;
 	bound->max = box.high;
 }

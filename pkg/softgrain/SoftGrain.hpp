@@ -35,18 +35,22 @@ public:
 	py::object nodalVelocitiesArray();
 	py::dict pointArrays();
 	Real presentVolume();
+	Real undeformedVolume();
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGrain, Shape,
-		"Deformable grain: a disk (dim = 2, in the xy-plane, all quantities per unit thickness) or a ball (dim = 3) solved by the material point method on its own background grid. One grain is one :yref:`Body`; its :yref:`State` holds the motion of the grain as a whole. The attributes are set when the grain is made and do not change.",
-		((Real, radius, 1, Attr::readonly, "Radius of the undeformed grain, > 0 [m]."))
+		"Deformable grain: a disk or rectangle (dim = 2, in the xy-plane, all quantities per unit thickness) or a ball or cuboid (dim = 3) solved by the material point method on its own background grid. One grain is one :yref:`Body`; its :yref:`State` holds the motion of the grain as a whole. The attributes are set when the grain is made and do not change.",
+		((Real, radius, 1, Attr::readonly, "Radius of the undeformed grain; of a block half its shortest side; > 0 [m]."))
+		((string, form, "ball", Attr::readonly, "Outline of the undeformed grain: 'ball' (disk in 2D) or 'block' (rectangle in 2D, sides along the axes of the grain)."))
+		((Vector3r, aspect, Vector3r(1, 1, 1), Attr::readonly, "Half sides of a block over *radius*: the smallest component is 1, the largest at most 100, in 2D the last one is 1; (1, 1, 1) for a ball [-]."))
 		((int, dim, 2, Attr::readonly, "2 or 3."))
 		((Real, zeta, 0.11, Attr::readonly, "Relative resolution ζ = 2 dr/D = dr/radius with dr the spacing of material points, in [0.001, 0.5] [-]. Cost grows as ζ⁻³ in 2D; for errors see doc/validation.md."))
 		((int, order, 3, Attr::readonly, "Order of the B-splines: 1, 2 or 3."))
 		((Real, nodeSpacing, 2, Attr::readonly, "Spacing of background nodes h/dr, in [1.5, 4] [-]; 2 gives four points a cell in 2D."))
 		((Real, surfaceSpacing, 1, Attr::readonly, "Spacing of surface nodes over dr, in [0.5, 4] [-]; above 1.5 outlines sink into each other between nodes."))
 		((string, quadrature, "cutCell", Attr::readonly, "Where the material points lie: 'cutCell' (lattice cells cut with the outline, weights exact) or 'lattice' (uniform weights)."))
-		((string, contact, "surface", Attr::readonly, "What touches: 'surface' (nodes on the outline against the other outline) or 'points' (boundary points as disks of diameter dr)."))
+		((string, contact, "surface", Attr::readonly, "What touches: 'surface' (nodes on the outline against the other outline), "
+			"'points' (boundary points as disks of diameter dr) or 'nodes' (nodes of a grid in space that get mass from two bodies; for comparison only)."))
 		((string, formulation, "total", Attr::readonly, "'total' (total Lagrangian: grid and shape functions stay in the reference configuration) or 'updated' (updated Lagrangian: a grid fixed in space, shape functions made anew in every step; order 2 or 3). 'updated' is there for comparison: slower and less accurate."))
 		((string, velocityUpdate, "nodal", Attr::readonly, "Where velocities live from step to step with formulation 'total': 'nodal' (at the background nodes; conserves energy and angular momentum) or 'flip' (at the material points, mapped to the nodes and back in every step, the classical cycle; for comparison). With formulation 'updated' always at the points."))
 		((Real, picShare, 0, Attr::readonly, "Where velocities live at the points: share of the nodal velocity itself (PIC) instead of its change (FLIP) that points take over in a step, in [0, 1] [-]. Damps; doc/decisions/0005-formulations.md."))
@@ -59,6 +63,7 @@ public:
 		.def("nodes", &SoftGrain::nodesArray, "Present positions of the background nodes (formulation 'updated': of the material points, since nodes keep nothing): array (n, dim) [m].")
 		.def("nodeVelocities", &SoftGrain::nodalVelocitiesArray, "Velocities of the background nodes (formulation 'updated': of the material points) half a step ago: array (n, dim) [m/s].")
 		.def("points", &SoftGrain::pointArrays, "Fields at the material points, a dict of arrays: position (n, 3) [m], F (n, 3, 3) deformation gradient [-], cauchy (n, 3, 3) Cauchy stress [Pa], volume (n,) present volume [m³, 2D m²].")
+		.def("undeformedVolume", &SoftGrain::undeformedVolume, "Volume of the undeformed grain [m³] (2D: area [m²]).")
 		.def("volume", &SoftGrain::presentVolume, "Present volume [m³] (2D: area [m²]), Σ Vp0 J.")
 	);
 	// clang-format on

@@ -50,6 +50,41 @@ def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
     return _soft_body(center, radius, 2, material, color, mask, shape)
 
 
+def soft_block(center, size, material=-1, color=None, mask=1, **shape):
+    """A soft rectangle in the xy-plane, or a soft cuboid, with sides along the axes.
+
+    ``zeta`` is over half the shortest side, which is the block's ``radius``.
+
+    Args:
+        center (Vector3): position of the centre [m].
+        size (tuple): lengths of the undeformed sides along x and y, for a cuboid x, y and z, each
+            > 0 and at most 100 times the shortest [m].
+        material, color, mask, **shape: as for :func:`soft_disk`.
+
+    Returns:
+        Body: to be added with ``O.bodies.append``; ``body.state.ori`` set before turns it.
+
+    Raises:
+        ValueError: a value is out of its range, or the material is no ``SoftMat``.
+    """
+    sides = [float(side) for side in size]
+    if len(sides) not in (2, 3):
+        raise ValueError(f"size = {tuple(size)} has {len(sides)} components, admissible: 2, 3")
+    if not all(0 < side < math.inf for side in sides):
+        raise ValueError(f"size = {tuple(size)} is outside the admissible range (0, inf) m")
+    radius = min(sides) / 2
+    aspect = [side / min(sides) for side in sides] + [1.0] * (3 - len(sides))
+    return _soft_body(
+        center,
+        radius,
+        len(sides),
+        material,
+        color,
+        mask,
+        {**shape, "form": "block", "aspect": aspect},
+    )
+
+
 def soft_sphere(center, radius, material=-1, color=None, mask=1, **shape):
     """A soft ball; arguments, result and errors as for :func:`soft_disk`."""
     return _soft_body(center, radius, 3, material, color, mask, shape)
@@ -60,8 +95,7 @@ def _soft_body(center, radius, dim, material, color, mask, shape):
     body.shape = wrapper.SoftGrain(
         radius=radius, dim=dim, color=color if color else utils.randomColor(), **shape
     )
-    volume = _volume(radius, dim)
-    inertia = volume * radius**2 * (0.5 if dim == 2 else 0.4)
+    volume, inertia = _volume_and_inertia(body.shape)
     utils._commonBodySetup(
         body,
         volume,
@@ -74,8 +108,19 @@ def _soft_body(center, radius, dim, material, color, mask, shape):
     return body
 
 
-def _volume(radius, dim):
-    return math.pi * radius**2 if dim == 2 else 4 / 3 * math.pi * radius**3
+def _volume_and_inertia(grain):
+    """Volume [m³, 2D m²], and moment of inertia over density: about z in 2D, the mean principal one
+    in 3D."""
+    if grain.form == "block":
+        sides = [2 * grain.radius * grain.aspect[a] for a in range(grain.dim)]
+        volume = math.prod(sides)
+        squares = sum(side**2 for side in sides)
+        return volume, volume * squares / (12 if grain.dim == 2 else 18)
+    if grain.dim == 2:
+        volume = math.pi * grain.radius**2
+        return volume, 0.5 * volume * grain.radius**2
+    volume = 4 / 3 * math.pi * grain.radius**3
+    return volume, 0.4 * volume * grain.radius**2
 
 
 def _soft_material(material):
@@ -231,8 +276,9 @@ def _convert(body, grain, material):
     state = body.state
     body.shape = grain
     body.material = material
-    state.mass = _volume(grain.radius, grain.dim) * material.density
-    state.inertia = (state.mass * grain.radius**2 * (0.5 if grain.dim == 2 else 0.4),) * 3
+    volume, inertia = _volume_and_inertia(grain)
+    state.mass = volume * material.density
+    state.inertia = (inertia * material.density,) * 3
     velocity, spin = state.vel, state.angVel
     if grain.dim == 2:
         velocity = (velocity[0], velocity[1], 0)

@@ -37,10 +37,7 @@ def packing_fraction(box_area, nominal=False):
         float: phi or phi0 [-].
     """
     if nominal:
-        areas = [
-            np.pi * b.shape.radius**2 if b.shape.dim == 2 else 4 / 3 * np.pi * b.shape.radius**3
-            for b in soft_bodies()
-        ]
+        areas = [b.shape.undeformedVolume() for b in soft_bodies()]
     else:
         areas = [grain_area(b) for b in soft_bodies()]
     return sum(areas) / box_area

@@ -135,9 +135,11 @@ ContactBody<dim> contactBody(const GrainTemplate<dim>& reference, double radius,
 	ContactBody<dim> body;
 	body.mesh = &reference.contactMesh;
 	body.delassus = &reference.delassus;
+	body.overlap = &reference.overlap;
 	body.delassusScale = 1 / (1000 * std::pow(radius, dim));
 	body.nodeRadius = radius * reference.contactRadius;
 	body.pointSpacing = radius * reference.pointSpacing();
+	body.inradius = radius * reference.inradius;
 	for (const Vec<dim>& X : reference.contactMesh.vertex)
 		body.position.push_back(centre + radius * (rotation * X));
 	body.velocity.assign(body.position.size(), Vec<dim>::Zero());

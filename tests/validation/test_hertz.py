@@ -102,6 +102,12 @@ def test_points_geometry_is_stiffer(tmp_path):
     assert 0.1 < errors(result).mean() < 2
 
 
+def test_nodes_geometry_is_stiffer_still(tmp_path):
+    """Contact on a common grid acts a part of a grid step before the outlines touch."""
+    result = press(tmp_path, "--zeta", "0.2", "--contact", "nodes", "--until", "0.08")
+    assert 0.2 < errors(result).mean() < 4
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("condition", ("plane_strain", "plane_stress"))
 def test_converges(tmp_path, condition):

@@ -21,10 +21,11 @@ template <int dim> struct Balls {
 	Balls() { mesh.reserve(10); }
 	void add(double R, const Vec<dim>& c, const Mat<dim>& Q, double spacing)
 	{
-		mesh.push_back(UnitBall<dim>::mesh(spacing / R));
+		mesh.push_back(UnitBall<dim>().mesh(spacing / R));
 		ContactBody<dim> b;
 		b.mesh = &mesh.back();
 		b.pointSpacing = spacing;
+		b.inradius = R;
 		for (const Vec<dim>& X : mesh.back().vertex)
 			b.position.push_back(c + R * (Q * X));
 		b.updateGeometry();

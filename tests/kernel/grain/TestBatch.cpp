@@ -68,7 +68,7 @@ TEMPLATE_TEST_CASE_SIG("Batch: masses and energies scale with size, density and 
 	large.constants = { 5, 0.3, 7 };
 	Batch<dim> batch(reference, Law::neoHookean, usualCondition<dim>, { small, large });
 	const double size = std::pow(3, dim);
-	CHECK(std::abs(batch.mass(0) - UnitBall<dim>::volume()) < 1e-12);
+	CHECK(std::abs(batch.mass(0) - UnitBall<dim>().volume()) < 1e-12);
 	CHECK(std::abs(batch.mass(1) / batch.mass(0) / (7 * size) - 1) < 1e-14);
 	for (int I = 0; I < reference->nodes(); ++I)
 		CHECK(std::abs(batch.nodeMass(1, I) / batch.nodeMass(0, I) / (7 * size) - 1) <

@@ -117,7 +117,7 @@ TEMPLATE_TEST_CASE("Internal force: a homogeneous deformation is met exactly", "
 		deform<dim>(batch, 0, F);
 		computeInternalForce(batch, 1);
 		const auto law = respond<TestType>(F, c);
-		const double volume = UnitBall<dim>::volume() * std::pow(0.01, dim);
+		const double volume = UnitBall<dim>().volume() * std::pow(0.01, dim);
 		CHECK(std::abs(batch.report[0].elasticEnergy / (law.energy * volume) - 1) < 1e-10);
 		CHECK(std::abs(batch.report[0].stiffening / law.stiffening - 1) < 1e-9);
 		Mat<dim> virial = Mat<dim>::Zero(); // - sum_I f_I (x) X_I = V P

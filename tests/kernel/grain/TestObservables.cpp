@@ -37,7 +37,7 @@ TEMPLATE_TEST_CASE_SIG("Observables: a grain moving as a rigid body", "[grain]",
 			  Mat<dim>::Zero());
 
 	const auto whole = wholeGrain(batch, g);
-	const double R = grain.radius, mass = 1700 * UnitBall<dim>::volume() * std::pow(R, dim);
+	const double R = grain.radius, mass = 1700 * UnitBall<dim>().volume() * std::pow(R, dim);
 	CHECK(std::abs(whole.mass / mass - 1) < 1e-13);
 	CHECK((whole.centre - shift).norm() < 1e-14);
 	CHECK((whole.velocity - velocity).norm() < 1e-13);
@@ -60,8 +60,8 @@ TEMPLATE_TEST_CASE_SIG("Observables: a grain moving as a rigid body", "[grain]",
 	for (int I = 0; I < batch.reference->nodes(); ++I)
 		doubled.set(g, I, 2 * batch.v.get(g, I));
 	CHECK(std::abs(kineticEnergy(batch, batch.v, doubled, g) / rigid - 2) < 1e-12);
-	CHECK(std::abs(currentVolume(batch, g) / (UnitBall<dim>::volume() * std::pow(R, dim)) - 1) <
-	      1e-11);
+	CHECK(std::abs(currentVolume(batch, g) / (UnitBall<dim>().volume() * std::pow(R, dim)) -
+		       1) < 1e-11);
 
 	const auto other = wholeGrain(batch, 0); // the neighbour in the next lane has not moved
 	CHECK(other.velocity.norm() == 0);
@@ -84,7 +84,7 @@ TEMPLATE_TEST_CASE_SIG("Observables: rotation and volume of a deformed grain", "
 		CHECK((whole.rotation - Q).norm() < 1e-11);
 		CHECK(std::abs(whole.rotation.determinant() - 1) < 1e-12);
 		const double volume =
-			stretch.prod() * UnitBall<dim>::volume() * batch.pointScale[0];
+			stretch.prod() * UnitBall<dim>().volume() * batch.pointScale[0];
 		CHECK(std::abs(currentVolume(batch, 0) / volume - 1) < 1e-11);
 	}
 }

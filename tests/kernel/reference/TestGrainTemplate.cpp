@@ -50,7 +50,7 @@ TEMPLATE_TEST_CASE_SIG("Grain template: masses are positive and sum to the volum
 		double sum = 0;
 		for (double m : t->nodeMass)
 			sum += m;
-		CHECK(std::abs(sum / UnitBall<dim>::volume() - 1) < 1e-13);
+		CHECK(std::abs(sum / UnitBall<dim>().volume() - 1) < 1e-13);
 		CHECK(lightest(*t) >
 		      0.1 * lightNodeShare); // light nodes are tied, and tying makes none negative
 		CHECK(static_cast<int>(t->nodeMass.size()) == t->nodes());
@@ -163,8 +163,8 @@ TEMPLATE_TEST_CASE_SIG("Grain template: a large share of tied nodes keeps mass a
 		CHECK(m > 0);
 		sum += m;
 	}
-	CHECK(std::abs(sum / UnitBall<dim>::volume() - 1) < 1e-12);
-	for (const Vec<dim>& X : UnitBall<dim>::mesh(0.2).vertex) {
+	CHECK(std::abs(sum / UnitBall<dim>().volume() - 1) < 1e-12);
+	for (const Vec<dim>& X : UnitBall<dim>().mesh(0.2).vertex) {
 		SparseRows<ShapeFunction<dim>> row;
 		tied.appendShapes(X, row);
 		double N = 0;
@@ -214,8 +214,8 @@ TEMPLATE_TEST_CASE_SIG("Grain template: contact nodes of both geometries", "[ref
 	r.surfaceSpacing = 1.25;
 	const auto surface = makeGrainTemplate<dim>(r);
 	CHECK(surface->contactRadius == 0);
-	CHECK(surface->contactMesh.vertex.size() == UnitBall<dim>::mesh(0.25).vertex.size());
-	CHECK(surface->contactMesh.facet.size() == UnitBall<dim>::mesh(0.25).facet.size());
+	CHECK(surface->contactMesh.vertex.size() == UnitBall<dim>().mesh(0.25).vertex.size());
+	CHECK(surface->contactMesh.facet.size() == UnitBall<dim>().mesh(0.25).facet.size());
 
 	r.contact = ContactGeometry::points;
 	const auto points = makeGrainTemplate<dim>(r);

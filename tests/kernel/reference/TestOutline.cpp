@@ -55,10 +55,10 @@ template <int dim> double meanEdge(const OutlineMesh<dim>& m)
 
 TEST_CASE("Outline: volume and signed distance of the unit ball", "[reference]")
 {
-	CHECK(std::abs(UnitBall<2>::volume() - std::numbers::pi) < 1e-15);
-	CHECK(std::abs(UnitBall<3>::volume() - 4.1887902047863905) < 1e-14);
-	CHECK(UnitBall<2>::signedDistance({ 0, 0 }) == -1);
-	CHECK(UnitBall<3>::signedDistance({ 0, 3, 4 }) == 4);
+	CHECK(std::abs(UnitBall<2>().volume() - std::numbers::pi) < 1e-15);
+	CHECK(std::abs(UnitBall<3>().volume() - 4.1887902047863905) < 1e-14);
+	CHECK(UnitBall<2>().signedDistance({ 0, 0 }) == -1);
+	CHECK(UnitBall<3>().signedDistance({ 0, 3, 4 }) == 4);
 }
 
 TEMPLATE_TEST_CASE_SIG("Outline: vertices on the ball, facets outwards", "[reference]",
@@ -66,7 +66,7 @@ TEMPLATE_TEST_CASE_SIG("Outline: vertices on the ball, facets outwards", "[refer
 {
 	for (double spacing : { 0.05, 0.11, 0.3, 1., 2. }) {
 		CAPTURE(spacing);
-		const auto mesh = UnitBall<dim>::mesh(spacing);
+		const auto mesh = UnitBall<dim>().mesh(spacing);
 		CHECK(mesh.vertex.size() >= 8);
 		for (const Vec<dim>& X : mesh.vertex)
 			CHECK(std::abs(X.norm() - 1) < 1e-14);
@@ -81,7 +81,7 @@ TEMPLATE_TEST_CASE_SIG("Outline: closed, every edge once in each direction", "[r
 		       ((int dim), dim), 2, 3)
 {
 	for (double spacing : { 0.07, 0.2, 0.5 }) {
-		const auto mesh = UnitBall<dim>::mesh(spacing);
+		const auto mesh = UnitBall<dim>().mesh(spacing);
 		std::set<int> used;
 		for (const auto& f : mesh.facet)
 			used.insert(f.begin(), f.end());
@@ -122,7 +122,7 @@ TEMPLATE_TEST_CASE_SIG("Outline: enclosed volume converges at second order from 
 			0.52575 /
 			n; // halves the edges in 3D too, where they divide the icosahedron's
 		const double error =
-			1 - enclosed(UnitBall<dim>::mesh(spacing)) / UnitBall<dim>::volume();
+			1 - enclosed(UnitBall<dim>().mesh(spacing)) / UnitBall<dim>().volume();
 		CAPTURE(spacing, error);
 		CHECK(error > 0);
 		if (n > 1) {
@@ -139,7 +139,7 @@ TEMPLATE_TEST_CASE_SIG("Outline: mean edge near the spacing asked for", "[refere
 {
 	for (double spacing : { 0.05, 0.11, 0.2, 0.25 }) {
 		CAPTURE(spacing);
-		const double edge = meanEdge(UnitBall<dim>::mesh(spacing));
+		const double edge = meanEdge(UnitBall<dim>().mesh(spacing));
 		CAPTURE(edge);
 		CHECK(std::abs(edge / spacing - 1) < (dim == 2 ? 0.03 : 0.2));
 	}

@@ -104,7 +104,7 @@ TEMPLATE_TEST_CASE_SIG("Free rotation: nothing but centrifugal stress", "[step]"
 		for (std::size_t p = 0; p < responses.size(); ++p)
 			squares += scene.batchOf(0).reference->pointVolume[p] *
 				   responses[p].cauchy.squaredNorm();
-		rms = std::max(rms, std::sqrt(squares / UnitBall<dim>::volume()));
+		rms = std::max(rms, std::sqrt(squares / UnitBall<dim>().volume()));
 	}
 	const auto after = scene.whole(0);
 	CAPTURE(rms / centrifugal);

@@ -28,7 +28,7 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 		box.high = box.high.cwiseMax(x);
 	}
 	box = box.grown(nodeRadius);
-	if (!isSurface()) return;
+	if (!hasFacets()) return;
 	normal.assign(position.size(), Vec<dim>::Zero());
 	for (const auto& facet : mesh->facet) {
 		const Vec<dim> n = facetNormal(position, facet);
@@ -37,6 +37,32 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 	}
 	for (Vec<dim>& n : normal)
 		n.normalize();
+}
+
+template <int dim> Vec<dim> ContactBody<dim>::areaOfFacet(int facet) const
+{
+	return (dim == 2 ? 1. : 0.5) * facetNormal(position, mesh->facet[facet]);
+}
+
+template <int dim> bool ContactBody<dim>::facesAgainst(int node, const Vec<dim>& direction) const
+{
+	constexpr double leastCosine = 0.1;
+	const auto corner = mesh->sharp.find(node);
+	if (corner == mesh->sharp.end()) return normal[node].dot(direction) < -leastCosine;
+	for (int facet : corner->second) {
+		const Vec<dim> area = areaOfFacet(facet);
+		if (area.dot(direction) < -leastCosine * area.norm()) return true;
+	}
+	return false;
+}
+
+template <int dim> std::vector<Vec<dim>> ContactBody<dim>::nodeAreas() const
+{
+	std::vector<Vec<dim>> area(position.size(), Vec<dim>::Zero());
+	for (std::size_t f = 0; f < mesh->facet.size(); ++f)
+		for (int node : mesh->facet[f])
+			area[node] += areaOfFacet(static_cast<int>(f)) / dim;
+	return area;
 }
 
 template <int dim> double ContactBody<dim>::mobility(int node, int other) const

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "contact/CommonGrid.hpp"
 #include "reference/Outline.hpp"
 #include "reference/SparseRows.hpp"
 
@@ -30,9 +31,12 @@ template <int dim> struct ContactBody {
 	const OutlineMesh<dim>* mesh =
 		nullptr; ///< facets; without any the contact nodes are disks (spheres)
 	const SparseRows<double>* delassus = nullptr;
+	const SparseRows<double>* overlap =
+		nullptr;          ///< sum_I N_I(Xs) N_I(Xs'), for averages along the outline
 	double delassusScale = 0; ///< 1/(rho R^dim); table times this is W_ss', 1/kg
 	double nodeRadius = 0;    ///< of the disk about a contact node, m; 0 on a surface
 	double pointSpacing = 0;  ///< dr, m: the measure of overlaps
+	double inradius = 0;      ///< of the largest ball in the undeformed grain, m
 
 	std::vector<Vec<dim>> position; ///< xs at t_n, m
 	std::vector<Vec<dim>>
@@ -44,8 +48,36 @@ template <int dim> struct ContactBody {
 	Box<dim> box;                  ///< of the positions, node radii included
 	double fastest = 0;            ///< largest speed of a node, m/s
 
+	/// Contact on background nodes: step of the common grid, m (0: another geometry), and what
+	/// the body gives to its nodes. These are the contact nodes then: velocity, impulse and
+	/// delassus are theirs, while position, normal and mesh remain those of the outline.
+	double gridSpacing = 0;
+	std::vector<GridNode<dim>> gridNode;
+
 	int nodes() const { return static_cast<int>(position.size()); }
-	bool isSurface() const { return !mesh->facet.empty(); }
+	/// Of the outline (without facets: of the disks).
+	bool hasFacets() const { return !mesh->facet.empty(); }
+	bool isOnGrid() const { return gridSpacing > 0; }
+	bool isSurface() const { return hasFacets() && !isOnGrid(); }
+	const Vec<dim>& contactPoint(int node) const
+	{
+		return isOnGrid() ? gridNode[node].centre : position[node];
+	}
+	bool isSharp(int node) const { return mesh->sharp.count(node) > 0; }
+
+	/// Outward normal of a facet; its length is the area (2D: length) of the facet.
+	Vec<dim> areaOfFacet(int facet) const;
+	/// Outward unit normal at a node of a facet: that of the smooth outline, at a sharp node
+	/// that of the facet itself.
+	Vec<dim> normalAt(int facet, int node) const
+	{
+		return isSharp(node) ? areaOfFacet(facet).normalized() : normal[node];
+	}
+	/// Whether the outline at a node faces against `direction` (unit), within 84 degrees.
+	bool facesAgainst(int node, const Vec<dim>& direction) const;
+	/// Outward area vectors of the nodes: of the adjacent facets, an equal share each,
+	/// m^(dim-1).
+	std::vector<Vec<dim>> nodeAreas() const;
 
 	/// Renews normals and box after `position` was set.
 	void updateGeometry();

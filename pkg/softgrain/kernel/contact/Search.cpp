@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace softgrain {
 
@@ -54,12 +55,14 @@ template <int dim> struct PlaceOnOutline {
 	double squaredDistance = std::numeric_limits<double>::infinity();
 };
 
-template <int dim>
+/// Nearest place to `x` on those of the facets of `body` that `admissible` lets pass.
+template <int dim, class Admissible>
 PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body,
-				 const std::vector<int>& facets)
+				 const std::vector<int>& facets, Admissible&& admissible)
 {
 	PlaceOnOutline<dim> best;
 	for (int f : facets) {
+		if (!admissible(f)) continue;
 		std::array<Vec<dim>, dim> corner;
 		for (int i = 0; i < dim; ++i)
 			corner[i] = body.position[body.mesh->facet[f][i]];
@@ -85,10 +88,11 @@ void measureGap(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOu
 	double bulge = 0;
 	for (int i = 0; i < dim; ++i) {
 		foot += place.weight[i] * body.position[vertex[i]];
-		normal += place.weight[i] * body.normal[vertex[i]];
+		normal += place.weight[i] * body.normalAt(place.facet, vertex[i]);
 		for (int j = 0; j < i; ++j)
 			bulge += 0.5 * place.weight[i] * place.weight[j] *
-				 (body.normal[vertex[j]] - body.normal[vertex[i]])
+				 (body.normalAt(place.facet, vertex[j]) -
+				  body.normalAt(place.facet, vertex[i]))
 					 .dot(body.position[vertex[j]] - body.position[vertex[i]]);
 	}
 	contact.partners = dim;
@@ -96,6 +100,26 @@ void measureGap(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOu
 	contact.weight = place.weight;
 	contact.normal = normal.normalized();
 	contact.gap = (x - foot).dot(contact.normal) - bulge;
+}
+
+/// Whether the place nearest to `x` is a sharp edge or corner of the outline with `x` beyond the
+/// end of the facet: no facet lies under `x` then, and the distance to the edge is the gap.
+template <int dim>
+bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place,
+		  Contact<dim>& contact)
+{
+	Vec<dim> foot = Vec<dim>::Zero();
+	for (int i = 0; i < dim; ++i) {
+		const int vertex = body.mesh->facet[place.facet][i];
+		if (place.weight[i] > 0 && !body.isSharp(vertex)) return false;
+		foot += place.weight[i] * body.position[vertex];
+	}
+	const Vec<dim> apart = x - foot;
+	const Vec<dim> normal = body.areaOfFacet(place.facet).normalized();
+	if ((apart - apart.dot(normal) * normal).norm() < 1e-9 * body.pointSpacing) return false;
+	contact.normal = apart.normalized();
+	contact.gap = apart.norm();
+	return true;
 }
 
 template <int dim> std::vector<int> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
@@ -142,12 +166,23 @@ void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& o
 	if (nodes.empty()) return;
 	const auto facets = facetsIn(other, body.box.grown(margin));
 	if (facets.empty()) return;
+	// Near a corner the nearest facet need not be the one that a node lies against: there only
+	// facets count that the node faces.
+	const bool corners = !body.mesh->sharp.empty() || !other.mesh->sharp.empty();
 	for (int s : nodes) {
 		const Vec<dim>& x = body.position[s];
-		const PlaceOnOutline<dim> place = nearestPlace(x, other, facets);
+		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, [&](int f) {
+			return !corners || body.facesAgainst(s, other.areaOfFacet(f).normalized());
+		});
+		// None near: the node lies against no side of the grain, but it may be inside.
+		const bool faces = !corners || place.squaredDistance <= deep * deep;
+		if (!faces) place = nearestPlace(x, other, facets, [](int) { return true; });
 		Contact<dim> contact;
 		measureGap(x, other, place, contact);
-		if (contact.gap >= reach) continue;
+		if (corners && isBeyondEdge(x, other, place, contact) &&
+		    !body.facesAgainst(s, contact.normal))
+			continue;
+		if (contact.gap >= (faces ? reach : -deep)) continue;
 		keepDeepest(contact.gap, body, other, list);
 		if (contact.gap < -deep) continue;
 		contact.key = { side, s, -1 };
@@ -180,6 +215,66 @@ void disksAgainstDisks(const ContactBody<dim>& first, const ContactBody<dim>& se
 		}
 }
 
+/// Nodes of the common grid that get mass from both bodies. The normal is that of the difference of
+/// their mass gradients; the gap compares the centres of what each of them gives.
+template <int dim>
+void nodesOnCommonGrid(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
+		       ContactList<dim>& list)
+{
+	auto other = second.gridNode.begin();
+	for (auto node = first.gridNode.begin(); node != first.gridNode.end(); ++node) {
+		while (other != second.gridNode.end() && other->index < node->index)
+			++other;
+		if (other == second.gridNode.end()) return;
+		if (other->index != node->index) continue;
+		Contact<dim> contact;
+		contact.normal = (other->gradient - node->gradient).normalized();
+		contact.gap = (node->centre - other->centre).dot(contact.normal) -
+			      gridContactDistance * first.gridSpacing;
+		if (contact.gap >= reach) continue;
+		keepDeepest(contact.gap, first, second, list);
+		contact.key = { 0, static_cast<int>(node - first.gridNode.begin()), node->name() };
+		contact.partners = 1;
+		contact.partner[0] = static_cast<int>(other - second.gridNode.begin());
+		contact.weight[0] = 1;
+		list.contacts.push_back(contact);
+	}
+}
+
+/// The same with a wall, which stands for a mirror image of the body: half the contact distance.
+template <int dim>
+void nodesOnCommonGrid(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
+{
+	for (std::size_t J = 0; J < body.gridNode.size(); ++J) {
+		const GridNode<dim>& node = body.gridNode[J];
+		Vec<dim> x;
+		for (int a = 0; a < dim; ++a)
+			x[a] = node.index[a] * body.gridSpacing;
+		if ((x - list.plane.point).dot(list.plane.normal) >= body.gridSpacing) continue;
+		Contact<dim> contact;
+		contact.normal = list.plane.normal;
+		contact.gap = (node.centre - list.plane.point).dot(contact.normal) -
+			      0.5 * gridContactDistance * body.gridSpacing;
+		if (contact.gap >= reach) continue;
+		keepDeepest(contact.gap, body, body, list);
+		contact.key = { 0, static_cast<int>(J), node.name() };
+		list.contacts.push_back(contact);
+	}
+}
+
+/// Grid nodes have no lasting number in a body, but a name in the grid.
+template <int dim>
+void carryImpulsesByName(const std::vector<Contact<dim>>& last, std::vector<Contact<dim>>& present)
+{
+	std::map<int, Vec<dim>> known;
+	for (const Contact<dim>& contact : last)
+		known.emplace(contact.key.other, contact.impulse);
+	for (Contact<dim>& contact : present) {
+		const auto old = known.find(contact.key.other);
+		if (old != known.end()) contact.impulse = old->second;
+	}
+}
+
 /// Impulses of the last step go to the contacts that are still there (both lists are sorted by
 /// key).
 template <int dim>
@@ -196,9 +291,11 @@ void carryImpulses(const std::vector<Contact<dim>>& last, std::vector<Contact<di
 /// A grain inside another, or two of a size on one another: no node near an outline may tell.
 template <int dim> bool nested(const ContactBody<dim>& first, const ContactBody<dim>& second)
 {
-	auto radius = [](const Box<dim>& box) { return 0.5 * (box.high - box.low).minCoeff(); };
+	auto radius = [](const ContactBody<dim>& body) {
+		return std::min(body.inradius, 0.5 * (body.box.high - body.box.low).minCoeff());
+	};
 	const double distance = (first.box.centre() - second.box.centre()).norm();
-	const double r1 = radius(first.box), r2 = radius(second.box);
+	const double r1 = radius(first), r2 = radius(second);
 	return distance < std::max(std::abs(r1 - r2), 0.2 * std::min(r1, r2));
 }
 
@@ -215,6 +312,11 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 		first.isSurface() ? std::max(reach, contactDepth(first, second)) : reach;
 	if (!first.box.grown(margin).overlaps(second.box)) return;
 	if (nested(first, second)) list.deepest = std::numeric_limits<double>::infinity();
+	if (first.isOnGrid()) {
+		nodesOnCommonGrid(first, second, reach, list);
+		carryImpulsesByName(last, list.contacts);
+		return;
+	}
 	if (first.isSurface()) {
 		nodesAgainstOutline(first, second, 0, reach, list);
 		nodesAgainstOutline(second, first, 1, reach, list);
@@ -229,6 +331,11 @@ void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& 
 	std::vector<Contact<dim>> last;
 	last.swap(list.contacts);
 	list.deepest = 0;
+	if (body.isOnGrid()) {
+		nodesOnCommonGrid(body, reach, list);
+		carryImpulsesByName(last, list.contacts);
+		return;
+	}
 	for (int s = 0; s < body.nodes(); ++s) {
 		Contact<dim> contact;
 		contact.gap = (body.position[s] - list.plane.point).dot(list.plane.normal) -

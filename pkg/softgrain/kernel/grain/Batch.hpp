@@ -94,7 +94,7 @@ template <int dim> struct Batch {
 	int grains() const { return static_cast<int>(grain.size()); }
 	int blocks() const { return (grains() + laneWidth - 1) / laneWidth; }
 	double nodeMass(int g, int I) const { return massScale[g] * reference->nodeMass[I]; }
-	double mass(int g) const { return massScale[g] * UnitBall<dim>::volume(); }
+	double mass(int g) const { return massScale[g] * reference->volume; }
 	Vec<dim> position(int g, int I) const { return grain[g].origin + x.get(g, I); }
 
 	/// Places grain `g` undeformed: rotated by `rotation`, moving as a rigid body about its

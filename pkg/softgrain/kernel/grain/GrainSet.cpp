@@ -18,6 +18,17 @@ void requireSize(const char* what, const std::vector<double>& numbers, int expec
 }
 
 template <int dim>
+void GrainSet<dim>::massPoints(int, std::vector<Vec<dim>>&, std::vector<double>&) const
+{
+	throw std::logic_error("this formulation does not give its mass to a common grid");
+}
+
+template <int dim> void GrainSet<dim>::useContactNodes(int, const SparseRows<double>&)
+{
+	throw std::logic_error("this formulation has contact nodes of its own only");
+}
+
+template <int dim>
 std::unique_ptr<GrainSet<dim>>
 makeGrainSet(std::shared_ptr<const GrainTemplate<dim>> reference, Law law, Condition condition,
 	     const std::vector<GrainParameters<dim>>& grains, const Scheme& scheme)
@@ -31,6 +42,7 @@ makeGrainSet(std::shared_ptr<const GrainTemplate<dim>> reference, Law law, Condi
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template class GrainSet<dim>;                                                              \
 	template std::unique_ptr<GrainSet<dim>> makeGrainSet<dim>(                                 \
 		std::shared_ptr<const GrainTemplate<dim>>, Law, Condition,                         \
 		const std::vector<GrainParameters<dim>>&, const Scheme&);

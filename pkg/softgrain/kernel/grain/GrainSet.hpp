@@ -76,6 +76,15 @@ public:
 	/// Positions of the contact nodes into `at`; returns the speed of the fastest, m/s.
 	virtual double contactPositions(int g, std::vector<Vec<dim>>& at) const = 0;
 
+	// --- contact on a common grid (ContactGeometry::nodes), where Scheme::validate allows it
+
+	/// Positions and masses of the material points.
+	virtual void massPoints(int g, std::vector<Vec<dim>>& position,
+				std::vector<double>& mass) const;
+	/// Until the grain moves, contact nodes are those whose velocities are the given sums of
+	/// the velocities of material points (row: contact node, column: point).
+	virtual void useContactNodes(int g, const SparseRows<double>& pointShares);
+
 	// --- what others ask and set ------------------------------------------------------------
 
 	virtual WholeGrain<dim> whole(int g) const = 0;

@@ -8,6 +8,7 @@ namespace softgrain {
 template <int dim>
 TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch, const Scheme& scheme)
 	: batch_(std::move(batch))
+	, ownNodes_(batch_.grains())
 	, criticalTimeStep_(criticalTimeSteps(*batch_.reference, batch_.condition, batch_.grain))
 {
 	if (!scheme.hasPointVelocities()) return;
@@ -44,10 +45,9 @@ void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<
 namespace {
 
 template <int dim>
-void interpolate(const Batch<dim>& batch, int g, const NodalField<dim>& field,
+void interpolate(const SparseRows<double>& shapes, int g, const NodalField<dim>& field,
 		 std::vector<Vec<dim>>& at)
 {
-	const SparseRows<double>& shapes = batch.reference->contactShapes;
 	at.assign(shapes.rows(), Vec<dim>::Zero());
 	for (int s = 0; s < shapes.rows(); ++s)
 		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
@@ -59,19 +59,19 @@ void interpolate(const Batch<dim>& batch, int g, const NodalField<dim>& field,
 template <int dim>
 void TotalLagrangian<dim>::contactVelocities(int g, std::vector<Vec<dim>>& at) const
 {
-	interpolate(batch_, g, batch_.vNext, at);
+	interpolate(contactShapes(g), g, batch_.vNext, at);
 }
 
 template <int dim>
 void TotalLagrangian<dim>::contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const
 {
-	interpolate(batch_, g, batch_.v, at);
+	interpolate(contactShapes(g), g, batch_.v, at);
 }
 
 template <int dim>
 void TotalLagrangian<dim>::applyContactImpulses(int g, const std::vector<Vec<dim>>& impulse)
 {
-	const SparseRows<double>& shapes = batch_.reference->contactShapes;
+	const SparseRows<double>& shapes = contactShapes(g);
 	for (int s = 0; s < shapes.rows(); ++s) {
 		const Vec<dim>& r = impulse[s];
 		if (r.isZero(0)) continue;
@@ -140,6 +140,47 @@ double TotalLagrangian<dim>::contactPositions(int g, std::vector<Vec<dim>>& at) 
 		fastest = std::max(fastest, v.norm());
 	}
 	return fastest;
+}
+
+template <int dim>
+void TotalLagrangian<dim>::massPoints(int g, std::vector<Vec<dim>>& position,
+				      std::vector<double>& mass) const
+{
+	const auto& shapes = batch_.reference->pointShapes;
+	for (int p = 0; p < shapes.rows(); ++p) {
+		Vec<dim> x = batch_.grain[g].origin;
+		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
+			x += shapes.value[k].N * batch_.x.get(g, shapes.column[k]);
+		position.push_back(x);
+		mass.push_back(batch_.massScale[g] * batch_.reference->pointVolume[p]);
+	}
+}
+
+template <int dim>
+void TotalLagrangian<dim>::useContactNodes(int g, const SparseRows<double>& pointShares)
+{
+	const auto& points = batch_.reference->pointShapes;
+	SparseRows<double> rows;
+	std::vector<double> sum(nodes(), 0.);
+	for (int s = 0; s < pointShares.rows(); ++s) {
+		std::vector<int> met;
+		for (int j = pointShares.begin(s); j < pointShares.end(s); ++j) {
+			const int p = pointShares.column[j];
+			for (int k = points.begin(p); k < points.end(p); ++k) {
+				met.push_back(points.column[k]);
+				sum[points.column[k]] += pointShares.value[j] * points.value[k].N;
+			}
+		}
+		std::sort(met.begin(), met.end());
+		met.erase(std::unique(met.begin(), met.end()), met.end());
+		for (int I : met) {
+			rows.append(I, sum[I]);
+			sum[I] = 0;
+		}
+		rows.closeRow();
+	}
+	ownNodes_[g].delassus = delassusTable(rows, batch_.reference->nodeMass);
+	ownNodes_[g].shapes = std::move(rows);
 }
 
 template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodePositions(int g) const

@@ -30,7 +30,8 @@ public:
 	void predictVelocities(int g, double kick, const BodyLoad<dim>& load) override;
 	ContactMobility contactMobility(int g) override
 	{
-		return { &batch_.reference->delassus, 1 / batch_.massScale[g] };
+		return { usesOwnNodes(g) ? &ownNodes_[g].delassus : &batch_.reference->delassus,
+			 1 / batch_.massScale[g] };
 	}
 	void contactVelocities(int g, std::vector<Vec<dim>>& at) const override;
 	void contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const override;
@@ -41,6 +42,9 @@ public:
 			 double& after) const override;
 	void move(double dt, int threads) override;
 	double contactPositions(int g, std::vector<Vec<dim>>& at) const override;
+	void massPoints(int g, std::vector<Vec<dim>>& position,
+			std::vector<double>& mass) const override;
+	void useContactNodes(int g, const SparseRows<double>& pointShares) override;
 
 	/// Of the nodes, or of the points where velocities live there.
 	WholeGrain<dim> whole(int g) const override;
@@ -58,12 +62,23 @@ public:
 	void setState(int g, const GrainState& state) override;
 
 private:
+	/// Contact nodes of one grain and one step, in place of those of the template.
+	struct OwnNodes {
+		SparseRows<double> shapes, delassus;
+	};
+
 	int nodes() const { return batch_.reference->nodes(); }
 	Vec<dim> pointAt(int g, int p) const;
+	bool usesOwnNodes(int g) const { return ownNodes_[g].shapes.rows() > 0; }
+	const SparseRows<double>& contactShapes(int g) const
+	{
+		return usesOwnNodes(g) ? ownNodes_[g].shapes : batch_.reference->contactShapes;
+	}
 
 	Batch<dim> batch_;
+	std::vector<OwnNodes> ownNodes_; ///< none unless `useContactNodes` was called
 	std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
-	std::vector<double> criticalTimeStep_;                ///< of the undeformed grains, s
+	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
 };
 
 } // namespace softgrain

@@ -3,24 +3,27 @@
 #include "reference/BSpline.hpp"
 #include "reference/BackgroundGrid.hpp"
 
-#include <map>
+#include <algorithm>
 
 namespace softgrain {
 
 namespace {
 
-template <int dim> void layContactNodes(GrainTemplate<dim>& grain)
+template <int dim> void layContactNodes(const Outline<dim>& outline, GrainTemplate<dim>& grain)
 {
 	const double dr = grain.recipe.zeta;
-	if (grain.recipe.contact == ContactGeometry::surface) {
-		grain.contactMesh = UnitBall<dim>::mesh(grain.recipe.surfaceSpacing * dr);
+	if (grain.recipe.contact != ContactGeometry::points) {
+		grain.contactMesh = outline.mesh(grain.recipe.surfaceSpacing * dr);
+		if (grain.recipe.contact == ContactGeometry::nodes)
+			grain.contactRadius = grain.recipe.nodeSpacing * dr;
 		return;
 	}
 	grain.contactRadius = 0.5 * dr;
-	grain.contactMesh.vertex = boundaryPoints<dim>(grain.recipe.quadrature, dr);
+	grain.contactMesh.vertex = boundaryPoints<dim>(grain.recipe.quadrature, dr, outline);
 }
 
-/// W_ss' = sum_I N_I(Xs) N_I(Xs') / mI from the rows of N.
+} // namespace
+
 SparseRows<double> delassusTable(const SparseRows<double>& shapes,
 				 const std::vector<double>& nodeMass)
 {
@@ -31,21 +34,29 @@ SparseRows<double> delassusTable(const SparseRows<double>& shapes,
 			seenBy[shapes.column[k]].emplace_back(s, shapes.value[k]);
 
 	SparseRows<double> table;
+	std::vector<double> row(shapes.rows(), 0.);
+	std::vector<char> isMet(shapes.rows(), 0);
+	std::vector<int> met;
 	for (int s = 0; s < shapes.rows(); ++s) {
-		std::map<int, double> row;
+		met.clear();
 		for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
 			const int node = shapes.column[k];
-			for (const auto& [other, N] : seenBy[node])
+			for (const auto& [other, N] : seenBy[node]) {
+				if (!isMet[other]) met.push_back(other);
+				isMet[other] = 1;
 				row[other] += shapes.value[k] * N / nodeMass[node];
+			}
 		}
-		for (const auto& [other, W] : row)
-			table.append(other, W);
+		std::sort(met.begin(), met.end());
+		for (int other : met) {
+			table.append(other, row[other]);
+			row[other] = 0;
+			isMet[other] = 0;
+		}
 		table.closeRow();
 	}
 	return table;
 }
-
-} // namespace
 
 void TemplateRecipe::validate() const
 {
@@ -54,6 +65,7 @@ void TemplateRecipe::validate() const
 	require(nodeSpacing >= 1.5 && nodeSpacing <= 4, "nodeSpacing", nodeSpacing, "[1.5, 4]");
 	require(surfaceSpacing >= 0.5 && surfaceSpacing <= 4, "surfaceSpacing", surfaceSpacing,
 		"[0.5, 4]");
+	form.validate();
 }
 
 template <int dim>
@@ -61,11 +73,14 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 {
 	recipe.validate();
 	const double dr = recipe.zeta;
-	const Quadrature<dim> quadrature = makeQuadrature<dim>(recipe.quadrature, dr);
+	const auto outline = makeOutline<dim>(recipe.form);
+	const Quadrature<dim> quadrature = makeQuadrature<dim>(recipe.quadrature, dr, *outline);
 	const BackgroundGrid<dim> grid(recipe.order, recipe.nodeSpacing * dr, quadrature);
 
 	auto grain = std::make_shared<GrainTemplate<dim>>();
 	grain->recipe = recipe;
+	grain->volume = outline->volume();
+	grain->inradius = outline->inradius();
 	grain->nodePosition = grid.position();
 	grain->nodeMass = grid.mass();
 	grain->pointPosition = quadrature.point;
@@ -73,7 +88,7 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 	for (const Vec<dim>& X : quadrature.point)
 		grid.appendShapes(X, grain->pointShapes);
 
-	layContactNodes(*grain);
+	layContactNodes(*outline, *grain);
 	SparseRows<ShapeFunction<dim>> shapes;
 	for (const Vec<dim>& X : grain->contactMesh.vertex)
 		grid.appendShapes(X, shapes);
@@ -82,6 +97,8 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 	for (const ShapeFunction<dim>& shape : shapes.value)
 		grain->contactShapes.value.push_back(shape.N);
 	grain->delassus = delassusTable(grain->contactShapes, grain->nodeMass);
+	grain->overlap = delassusTable(grain->contactShapes,
+				       std::vector<double>(grain->nodeMass.size(), 1.));
 	return grain;
 }
 

@@ -16,7 +16,8 @@ namespace softgrain {
 /// What a grain shows to others (method: section 3).
 enum class ContactGeometry {
 	surface, ///< nodes on the true outline against the other grain's outline
-	points   ///< every boundary material point is a disk (sphere) of diameter dr (the paper)
+	points,  ///< every boundary material point is a disk (sphere) of diameter dr (the paper)
+	nodes ///< nodes of a grid in space that get mass from two bodies (contact/CommonGrid.hpp)
 };
 
 /// How a grain is discretised. Grains with equal recipes are congruent and share one template.
@@ -28,14 +29,15 @@ struct TemplateRecipe {
 	double surfaceSpacing = 1; ///< distance of surface nodes over dr, in [0.5, 4]
 	QuadratureRule quadrature = QuadratureRule::cutCell;
 	ContactGeometry contact = ContactGeometry::surface;
+	GrainForm form;
 
 	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 	void validate() const;
 	bool operator<(const TemplateRecipe& o) const
 	{
-		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact) <
-		       std::tie(o.zeta, o.order, o.nodeSpacing, o.surfaceSpacing, o.quadrature,
-				o.contact);
+		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact,
+				form) < std::tie(o.zeta, o.order, o.nodeSpacing, o.surfaceSpacing,
+						 o.quadrature, o.contact, o.form);
 	}
 };
 
@@ -43,6 +45,8 @@ struct TemplateRecipe {
 /// radius R and density rho has nodes at R XI, G/R, R^dim Vp, rho R^dim mI and W/(rho R^dim).
 template <int dim> struct GrainTemplate {
 	TemplateRecipe recipe;
+	double volume = 0;   ///< of the undeformed grain, in radii^dim
+	double inradius = 0; ///< of the largest ball inside, in radii
 
 	std::vector<Vec<dim>> nodePosition; ///< XI, in radii
 	std::vector<double> nodeMass;       ///< lumped, sum_p V_p N_I(X_p); their sum is the volume
@@ -52,15 +56,22 @@ template <int dim> struct GrainTemplate {
 	SparseRows<ShapeFunction<dim>> pointShapes; ///< row p: nodes I with N_I(Xp), G_I(Xp)
 
 	OutlineMesh<dim> contactMesh; ///< contact nodes; without facets for ContactGeometry::points
-	double contactRadius = 0; ///< of the disk about a contact node, in radii; 0 on a surface
+	double contactRadius =
+		0; ///< of the disk about a contact node, in radii; 0 on a surface;
+		   ///< ContactGeometry::nodes: what a contact may lie off the outline
 	SparseRows<double> contactShapes; ///< row s: nodes I with N_I(Xs)
 	SparseRows<double> delassus;      ///< W_ss' = sum_I N_I(Xs) N_I(Xs') / mI, a banded table
+	SparseRows<double> overlap;       ///< the same without the masses
 
 	int nodes() const { return static_cast<int>(nodePosition.size()); }
 	int points() const { return static_cast<int>(pointPosition.size()); }
 	int contactNodes() const { return static_cast<int>(contactMesh.vertex.size()); }
 	double pointSpacing() const { return recipe.zeta; } ///< dr, in radii
 };
+
+/// W_ss' = sum_I N_I(Xs) N_I(Xs') / mI from the rows of N.
+SparseRows<double> delassusTable(const SparseRows<double>& shapes,
+				 const std::vector<double>& nodeMass);
 
 /// Validates the recipe and builds the template.
 template <int dim>

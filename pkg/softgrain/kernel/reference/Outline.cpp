@@ -1,4 +1,5 @@
 #include "reference/Outline.hpp"
+#include "Require.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,10 +9,10 @@
 
 namespace softgrain {
 
-template <> double UnitBall<2>::volume() { return std::numbers::pi; }
-template <> double UnitBall<3>::volume() { return 4 * std::numbers::pi / 3; }
+template <> double UnitBall<2>::volume() const { return std::numbers::pi; }
+template <> double UnitBall<3>::volume() const { return 4 * std::numbers::pi / 3; }
 
-template <> OutlineMesh<2> UnitBall<2>::mesh(double spacing)
+template <> OutlineMesh<2> UnitBall<2>::mesh(double spacing) const
 {
 	const int count =
 		std::max(8, static_cast<int>(std::lround(2 * std::numbers::pi / spacing)));
@@ -76,14 +77,154 @@ OutlineMesh<3> subdivided(const OutlineMesh<3>& coarse, int n)
 
 } // namespace
 
-template <> OutlineMesh<3> UnitBall<3>::mesh(double spacing)
+template <> OutlineMesh<3> UnitBall<3>::mesh(double spacing) const
 {
 	const double icosahedronEdge = 1.0515; // of an icosahedron with circumradius 1
 	const int n = std::max(1, static_cast<int>(std::lround(icosahedronEdge / spacing)));
 	return subdivided(icosahedron(), n);
 }
 
-template struct UnitBall<2>;
-template struct UnitBall<3>;
+template <int dim> double Block<dim>::signedDistance(const Vec<dim>& X) const
+{
+	const Vec<dim> beyond = X.cwiseAbs() - half_;
+	return beyond.cwiseMax(0.).norm() + std::min(beyond.maxCoeff(), 0.);
+}
+
+namespace {
+
+/// Number of equal parts of a side, each about `spacing` long.
+int partsOf(double side, double spacing, int least)
+{
+	return std::max(least, static_cast<int>(std::lround(side / spacing)));
+}
+
+} // namespace
+
+/// Halves are divided, so that a corner of a cell lies at the centre.
+template <int dim> Vec<dim> Block<dim>::cellSides(double spacing) const
+{
+	Vec<dim> sides;
+	for (int a = 0; a < dim; ++a)
+		sides[a] = half_[a] / partsOf(half_[a], spacing, 1);
+	return sides;
+}
+
+template <int dim>
+std::optional<Moments<dim>> Block<dim>::cut(const Vec<dim>& centre, const Vec<dim>& sides) const
+{
+	const Vec<dim> low = (centre - 0.5 * sides).cwiseMax(-half_);
+	const Vec<dim> high = (centre + 0.5 * sides).cwiseMin(half_);
+	Moments<dim> inside;
+	if ((low.array() >= high.array()).any()) return inside;
+	inside.volume = (high - low).prod();
+	inside.first = inside.volume * 0.5 * (low + high);
+	return inside;
+}
+
+namespace {
+
+OutlineMesh<2> meshOfBlock(const Vec<2>& half, double spacing)
+{
+	OutlineMesh<2> mesh;
+	const std::array<Vec<2>, 4> corner { Vec<2>(-half[0], -half[1]), Vec<2>(half[0], -half[1]),
+					     Vec<2>(half[0], half[1]), Vec<2>(-half[0], half[1]) };
+	std::array<int, 4> cornerVertex;
+	for (int side = 0; side < 4; ++side) {
+		const Vec<2>&from = corner[side], &to = corner[(side + 1) % 4];
+		const int parts = partsOf((to - from).norm(), spacing, 2);
+		cornerVertex[side] = static_cast<int>(mesh.vertex.size());
+		for (int k = 0; k < parts; ++k)
+			mesh.vertex.push_back(from + double(k) / parts * (to - from));
+	}
+	const int count = static_cast<int>(mesh.vertex.size());
+	for (int s = 0; s < count; ++s)
+		mesh.facet.push_back({ s, (s + 1) % count });
+	for (int s : cornerVertex)
+		mesh.sharp[s] = { (s + count - 1) % count, s };
+	return mesh;
+}
+
+/// Rectangles of each face, in two triangles each; faces share the vertices on their edges.
+OutlineMesh<3> meshOfBlock(const Vec<3>& half, double spacing)
+{
+	OutlineMesh<3> mesh;
+	std::array<int, 3> parts;
+	for (int a = 0; a < 3; ++a)
+		parts[a] = partsOf(2 * half[a], spacing, 2);
+	using Index = std::array<int, 3>;
+	std::map<Index, int> known;
+	auto vertexIndex = [&](const Index& index) {
+		const auto [place, isNew] =
+			known.try_emplace(index, static_cast<int>(mesh.vertex.size()));
+		if (isNew) {
+			Vec<3> X;
+			for (int a = 0; a < 3; ++a)
+				X[a] = (2. * index[a] / parts[a] - 1) * half[a];
+			mesh.vertex.push_back(X);
+		}
+		return place->second;
+	};
+	for (int axis = 0; axis < 3; ++axis)
+		for (int end : { 0, parts[axis] }) {
+			const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+			auto at = [&](int i, int j) {
+				Index index;
+				index[axis] = end;
+				index[u] = i;
+				index[v] = j;
+				return vertexIndex(index);
+			};
+			for (int i = 0; i < parts[u]; ++i)
+				for (int j = 0; j < parts[v]; ++j) {
+					std::array<int, 4> loop { at(i, j), at(i + 1, j),
+								  at(i + 1, j + 1), at(i, j + 1) };
+					if (end == 0) std::swap(loop[1], loop[3]);
+					mesh.facet.push_back({ loop[0], loop[1], loop[2] });
+					mesh.facet.push_back({ loop[0], loop[2], loop[3] });
+				}
+		}
+	for (const auto& [index, vertex] : known) {
+		int ends = 0;
+		for (int a = 0; a < 3; ++a)
+			ends += index[a] == 0 || index[a] == parts[a];
+		if (ends > 1) mesh.sharp[vertex] = {};
+	}
+	for (std::size_t f = 0; f < mesh.facet.size(); ++f)
+		for (int vertex : mesh.facet[f]) {
+			const auto edge = mesh.sharp.find(vertex);
+			if (edge != mesh.sharp.end()) edge->second.push_back(static_cast<int>(f));
+		}
+	return mesh;
+}
+
+} // namespace
+
+template <int dim> OutlineMesh<dim> Block<dim>::mesh(double spacing) const
+{
+	return meshOfBlock(half_, spacing);
+}
+
+void GrainForm::validate() const
+{
+	for (double component : aspect)
+		require(component >= 1 && component <= 100, "aspect (component)", component,
+			"[1, 100]");
+	const double shortest = *std::min_element(aspect.begin(), aspect.end());
+	require(shortest == 1, "aspect (smallest component)", shortest,
+		"1: the radius is half the shortest side");
+}
+
+template <int dim> std::unique_ptr<const Outline<dim>> makeOutline(const GrainForm& form)
+{
+	if (form.form == Form::ball) return std::make_unique<UnitBall<dim>>();
+	return std::make_unique<Block<dim>>(Vec<dim>(form.aspect.data()));
+}
+
+template class UnitBall<2>;
+template class UnitBall<3>;
+template class Block<2>;
+template class Block<3>;
+template std::unique_ptr<const Outline<2>> makeOutline<2>(const GrainForm&);
+template std::unique_ptr<const Outline<3>> makeOutline<3>(const GrainForm&);
 
 } // namespace softgrain

@@ -3,6 +3,9 @@
 
 #include "Vector.hpp"
 #include <array>
+#include <map>
+#include <memory>
+#include <optional>
 #include <vector>
 
 namespace softgrain {
@@ -12,19 +15,109 @@ namespace softgrain {
 template <int dim> struct OutlineMesh {
 	std::vector<Vec<dim>> vertex;            ///< on the true boundary
 	std::vector<std::array<int, dim>> facet; ///< vertex indices
+	/// Vertices where the outline has no single normal, with the facets that meet there. At any
+	/// other vertex the facets approximate one smooth surface.
+	std::map<int, std::vector<int>> sharp;
+};
+
+/// Area (2D) or volume (3D) of a piece of a grain, and its first moment.
+template <int dim> struct Moments {
+	double volume = 0;
+	Vec<dim> first = Vec<dim>::Zero();
+};
+
+/// What quadrature and contact nodes need to know of a boundary. Lengths are in radii of the grain.
+template <int dim> class Outline {
+public:
+	virtual ~Outline() = default;
+
+	/// Distance to the boundary, negative inside.
+	virtual double signedDistance(const Vec<dim>& X) const = 0;
+
+	/// Area (2D) or volume (3D).
+	virtual double volume() const = 0;
+
+	/// Half sides of the box about it; its centre is the origin.
+	virtual Vec<dim> halfSides() const = 0;
+
+	/// Radius of the largest ball inside.
+	virtual double inradius() const = 0;
+
+	/// Sides of the cells of the lattice of material points: near `spacing`, and such that the
+	/// lattice ends on the boundary where that is straight along the axes.
+	virtual Vec<dim> cellSides(double spacing) const = 0;
+
+	/// Exactly what lies inside of a cell, where there is a closed form; else cells are
+	/// divided.
+	virtual std::optional<Moments<dim>> cut(const Vec<dim>& centre,
+						const Vec<dim>& sides) const = 0;
+
+	/// Vertices on the boundary about `spacing` apart.
+	virtual OutlineMesh<dim> mesh(double spacing) const = 0;
 };
 
 /// Disk (dim = 2) or ball (dim = 3) of radius 1 about the origin.
-template <int dim> struct UnitBall {
-	/// Distance to the boundary, negative inside.
-	static double signedDistance(const Vec<dim>& X) { return X.norm() - 1; }
+template <int dim> class UnitBall : public Outline<dim> {
+public:
+	double signedDistance(const Vec<dim>& X) const override { return X.norm() - 1; }
+	double volume() const override;
+	Vec<dim> halfSides() const override { return Vec<dim>::Ones(); }
+	double inradius() const override { return 1; }
+	Vec<dim> cellSides(double spacing) const override { return Vec<dim>::Constant(spacing); }
+	std::optional<Moments<dim>> cut(const Vec<dim>&, const Vec<dim>&) const override
+	{
+		return std::nullopt;
+	}
 
-	/// Area (2D) or volume (3D).
-	static double volume();
-
-	/// Vertices on the boundary about `spacing` (in radii) apart: at least 8 on a disk, equally
-	/// spaced; on a ball a subdivided icosahedron whose mean edge is nearest to `spacing`.
-	static OutlineMesh<dim> mesh(double spacing);
+	/// At least 8 vertices on a disk, equally spaced; on a ball a subdivided icosahedron whose
+	/// mean edge is nearest to `spacing`.
+	OutlineMesh<dim> mesh(double spacing) const override;
 };
+
+/// Rectangle (dim = 2) or cuboid (dim = 3) about the origin, its sides along the axes.
+template <int dim> class Block : public Outline<dim> {
+public:
+	explicit Block(const Vec<dim>& halfSides)
+		: half_(halfSides)
+	{
+	}
+	double signedDistance(const Vec<dim>& X) const override;
+	double volume() const override { return (2 * half_).prod(); }
+	Vec<dim> halfSides() const override { return half_; }
+	double inradius() const override { return half_.minCoeff(); }
+	Vec<dim> cellSides(double spacing) const override;
+	std::optional<Moments<dim>> cut(const Vec<dim>& centre,
+					const Vec<dim>& sides) const override;
+
+	/// Vertices in the corners and, equally spaced, on the sides, each of which has at least
+	/// two edges; in 2D counter-clockwise from the lower left corner. Corners (3D: edges) are
+	/// sharp.
+	OutlineMesh<dim> mesh(double spacing) const override;
+
+private:
+	Vec<dim> half_;
+};
+
+/// Kinds of outlines a grain may have.
+enum class Form {
+	ball, ///< disk in 2D
+	block ///< rectangle in 2D
+};
+
+/// Outline of a grain over its radius.
+struct GrainForm {
+	Form form = Form::ball;
+	/// Half sides of a block over the radius of the grain, which is half its shortest side.
+	std::array<double, 3> aspect { 1, 1, 1 };
+
+	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
+	void validate() const;
+	bool operator<(const GrainForm& o) const
+	{
+		return form != o.form ? form < o.form : aspect < o.aspect;
+	}
+};
+
+template <int dim> std::unique_ptr<const Outline<dim>> makeOutline(const GrainForm& form);
 
 } // namespace softgrain

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "reference/Outline.hpp"
 #include <vector>
 
 namespace softgrain {
@@ -24,12 +25,16 @@ template <int dim> struct Quadrature {
 	std::vector<double> weight;  ///< Vp0, in radii^dim; their sum is the exact volume
 };
 
-/// Material points of the unit ball on a lattice of cubic cells of side `spacing` (dr, in radii,
-/// in [0.001, 0.5]) with a cell corner at the centre.
-template <int dim> Quadrature<dim> makeQuadrature(QuadratureRule rule, double spacing);
+/// Material points on a lattice of cells of side `spacing` (dr, in radii, in [0.001, 0.5]; see
+/// Outline::cellSides) with a cell corner at the centre.
+template <int dim>
+Quadrature<dim> makeQuadrature(QuadratureRule rule, double spacing,
+			       const Outline<dim>& outline = UnitBall<dim>());
 
 /// Centroids (cutCell) or centres (lattice) of the cells that have an empty neighbour: the boundary
 /// material points of the paper, one a cell.
-template <int dim> std::vector<Vec<dim>> boundaryPoints(QuadratureRule rule, double spacing);
+template <int dim>
+std::vector<Vec<dim>> boundaryPoints(QuadratureRule rule, double spacing,
+				     const Outline<dim>& outline = UnitBall<dim>());
 
 } // namespace softgrain

@@ -16,9 +16,15 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 		body.mesh = &reference.contactMesh;
 		body.nodeRadius = radius * reference.contactRadius;
 		body.pointSpacing = radius * reference.pointSpacing();
+		body.overlap = &reference.overlap;
+		body.inradius = radius * reference.inradius;
 		body.position.resize(reference.contactNodes());
 		body.velocity = body.impulse = body.position;
 		bodies_.push_back(std::move(body));
+		if (reference.recipe.contact == ContactGeometry::nodes)
+			gridSpacing_ =
+				std::max(gridSpacing_, radius * reference.recipe.nodeSpacing *
+							       reference.pointSpacing());
 	}
 	loads_.resize(place_.size());
 	sets_.push_back(std::move(set));
@@ -46,6 +52,35 @@ template <int dim> void System<dim>::updateSurface(int g)
 	ContactBody<dim>& body = bodies_[g];
 	body.fastest = setOf(g).contactPositions(indexInSet(g), body.position);
 	body.updateGeometry();
+	if (gridSpacing_ > 0) updateGridNodes(g);
+}
+
+/// What the grain gives to the common grid at its present place.
+template <int dim> void System<dim>::updateGridNodes(int g)
+{
+	GridPoints<dim> points;
+	setOf(g).massPoints(indexInSet(g), points.position, points.mass);
+	bodies_[g].gridSpacing = gridSpacing_;
+	bodies_[g].gridNode = nodesOnGrid(points, gridSpacing_);
+}
+
+/// Grid nodes in contact become the contact nodes of their grains.
+template <int dim> void System<dim>::useGridNodes(const std::vector<ContactList<dim>*>& lists)
+{
+	std::vector<std::vector<char>> used(grains());
+	auto use = [&](int g, int node) {
+		used[g].resize(bodies_[g].gridNode.size(), 0);
+		used[g][node] = 1;
+	};
+	for (const ContactList<dim>* list : lists)
+		for (const Contact<dim>& contact : list->contacts) {
+			use(list->first, contact.key.node);
+			if (contact.partners > 0) use(list->second, contact.partner[0]);
+		}
+	for (int g = 0; g < grains(); ++g)
+		if (!used[g].empty())
+			setOf(g).useContactNodes(indexInSet(g),
+						 pointShares(bodies_[g].gridNode, used[g]));
 }
 
 template <int dim> void System<dim>::updateSurfaces(int threads)
@@ -126,7 +161,7 @@ void System<dim>::gatherContacts(const std::vector<char>& touched, const StepSet
 		body.delassusScale = mobility.scale;
 		set.contactVelocities(k, body.velocity);
 		if (settings.trackEnergy) set.contactVelocitiesBefore(k, body.velocityBefore);
-		body.impulse.assign(body.nodes(), Vec<dim>::Zero());
+		body.impulse.assign(body.velocity.size(), Vec<dim>::Zero());
 	});
 }
 
@@ -175,7 +210,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	StepReport report;
 	if (!forcesFresh_) updateForces(settings.threads);
 	report.stiffening = stiffening();
-	report.kick = kickTime(settings.dt);
+	report.kick = lastKick_ = kickTime(settings.dt);
 
 	// The sweep order is part of the result: it must not depend on who found which contact
 	// when.
@@ -191,6 +226,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 		if (list->second >= 0) touched[list->second] = 1;
 	}
 
+	if (gridSpacing_ > 0) useGridNodes(lists);
 	predictVelocities(settings);
 	gatherContacts(touched, settings);
 	solver_.prepare(bodies_, lists, settings.dt, settings.solver);

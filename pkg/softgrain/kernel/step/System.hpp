@@ -86,6 +86,9 @@ public:
 	void updateForces(int threads);
 	double stiffening() const;
 
+	/// Time over which the impulses of the last step acted, s; 0 before the first.
+	double lastKick() const { return lastKick_; }
+
 	/// Distance within which gaps must be handed to `step`: no node travels further in a step.
 	double reach(int first, int second, double dt) const;
 	double reach(int g, const Plane<dim>& plane, double dt) const;
@@ -104,6 +107,8 @@ private:
 	template <class Phase> void forEachGrain(int threads, Phase&& phase);
 
 	double kickTime(double dt) const;
+	void updateGridNodes(int g);
+	void useGridNodes(const std::vector<ContactList<dim>*>& lists);
 	void predictVelocities(const StepSettings& settings);
 	void gatherContacts(const std::vector<char>& touched, const StepSettings& settings);
 	void applyContactImpulses(const std::vector<char>& touched, const StepSettings& settings);
@@ -117,6 +122,8 @@ private:
 	ContactSolver<dim> solver_;
 	EnergyBalance energy_; ///< at the last t_n
 	Continuation continuation_;
+	double lastKick_ = 0;
+	double gridSpacing_ = 0; ///< ContactGeometry::nodes: the largest h of all grains, m
 	bool forcesFresh_ = false;
 };
 

@@ -1,0 +1,34 @@
+// Contact pressure from the impulses of contact dynamics.
+#pragma once
+
+#include "contact/Contact.hpp"
+#include "contact/ContactBody.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+/// Pressure at a contact node and the area it stands for.
+struct ContactPressure {
+	double area = 0;     ///< share of the node in the outline, along the normal, m (3D: m^2)
+	double pressure = 0; ///< Pa, > 0 for compression
+};
+
+/// For each contact of a pair, the pressure on the grain that owns the node, at the node.
+///
+/// Forces on single nodes are no measure of it: there are more contact nodes than background nodes
+/// at a boundary, so patterns of forces exist that no background node feels, and the solver leaves
+/// any of them. What the grain feels of forces f_s, on nodes and as the partner of the other
+/// grain's nodes, are sum_s N_I(X_s) f_s. Hence, with the outward area vectors a_s of the nodes,
+///
+///     p_s = - n . sum_s' K_ss' f_s' / n . sum_s' K_ss' a_s',    K_ss' = sum_I N_I(X_s) N_I(X_s'),
+///
+/// n = - (normal of the contact) the outward direction: an average over about a grid step h.
+///
+/// `kick`: time over which the impulses acted, s. Needs a surface (facets); else all are zero.
+template <int dim>
+std::vector<ContactPressure>
+contactPressures(const ContactBody<dim>& first, const ContactBody<dim>* second,
+		 const std::vector<Contact<dim>>& contacts, double kick);
+
+} // namespace softgrain

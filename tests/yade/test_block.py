@@ -1,0 +1,120 @@
+"""Blocks inside YADE: bodies, bad input, turning, saving, observables."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from scenes import add_disk, add_wall, present_state, ready, run, soft_material
+from yade import O, Quaternion
+
+import softgrain as sg
+
+SIZE = (0.02, 0.01)
+
+
+def add_block(center=(0, 0, 0), size=SIZE, **shape):
+    body = sg.soft_block(center, size, soft_material(), **{"zeta": 0.5, **shape})
+    O.bodies.append(body)
+    return body
+
+
+@pytest.mark.parametrize(
+    "size, message",
+    [
+        ((0.02,), "size = (0.02,) has 1 components, admissible: 2, 3"),
+        ((0.02, -0.01), "size = (0.02, -0.01) is outside the admissible range (0, inf) m"),
+        ((0.02, float("nan")), "outside the admissible range (0, inf) m"),
+        ((0.02, 1e-5), "aspect (component) = 2000 is outside the admissible range [1, 100]"),
+    ],
+)
+def test_wrong_size(size, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        sg.soft_block((0, 0, 0), size, soft_material())
+
+
+@pytest.mark.parametrize(
+    "attributes, message",
+    [
+        ({"form": "star"}, "form = 'star' is unknown; known: 'ball', 'block'"),
+        ({"aspect": (2, 1, 1)}, "aspect = 2 is outside the admissible range 1 for a ball"),
+        ({"form": "block", "aspect": (2, 1, 2)}, "aspect[2] = 2 is outside"),
+        ({"form": "block", "aspect": (2, 1.5, 1)}, None),  # the third component is 1 in 2D
+        ({"contact": "mesh"}, "contact = 'mesh' is unknown; known: 'surface', 'points', 'nodes'"),
+    ],
+)
+def test_wrong_shape(attributes, message):
+    if message is None:
+        sg.SoftGrain(dim=2, **attributes)
+        return
+    with pytest.raises(ValueError, match=re.escape(message)):
+        sg.SoftGrain(dim=2, **attributes)
+
+
+def test_mass_inertia_and_area():
+    block = add_block(zeta=0.25)
+    area = SIZE[0] * SIZE[1]
+    assert block.state.mass == pytest.approx(1000 * area, rel=1e-12)
+    inertia = 1000 * area * (SIZE[0] ** 2 + SIZE[1] ** 2) / 12
+    assert block.state.inertia[2] == pytest.approx(inertia, rel=1e-12)
+    assert block.shape.undeformedVolume() == pytest.approx(area, rel=1e-12)
+    assert sg.grain_area(block) == pytest.approx(area, rel=1e-12)
+    assert sg.packing_fraction(2 * area, nominal=True) == pytest.approx(0.5, rel=1e-12)
+
+
+def test_outline_of_a_turned_block():
+    block = add_block(center=(1, 2, 0))
+    block.state.ori = Quaternion((0, 0, 1), math.pi / 2)
+    low, high = (f(block.shape.outline()[:, :2], axis=0) for f in (np.min, np.max))
+    np.testing.assert_allclose(high - low, SIZE[::-1], rtol=1e-12)
+    np.testing.assert_allclose((low + high) / 2, (1, 2), rtol=1e-12)
+
+
+def test_cuboid_rests_on_a_wall():
+    add_block(size=(0.02, 0.01, 0.03))
+    floor = add_wall(-0.005, 1)
+    ready(gravity=(0, -1000, 0))
+    forces = []
+    for _ in range(400):
+        O.step()
+        forces.append(-O.forces.f(floor.id)[1])
+    assert np.mean(forces) == pytest.approx(6e-6 * 1000 * 1000, rel=0.1)
+
+
+def test_saved_block_goes_on_with_the_same_bits(tmp_path):
+    add_block()
+    add_disk((0.001, 0.0099, 0), radius=0.005)
+    add_wall(-0.005, 1, friction=0.3)
+    ready(gravity=(0, -100, 0))
+    run(50)
+    O.save(str(tmp_path / "scene.xml"))
+    run(50)
+    expected = present_state()
+    O.load(str(tmp_path / "scene.xml"))
+    run(50)
+    found = present_state()
+    for name in expected:
+        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+
+
+@pytest.mark.parametrize("contact", ("surface", "points", "nodes"))
+def test_geometries_hold_a_block(contact):
+    """The weight is carried on average, and the block stays near its place."""
+    block = add_block(zeta=0.25, contact=contact)
+    floor = add_wall(-0.005, 1)
+    ready(gravity=(0, -100, 0))
+    forces = []
+    while O.time < 0.05:
+        O.step()
+        forces.append(-O.forces.f(floor.id)[1])
+    late = forces[len(forces) // 2:]
+    assert np.mean(late) == pytest.approx(block.state.mass * 100, rel=0.1)
+    assert abs(block.state.pos[1]) < 0.15 * SIZE[1]
+    pressures = O.interactions[floor.id, block.id].geom.contacts()["pressure"]
+    assert (np.max(pressures) > 0) == (contact == "surface")
+
+
+def test_picture(tmp_path):
+    add_block()
+    sg.draw_packing(tmp_path / "block.png")
+    assert (tmp_path / "block.png").stat().st_size > 1000
