@@ -54,10 +54,12 @@ softgrain::Scheme SoftGrain::scheme() const
 	using softgrain::Formulation;
 	using softgrain::VelocityUpdate;
 	softgrain::Scheme s;
-	s.formulation = choose("formulation", formulation, "total", Formulation::total, "updated",
-			       Formulation::updated);
-	s.velocityUpdate = choose("velocityUpdate", velocityUpdate, "nodal", VelocityUpdate::nodal,
-				  "flip", VelocityUpdate::flip);
+	s.formulation = choose<Formulation>(
+		"formulation", formulation,
+		{ { "total", Formulation::total }, { "updated", Formulation::updated } });
+	s.velocityUpdate = choose<VelocityUpdate>(
+		"velocityUpdate", velocityUpdate,
+		{ { "nodal", VelocityUpdate::nodal }, { "flip", VelocityUpdate::flip } });
 	s.picShare = picShare;
 	return s;
 }
