@@ -40,9 +40,12 @@ from softgrain.observe import (  # noqa: E402
     wall_force,
 )
 from softgrain.picture import draw_packing  # noqa: E402
+from softgrain.profile import contact_halfwidth, contact_profile  # noqa: E402
 
 __all__ = sorted(_classes) + [
     "Balance",
+    "contact_halfwidth",
+    "contact_profile",
     "coordination_number",
     "critical_time_step",
     "draw_packing",

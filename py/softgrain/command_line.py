@@ -35,6 +35,11 @@ def poisson(text):
     return _checked(text, lambda value: -1 < value < 0.5, "a number in (-1, 0.5)")
 
 
+def angle(text):
+    """Argument type: a finite number."""
+    return _checked(text, lambda value: True, "a number in (-inf, inf)")
+
+
 def _checked(text, admissible, range_text):
     try:
         value = float(text)

@@ -15,6 +15,7 @@ from softgrain import command_line
         (command_line.positive, ("1", "1e-9", "2.5"), ("0", "-1", "nan", "x", "")),
         (command_line.non_negative, ("0", "0.3"), ("-1e-9", "nan", "x")),
         (command_line.fraction, ("0.5", "1e-3"), ("0", "1", "-1", "nan", "x")),
+        (command_line.angle, ("0", "-30", "400"), ("nan", "x")),
     ],
 )
 def test_number_types(check, good, bad):
@@ -26,7 +27,9 @@ def test_number_types(check, good, bad):
         assert str(caught.value).startswith(f"{text!r} is not a number")
 
 
-@pytest.mark.parametrize("check", (command_line.positive, command_line.non_negative))
+@pytest.mark.parametrize(
+    "check", (command_line.positive, command_line.non_negative, command_line.angle)
+)
 def test_infinity_is_refused(check):
     with pytest.raises(argparse.ArgumentTypeError):
         check("inf")

@@ -36,6 +36,37 @@ def test_curve(condition):
     assert curve.deformed_area_over_D2[0] == pytest.approx(np.pi / 4, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    "cell, start", [("square_cell", np.pi / 4), ("hexagonal_cell", np.pi / np.sqrt(12))]
+)
+def test_cells(cell, start):
+    """Fractions belong to the displacement, and forces do the work that small strain allows."""
+    curve = getattr(finite_elements, cell)()
+    w = curve.wall_displacement_over_D
+    assert (np.diff(w) > 0).all() and (np.diff(curve.force_over_ED) > 0).all()
+    np.testing.assert_allclose(curve.phi0, start / (1 - 2 * w) ** 2, rtol=1e-6)
+    shrunk = curve.deformed_area_over_D2 / (np.pi / 4)
+    np.testing.assert_allclose(curve.phi, curve.phi0 * shrunk, rtol=1e-6)
+    assert curve.phi[-1] > 0.999
+
+
+def test_interpolated():
+    """A power law is met between its points; nothing is made up outside."""
+    x = np.linspace(1, 2, 6)
+    found = finite_elements.interpolated([1.1, 1.9], x, x**1.5)
+    np.testing.assert_allclose(found, np.array([1.1, 1.9]) ** 1.5, rtol=1e-9)
+    with pytest.raises(ValueError, match="x = 0.9 .. 1 is outside the curve"):
+        finite_elements.interpolated([0.9, 1], x, x)
+
+
+def test_peak_pressure():
+    """Close to Hertz's 2 F/(pi a) where strains are small."""
+    curve = finite_elements.disk_between_plates("plane_strain")
+    hertz = 2 * curve.force_over_ED / (np.pi * curve.contact_halfwidth_over_D)
+    small = curve.delta_over_D <= 0.05
+    np.testing.assert_allclose(curve.peak_pressure_over_E[small], hertz[small], rtol=0.02)
+
+
 def test_unknown_condition():
     with pytest.raises(
         ValueError, match="condition = 'flat' is unknown.*'plane_strain', 'plane_stress'"

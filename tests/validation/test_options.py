@@ -5,12 +5,16 @@ from pathlib import Path
 
 import compaction
 import hertz
+import hexagonal_cell
 import pytest
+import square_cell
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 UNITS = {
     "compaction": ("[-]", "[m/s]"),
-    "hertz": ("[-]", "[m/s]", "[Pa]", "[kg/m3]", "[m]"),
+    "hertz": ("[-]", "[m/s]", "[Pa]", "[kg/m3]", "[m]", "[degrees]"),
+    "square_cell": ("[-]", "[m/s]", "[Pa]", "[kg/m3]", "[m]", "[degrees]"),
+    "hexagonal_cell": ("[-]", "[m/s]", "[Pa]", "[kg/m3]", "[m]", "[degrees]"),
 }
 
 
@@ -88,6 +92,25 @@ HERTZ = {
 def test_hertz(options, capsys, tmp_path):
     arguments = ["--out", str(tmp_path), *options.split()]
     assert HERTZ[options] in refusal(hertz.parse_options, arguments, capsys)
+
+
+CELLS = {
+    "--until-phi 0.5": "--until-phi: 0.5 is not above the start at pi/",
+    "--orientation east": "--orientation: 'east' is not a number",
+    "--zeta 3": "--zeta: ",
+}
+
+
+@pytest.mark.parametrize("case", (square_cell, hexagonal_cell))
+@pytest.mark.parametrize("options", CELLS)
+def test_cells(case, options, capsys, tmp_path):
+    arguments = ["--out", str(tmp_path), *options.split()]
+    assert CELLS[options] in refusal(case.parse_options, arguments, capsys)
+
+
+def test_rings(capsys, tmp_path):
+    said = refusal(hexagonal_cell.parse_options, ["--out", str(tmp_path), "--rings", "1"], capsys)
+    assert "--rings: 1 is outside the admissible range [2, inf)" in said
 
 
 def test_good_options(tmp_path):

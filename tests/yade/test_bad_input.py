@@ -84,7 +84,7 @@ def test_material_changed_later(attributes, message):
         ({"zeta": 3}, "zeta = 3 .*0.5]"),
         ({"zeta": 0}, "zeta = 0 .*0.5]"),
         ({"order": 4}, "order = 4 .*1, 2.*3"),
-        ({"nodeSpacing": 1}, "nodeSpacing = 1 .*[1.5, 4]"),
+        ({"nodeSpacing": 1}, "nodeSpacing = 1 .*[1.25, 4]"),
         ({"surfaceSpacing": 9}, "surfaceSpacing = 9 .*[0.5, 4]"),
         ({"quadrature": "gauss"}, "quadrature = 'gauss' is unknown.*'cutCell', 'lattice'"),
         ({"contact": "springs"}, "contact = 'springs' is unknown.*'surface', 'points'"),

@@ -58,9 +58,10 @@ def check_conditions(problem, impulse, tolerance):
 
 
 def squeezed_scene(steps):
-    """A disk between a floor and a lid that comes down, and another beside it."""
-    add_disk((0, 0, 0))
-    add_disk((0.0195, 0.002, 0))
+    """A disk between a floor and a lid that comes down, and another beside it; on grids so coarse
+    that their contacts feel each other."""
+    add_disk((0, 0, 0), nodeSpacing=2)
+    add_disk((0.0195, 0.002, 0), nodeSpacing=2)
     add_wall(-0.0099, axis=1, friction=0.5)
     add_wall(0.0125, axis=1, friction=0.5, velocity=(0.5, -1, 0))
     ready()

@@ -36,6 +36,7 @@ class Case:
     order: int = 3
     quadrature: str = "cutCell"
     zeta: tuple = (0.3, 0.25)  # unequal: two batches, the second grain comes first in the kernel
+    node_spacing: float = 1.25
     surface_spacing: float = 1.0
     centres: tuple = OBLIQUE
     walls: tuple = (BOTTOM, TOP)
@@ -51,6 +52,7 @@ class Case:
             reference.Recipe(
                 zeta,
                 order=self.order,
+                node_spacing=self.node_spacing,
                 surface_spacing=self.surface_spacing,
                 quadrature=self.quadrature,
                 contact=self.contact,
@@ -80,8 +82,9 @@ CASES = {
     "points": Case(contact="points", zeta=(0.25, 0.25)),
     "plane stress, quadratic": Case("planeStress", order=2, zeta=(0.25, 0.25), gravity=-3000.0),
     "linear, lattice": Case(order=1, quadrature="lattice", zeta=(0.25, 0.25)),
-    # a grain between two walls: their order counts in the sweeps, whichever was met first
-    "corner": Case(walls=(SIDE, BOTTOM, TOP)),
+    # a grain between two walls: their order counts in the sweeps, whichever was met first, where
+    # the grid is so coarse that their contacts share nodes
+    "corner": Case(node_spacing=2.0, walls=(SIDE, BOTTOM, TOP)),
     # the outline bulges out of the box of its nodes
     "sparse outline": Case(surface_spacing=2.8, zeta=(0.25, 0.25), centres=HEAD_ON),
     "flip": Case(velocity_update="flip"),
@@ -124,7 +127,8 @@ def build_in_yade(case):
         )
         disk = sg.soft_disk(
             padded(case.centres[g]), RADII[g], material,
-            zeta=recipe.zeta, order=recipe.order, surfaceSpacing=recipe.surface_spacing,
+            zeta=recipe.zeta, order=recipe.order, nodeSpacing=recipe.node_spacing,
+            surfaceSpacing=recipe.surface_spacing,
             quadrature=recipe.quadrature, contact=recipe.contact,
             formulation=case.formulation, velocityUpdate=case.velocity_update,
             picShare=case.pic_share,
@@ -363,7 +367,7 @@ def test_comparison_notices_a_change(change):
     assert largest["velocities"] > 100 * TOLERANCE
 
 
-@pytest.mark.parametrize("node_spacing", (1.5, 2.0, 2.5))
+@pytest.mark.parametrize("node_spacing", (1.25, 2.0, 2.5))
 @pytest.mark.parametrize("order", (1, 2, 3))
 def test_template_is_that_of_the_oracle(order, node_spacing):
     """Nodes and material points are the same; the undeformed grain is undeformed (F = 1)."""

@@ -16,6 +16,8 @@ AREA = np.pi
 
 #: Corners of a square about the origin, the first coordinate running fastest.
 CORNERS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
+#: Cells with a centre less than this inside the outline (in dr) are divided at the rim.
+RIM_DEPTH = 1.0
 #: Cuts are resolved down to 1/2^6 of a cell; there the outline is taken as straight.
 CUT_DEPTH = 6
 #: Cells that hold less than this share of their area hold no material point.
@@ -30,7 +32,7 @@ class Recipe:
 
     zeta: float = 0.11  #: 2 dr/D = dr/R, spacing of material points
     order: int = 3  #: of the B-splines: 1, 2 or 3
-    node_spacing: float = 2.0  #: h/dr
+    node_spacing: float = 1.25  #: h/dr
     surface_spacing: float = 1.0  #: spacing of surface nodes over dr
     quadrature: str = "cutCell"  #: or 'lattice'
     contact: str = "surface"  #: or 'points'
@@ -81,8 +83,14 @@ def template(recipe):
 
 
 def surface_nodes(spacing):
-    """Equally spaced nodes on the unit circle, counter-clockwise from (1, 0), at least 8."""
-    count = max(8, round(2 * np.pi / spacing))
+    """Equally spaced nodes on the unit circle, counter-clockwise from (1, 0).
+
+    Their number, at least 11, is the nearest one without a divisor 2 or 3: contacts at multiples of
+    60 or 90 degrees then meet the nodes at different phases.
+    """
+    ideal = max(11.0, 2 * np.pi / spacing)
+    count = min((n for n in range(11, int(ideal) + 6) if n % 2 and n % 3),
+                key=lambda n: abs(n - ideal))
     angle = 2 * np.pi * np.arange(count) / count
     return np.column_stack([np.cos(angle), np.sin(angle)])
 
@@ -95,7 +103,7 @@ def material_points(rule, spacing):
 
     Args:
         rule (str): 'cutCell': every cell is cut with the outline, its point lies at the centroid of
-            what is inside, with that area as weight; cells at the rim, with a centre less than dr/2
+            what is inside, with that area as weight; cells at the rim, with a centre less than dr
             inside, are first divided into four parts with a point each; 'lattice': cell centres
             inside, equal weights.
         spacing (float): dr.
@@ -106,7 +114,7 @@ def material_points(rule, spacing):
     held = []  # area inside, first moment of it
     for cell, whole in occupied_cells(rule, spacing).items():
         centre = (np.array(cell) + 0.5) * spacing
-        if rule == "cutCell" and np.linalg.norm(centre) - 1 > -0.5 * spacing:
+        if rule == "cutCell" and np.linalg.norm(centre) - 1 > -RIM_DEPTH * spacing:
             parts = (moments_inside(c, 0.5 * spacing, CUT_DEPTH - 1)
                      for c in quarter_centres(centre, spacing))
             held += [part for part in parts if part[0] > NEGLIGIBLE_SHARE * spacing**DIM]

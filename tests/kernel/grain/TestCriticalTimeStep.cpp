@@ -91,12 +91,14 @@ TEMPLATE_TEST_CASE("Critical time step: highest frequency of the internal force"
 {
 	constexpr int dim = TestType::dim;
 	for (int order : { 1, 2, 3 })
-		for (double poisson : { 0.45, 0.2 }) {
-			CAPTURE(order, poisson);
+		for (auto [poisson, nodeSpacing] :
+		     { std::pair(0.45, 2.), std::pair(0.2, 2.), std::pair(0.45, 1.25) }) {
+			CAPTURE(order, poisson, nodeSpacing);
 			GrainParameters<dim> grain = paperGrain<dim>();
 			grain.constants.poisson = poisson;
-			const auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.23 : 0.5, order),
-							    grain, TestType::condition);
+			const auto batch =
+				singleGrain<dim>(recipe(dim == 2 ? 0.23 : 0.5, order, nodeSpacing),
+						 grain, TestType::condition);
 			const Eigen::MatrixXd dynamics = dynamicMatrix(batch);
 			const Eigen::VectorXd squares = eigenvalues(dynamics);
 			const double largest = squares[squares.size() - 1],

@@ -67,13 +67,25 @@ TEMPLATE_TEST_CASE_SIG("Outline: vertices on the ball, facets outwards", "[refer
 	for (double spacing : { 0.05, 0.11, 0.3, 1., 2. }) {
 		CAPTURE(spacing);
 		const auto mesh = UnitBall<dim>().mesh(spacing);
-		CHECK(mesh.vertex.size() >= 8);
+		CHECK(mesh.vertex.size() >= (dim == 2 ? 11 : 12));
 		for (const Vec<dim>& X : mesh.vertex)
 			CHECK(std::abs(X.norm() - 1) < 1e-14);
 		for (std::size_t f = 0; f < mesh.facet.size(); ++f) {
 			const Vec<dim> n = areaVector(mesh, f).normalized();
 			CHECK(n.dot(centroid(mesh, f).normalized()) > 0.99);
 		}
+	}
+}
+
+TEST_CASE("Outline: contacts at 60 or 90 degrees meet the nodes of a disk at different phases",
+	  "[reference]")
+{
+	for (double spacing : { 0.02, 0.05, 0.07, 0.1, 0.11, 0.14, 0.2, 0.5, 2. }) {
+		const std::size_t count = UnitBall<2>().mesh(spacing).vertex.size();
+		CAPTURE(spacing, count);
+		CHECK(count % 2 != 0);
+		CHECK(count % 3 != 0);
+		CHECK(std::abs(count - std::max(11., 2 * std::numbers::pi / spacing)) <= 2);
 	}
 }
 

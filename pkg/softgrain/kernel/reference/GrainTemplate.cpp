@@ -62,7 +62,7 @@ void TemplateRecipe::validate() const
 {
 	require(zeta >= 1e-3 && zeta <= 0.5, "zeta", zeta, "[0.001, 0.5]");
 	require(order >= minSplineOrder && order <= maxSplineOrder, "order", order, "1, 2, 3");
-	require(nodeSpacing >= 1.5 && nodeSpacing <= 4, "nodeSpacing", nodeSpacing, "[1.5, 4]");
+	require(nodeSpacing >= 1.25 && nodeSpacing <= 4, "nodeSpacing", nodeSpacing, "[1.25, 4]");
 	require(surfaceSpacing >= 0.5 && surfaceSpacing <= 4, "surfaceSpacing", surfaceSpacing,
 		"[0.5, 4]");
 	form.validate();

@@ -24,8 +24,9 @@ enum class ContactGeometry {
 struct TemplateRecipe {
 	double zeta = 0.11; ///< 2 dr / D, dimensionless, in [0.001, 0.5]
 	int order = 3;      ///< of the B-splines: 1, 2 or 3
-	double nodeSpacing =
-		2; ///< h / dr, in [1.5, 4]: below, cubic splines have zero-energy modes
+	/// h / dr, in [1.25, 4]. At 1 cubic splines have zero-energy modes; why 1.25:
+	/// doc/decisions/0008-node-spacing.md.
+	double nodeSpacing = 1.25;
 	double surfaceSpacing = 1; ///< distance of surface nodes over dr, in [0.5, 4]
 	QuadratureRule quadrature = QuadratureRule::cutCell;
 	ContactGeometry contact = ContactGeometry::surface;

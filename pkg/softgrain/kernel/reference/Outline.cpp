@@ -12,10 +12,27 @@ namespace softgrain {
 template <> double UnitBall<2>::volume() const { return std::numbers::pi; }
 template <> double UnitBall<3>::volume() const { return 4 * std::numbers::pi / 3; }
 
+namespace {
+
+/// Number of nodes on a circle about `spacing` apart, at least 11: the nearest one without a
+/// divisor 2 or 3. Contacts at multiples of 60 or 90 degrees then meet the nodes at different
+/// phases, and the error that each makes by its phase averages out
+/// (doc/decisions/0008-node-spacing.md).
+int circleNodes(double spacing)
+{
+	const double ideal = std::max(11., 2 * std::numbers::pi / spacing);
+	const int sixes = 6 * static_cast<int>(std::floor(ideal / 6));
+	int nearest = sixes - 1;
+	for (int count : { sixes + 1, sixes + 5, sixes + 7 })
+		if (std::abs(count - ideal) < std::abs(nearest - ideal)) nearest = count;
+	return nearest;
+}
+
+} // namespace
+
 template <> OutlineMesh<2> UnitBall<2>::mesh(double spacing) const
 {
-	const int count =
-		std::max(8, static_cast<int>(std::lround(2 * std::numbers::pi / spacing)));
+	const int count = circleNodes(spacing);
 	OutlineMesh<2> mesh;
 	for (int s = 0; s < count; ++s) {
 		const double angle = 2 * std::numbers::pi * s / count;

@@ -69,8 +69,8 @@ public:
 		return std::nullopt;
 	}
 
-	/// At least 8 vertices on a disk, equally spaced; on a ball a subdivided icosahedron whose
-	/// mean edge is nearest to `spacing`.
+	/// At least 11 vertices on a disk, equally spaced, their number without a divisor 2 or 3;
+	/// on a ball a subdivided icosahedron whose mean edge is nearest to `spacing`.
 	OutlineMesh<dim> mesh(double spacing) const override;
 };
 

@@ -12,6 +12,9 @@ namespace {
 
 template <int dim> using Cell = std::array<int, dim>;
 
+/// Cells with a centre less than this inside the outline (in cell sides) are divided at the rim.
+constexpr double rimDepth = 1;
+
 /// Cuts are resolved down to 1/2^depth of a cell; there the outline is taken as straight.
 /// Chosen so that the area of a disk is met within 1e-5 before the weights are scaled.
 template <int dim> constexpr int cutDepth = dim == 2 ? 6 : 4;
@@ -136,12 +139,10 @@ template <int dim>
 Quadrature<dim> makeQuadrature(QuadratureRule rule, double spacing, const Outline<dim>& outline)
 {
 	const Vec<dim> sides = outline.cellSides(spacing);
-	// where the lattice ends on the outline, the outermost cells lie at the limit
-	const double rimDepth = 0.5 * sides.maxCoeff() * (1 + 1e-9);
 	Quadrature<dim> q;
 	for (const auto& [cell, m] : occupiedCells<dim>(rule, sides, outline)) {
 		const Vec<dim> centre = cellCentre<dim>(cell, sides);
-		const bool atRim = outline.signedDistance(centre) > -rimDepth;
+		const bool atRim = outline.signedDistance(centre) > -rimDepth * sides.maxCoeff();
 		if (rule == QuadratureRule::cutCell && atRim)
 			addRefined(outline, centre, sides, q);
 		else

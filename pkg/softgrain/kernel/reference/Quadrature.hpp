@@ -9,12 +9,9 @@ namespace softgrain {
 
 enum class QuadratureRule {
 	/// Every lattice cell cut with the outline: point at the centroid of what is inside. Cells
-	/// whose
-	/// centre is within half a cell of the outline or beyond are cut into 2^dim parts with a
-	/// point each:
-	/// the shape functions that just reach into the grain live there, and one point a cell
-	/// leaves them so
-	/// soft that contacts sink in (doc/decisions/0001-rim.md).
+	/// whose centre is within a cell of the outline or beyond are cut into 2^dim parts with a
+	/// point each: the shape functions that just reach into the grain live there, and one point
+	/// a cell leaves them so soft that contacts sink in (doc/decisions/0001-rim.md).
 	cutCell,
 	/// Cell centres inside the outline, uniform weights (the paper).
 	lattice

@@ -1,0 +1,218 @@
+"""What the runnable cases compared with finite elements share: options, scene, windows of time,
+results and plots. Used by ``scripts/hertz.py``, ``square_cell.py`` and ``hexagonal_cell.py``."""
+
+import math
+import time
+from pathlib import Path
+
+import matplotlib.figure
+import numpy as np
+import yade.utils
+from yade import FrictMat, O, Quaternion, wrapper
+
+from softgrain import build, command_line, finite_elements, observe, profile
+
+#: omega R / c_s of the lowest vibration of a free disk (Lamb), nu = 0.45; it changes little with
+#: nu.
+LOWEST_MODE = 2.3525
+#: Forces are averaged over windows of this many periods of that mode, in which a disk bounces
+#: between its walls about once.
+PERIODS_PER_WINDOW = 2
+#: The pressure on a wall is sampled this many times a window.
+SAMPLES_PER_WINDOW = 10
+#: Tolerance of the contact sweeps. At the default 1e-2 the unsettled impulses shake the disks: the
+#: kinetic energy reaches 1e-2 of the elastic one; at 1e-4 it stays far below, for half as many
+#: sweeps again (doc/decisions/0008-node-spacing.md).
+TOLERANCE = 1e-4
+
+
+def add_grain_options(parser, speed, speed_help, out):
+    """Add the options that all cases have to an ``argparse`` parser."""
+    add = parser.add_argument
+    add("--zeta", type=command_line.resolution, default=0.1, help="relative resolution 2 dr/D [-]")
+    add("--young", type=command_line.positive, default=1e6, help="Young's modulus [Pa]")
+    add("--poisson", type=command_line.poisson, default=0.45, help="Poisson's ratio [-]")
+    add("--density", type=command_line.positive, default=1000.0, help="density [kg/m3]")
+    add("--diameter", type=command_line.positive, default=0.02, help="diameter of a disk [m]")
+    add(
+        "--contact",
+        choices=("surface", "points", "nodes"),
+        default="surface",
+        help="contact geometry",
+    )
+    command_line.add_method_options(parser)
+    add(
+        "--orientation",
+        type=command_line.angle,
+        default=0.0,
+        help="angle by which the disks' grids are turned [degrees]; the answer should not feel it",
+    )
+    add("--speed", type=command_line.positive, default=speed, help=speed_help)
+    add(
+        "--out",
+        type=command_line.output_folder,
+        default=Path(out),
+        help="folder for results",
+    )
+
+
+def add_disk(options, centre, condition="planeStrain"):
+    """Add a soft disk as the options say; returns its body."""
+    disk = build.soft_disk(
+        centre,
+        options.diameter / 2,
+        zeta=options.zeta,
+        contact=options.contact,
+        **command_line.method_attributes(options),
+        material=wrapper.SoftMat(
+            young=options.young,
+            poisson=options.poisson,
+            density=options.density,
+            condition=condition,
+        ),
+    )
+    disk.state.ori = Quaternion((0, 0, 1), math.radians(options.orientation))
+    O.bodies.append(disk)
+    return disk
+
+
+def add_wall(position, axis, sense, velocity=0.0):
+    """Add a frictionless wall that moves along its axis with a constant velocity [m/s]; returns
+    its id."""
+    if not any(m.label == "walls" for m in O.materials):
+        O.materials.append(FrictMat(frictionAngle=0, label="walls"))
+    wall = yade.utils.wall(position, axis=axis, sense=sense, material="walls")
+    wall.state.vel[axis] = velocity
+    return O.bodies.append(wall)
+
+
+def start(tolerance=TOLERANCE):
+    """Engines and time step for the scene, with a tolerance of the contact sweeps [-]."""
+    O.engines = build.engines(tolerance=tolerance)
+    O.trackEnergy = True
+    build.set_time_step()
+
+
+def window_seconds(options):
+    """Two periods of the lowest vibration of a disk [s]."""
+    shear_speed = math.sqrt(options.young / (2 * (1 + options.poisson)) / options.density)
+    return PERIODS_PER_WINDOW * 2 * math.pi / (LOWEST_MODE * shear_speed / (options.diameter / 2))
+
+
+class WallContact:
+    """Pressure on a wall, averaged over the samples of a window."""
+
+    def __init__(self, disk, wall):
+        self._ids = disk, wall
+        self.restart()
+
+    def restart(self):
+        self._samples = []
+
+    def sample(self):
+        """Take in the last step."""
+        try:
+            interaction = O.interactions[self._ids]
+        except IndexError:
+            return
+        if interaction.isReal:
+            self._samples.append(profile.contact_profile(interaction))
+
+    def halfwidth(self):
+        """Mean half-width [m]; 0 without contact."""
+        widths = [profile.contact_halfwidth(s["position"], s["force"]) for s in self._samples]
+        return float(np.mean(widths)) if widths else 0.0
+
+    def pressure(self):
+        """Positions from the centre of the force [m] and mean pressures [Pa] of the nodes that
+        were in reach in every sample."""
+        nodes = set.intersection(*[set(s["node"]) for s in self._samples])
+        kept = [np.isin(s["node"], list(nodes)) for s in self._samples]
+        mean = {
+            name: np.mean([s[name][k] for s, k in zip(self._samples, kept)], axis=0)
+            for name in ("position", "force", "pressure")
+        }
+        centre = np.dot(mean["force"], mean["position"]) / mean["force"].sum()
+        return mean["position"] - centre, mean["pressure"]
+
+
+def window_means(seconds, place, forces, contacts=(), step=O.step):
+    """Step for one window of time.
+
+    Args:
+        seconds (float): length of the window, at least one step [s].
+        place (callable): where the walls are, quantities that change steadily, as an array.
+        forces (callable): what is to be averaged, taken after every step, as an array.
+        contacts (iterable of WallContact): sampled several times.
+        step (callable): makes a step.
+
+    Returns:
+        tuple: mean of the place, the mean of its values before the first and the last step, at
+        whose times the first and last forces act; mean of the forces.
+    """
+    for contact in contacts:
+        contact.restart()
+    start = O.time
+    first, total, steps, sampled = place(), 0.0, 0, 0
+    while True:
+        ends = O.time + 1.5 * O.dt >= start + seconds
+        last = place() if ends else None
+        step()
+        total = total + np.asarray(forces(), float)
+        steps += 1
+        if O.time - start >= (sampled + 0.5) / SAMPLES_PER_WINDOW * seconds:
+            sampled += 1
+            for contact in contacts:
+                contact.sample()
+        if ends:
+            return 0.5 * (np.asarray(first) + last), total / steps
+
+
+def kinetic_over_elastic():
+    """Kinetic over elastic energy of the scene [-], needs ``O.trackEnergy``: small where loading
+    is slow enough."""
+    energy = observe.integrator().energy()
+    return energy["kinetic"] / energy["elastic"] if energy["elastic"] > 0 else math.inf
+
+
+def run_facts(options, started):
+    """What every case says about its run, for ``result.json``."""
+    engine = observe.integrator()
+    return {
+        "wall_seconds": time.time() - started,
+        "steps": int(engine.steps),
+        "dt": O.dt,
+        "sweeps_per_step": engine.totalSweeps / engine.steps,
+        "capped_steps": int(engine.cappedSteps),
+        "residual_max": engine.largestResidual,
+        "points_per_grain": len(observe.soft_bodies()[0].shape.points()["volume"]),
+        "options": {name: str(value) for name, value in vars(options).items()},
+    }
+
+
+def plot_force(options, x, force, exact_x, exact_force, xlabel, title):
+    """``force.png``: forces over E D against the finite-element curve, where it is for this
+    Poisson's ratio."""
+    figure = matplotlib.figure.Figure(figsize=(5, 4), layout="constrained")
+    axes = figure.add_subplot()
+    if options.poisson == finite_elements.POISSON:
+        shown = exact_x <= 1.05 * x[-1]
+        axes.plot(
+            exact_x[shown],
+            exact_force[shown],
+            color="black",
+            lw=1,
+            label="finite elements, converged",
+        )
+    axes.plot(
+        x,
+        force,
+        "o",
+        ms=3,
+        mfc="none",
+        label=rf"softgrain, $\zeta$ = {options.zeta:g}, {options.contact}",
+    )
+    axes.set(xlabel=xlabel, ylabel="force F / (E D)", xlim=(0, None), ylim=(0, None), title=title)
+    axes.legend(frameon=False)
+    axes.grid(alpha=0.3)
+    figure.savefig(options.out / "force.png", dpi=200)

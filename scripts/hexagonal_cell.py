@@ -1,0 +1,225 @@
+"""Soft disks on a triangular lattice under isotropic compression; the central one is measured.
+
+Run it with YADE: ``scripts/yade -n -x scripts/hexagonal_cell.py --zeta 0.1 --out DIR``. The
+frictionless disks lie in rings about the central one. The centres of the outermost ring are moved
+as the lattice shrinks; all others are free, so that the central disk and its six neighbours find
+their own places. Its cell is measured where it is: w is half of the diameter less the mean
+distance from the centre of the central disk to its six contacts. Plane strain; compared with
+converged finite elements of one cell.
+"""
+
+import argparse
+import math
+import time
+
+import numpy as np
+from yade import O
+
+import softgrain as sg
+from softgrain import cases, command_line, finite_elements
+
+#: Tolerance of the sweeps: ten times that for one disk, since 19 need many more of them.
+TOLERANCE = 1e-3
+START_PHI = math.pi / math.sqrt(12)
+
+
+def parse_options(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    cases.add_grain_options(
+        parser,
+        speed=0.01,
+        speed_help="at which the sides of each cell move in [m/s]",
+        out="hexagonal_cell",
+    )
+    add = parser.add_argument
+    add(
+        "--rings",
+        type=int,
+        default=2,
+        help="rings of disks about the central one, the outermost moved; at least 2 [-]",
+    )
+    add(
+        "--until-phi",
+        type=command_line.fraction,
+        default=0.98,
+        help="packing fraction of the central cell to stop at, above pi/sqrt(12) [-]",
+    )
+    options = parser.parse_args(arguments)
+    command_line.check_method(parser, options)
+    if options.rings < 2:
+        parser.error(f"argument --rings: {options.rings} is outside the admissible range [2, inf)")
+    if options.until_phi <= START_PHI:
+        parser.error(
+            f"argument --until-phi: {options.until_phi} is not above the start at pi/sqrt(12)"
+        )
+    return options
+
+
+def lattice(rings):
+    """Sites of a triangular lattice of unit spacing within so many rings: array (n, 3), the
+    central one first and the others ring by ring; and the ring of each."""
+    steps = range(-rings, rings + 1)
+    sites = [(i, j) for i in steps for j in steps if abs(i + j) <= rings]
+    sites.sort(key=lambda site: (ring(*site), site))
+    positions = [(i + 0.5 * j, 0.5 * math.sqrt(3) * j, 0.0) for i, j in sites]
+    return np.array(positions), np.array([ring(*site) for site in sites])
+
+
+def ring(i, j):
+    """Steps from the origin of a site in the basis at 60 degrees."""
+    return max(abs(i), abs(j), abs(i + j))
+
+
+class Lattice:
+    """The disks, and the motion of the outermost ring."""
+
+    def __init__(self, options):
+        self.diameter = options.diameter
+        sites, rings = lattice(options.rings)
+        # every centre moves in by this share of its first distance a second, at the start all of
+        # them
+        self._rate = 2 * options.speed / options.diameter
+        self._first = options.diameter * sites
+        self.disks = [cases.add_disk(options, tuple(x)) for x in self._first]
+        for disk, x in zip(self.disks, self._first):
+            disk.state.vel = tuple(-self._rate * x)
+        self._moved = [k for k in range(len(sites)) if rings[k] == options.rings]
+        self._held = {k: np.zeros(3) for k in self._moved}
+        self.neighbours = [k for k in range(len(sites)) if rings[k] == 1]
+
+    def step(self):
+        """A step with the centres of the outermost ring where the lattice has them.
+
+        What would push them off, the contact forces of the last step, is held by a body load; what
+        has changed since is corrected in position and velocity. No disk may spin: by symmetry none
+        would, but without friction nothing stops one from rolling to where its nodes lie best.
+        """
+        for k in self._moved:
+            disk = self.disks[k]
+            disk.state.pos = tuple((1 - self._rate * O.time) * self._first[k])
+            disk.state.vel = tuple(-self._rate * self._first[k])
+            O.forces.setPermF(disk.id, tuple(self._held[k]))
+        for disk in self.disks:
+            disk.state.angVel = (0, 0, 0)
+        O.step()
+        for k in self._moved:
+            contacts = np.array(O.forces.f(self.disks[k].id)) - self._held[k]
+            self._held[k] = -contacts
+
+    def cell(self):
+        """Displacement w/D of the sides of the central cell, phi and phi0 in it."""
+        half = np.mean([self._reach(k) for k in self.neighbours])
+        area = math.sqrt(12) * half**2
+        return np.array(
+            [
+                0.5 - half / self.diameter,
+                sg.grain_area(self.disks[0]) / area,
+                0.25 * math.pi * self.diameter**2 / area,
+            ]
+        )
+
+    def _reach(self, k):
+        """Distance from the centre of the central disk to its contact with neighbour k, the mean
+        weighted with the forces [m]; half of the distance of the centres without a force."""
+        centre = np.array(self.disks[0].state.pos)
+        apart = np.array(self.disks[k].state.pos) - centre
+        distance = np.linalg.norm(apart)
+        for interaction in self.contacts():
+            if self.disks[k].id in (interaction.id1, interaction.id2):
+                contacts = interaction.geom.contacts()
+                force = normal_forces(contacts)
+                if force.sum() > 0:
+                    return (contacts["point"] - centre) @ apart / distance @ force / force.sum()
+        return 0.5 * distance
+
+    def contacts(self):
+        """Interactions of the central disk with its neighbours that exist by now."""
+        central = self.disks[0].id
+        return [i for i in O.interactions.withBody(central) if i.isReal]
+
+    def forces(self):
+        """Forces between the central disk and its six neighbours [N/m], by the neighbour's id."""
+        central = self.disks[0].id
+        found = {i.id1 + i.id2 - central: i.phys.normalForce.norm() for i in self.contacts()}
+        return [found.get(self.disks[k].id, 0.0) for k in self.neighbours]
+
+    def halfwidth(self):
+        """Mean half-width of the contacts of the central disk [m]."""
+        widths = [halfwidth(i) for i in self.contacts()]
+        return np.mean(widths) if widths else 0.0
+
+
+def halfwidth(interaction):
+    """Half-width of the contact of two disks [m], along the tangent."""
+    contacts = interaction.geom.contacts()
+    x, y, _ = interaction.geom.normal
+    along = contacts["point"] @ np.array([-y, x, 0])
+    return sg.contact_halfwidth(along, normal_forces(contacts))
+
+
+def normal_forces(contacts):
+    """Of contact points, up to a common factor."""
+    return np.sum(contacts["impulse"] * contacts["normal"], axis=1)
+
+
+def compress(options, disks):
+    """Shrink the lattice; returns records, averaged over windows."""
+    seconds = cases.window_seconds(options)
+    rows = []
+    start = phi = disks.cell()[1]
+    with command_line.progress_bar(total=options.until_phi - start) as bar:
+        while phi < options.until_phi:
+            where, force = cases.window_means(seconds, disks.cell, disks.forces, step=disks.step)
+            rows.append(
+                [
+                    *where,
+                    *(force / (options.young * options.diameter)),
+                    disks.halfwidth() / options.diameter,
+                    cases.kinetic_over_elastic(),
+                ]
+            )
+            phi = where[1]
+            command_line.show_progress(bar, phi - start, f"phi {phi:.4f}")
+    return np.array(rows).T
+
+
+def main():
+    options = parse_options()
+    disks = Lattice(options)
+    cases.start(TOLERANCE)
+    started = time.time()
+    displacement, phi, phi0, *forces, width, kinetic = compress(options, disks)
+    facts = cases.run_facts(options, started)
+    force = np.mean(forces, axis=0)
+    command_line.write_result(
+        options.out,
+        {
+            "phi": phi,
+            "phi0": phi0,
+            "wall_displacement_over_D": displacement,
+            "force_over_ED": force,
+            "neighbour_forces_over_ED": np.transpose(forces),
+            "contact_halfwidth_over_D": width,
+            "kinetic_over_elastic": kinetic,
+            "grains": len(disks.disks),
+            **facts,
+        },
+    )
+    exact = finite_elements.hexagonal_cell()
+    cases.plot_force(
+        options,
+        displacement,
+        force,
+        exact.wall_displacement_over_D,
+        exact.force_over_ED,
+        xlabel="displacement of each side w / D",
+        title="triangular lattice",
+    )
+    print(
+        f"phi = {phi[-1]:.4f}, w/D = {displacement[-1]:.4f}, F/(E D) = {force[-1]:.4f}; "
+        f"{facts['steps']} steps in {facts['wall_seconds']:.1f} s. Results in {options.out}/"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+"""One soft disk in a closing square box: the square lattice of identical frictionless disks.
+
+Run it with YADE: ``scripts/yade -n -x scripts/square_cell.py --zeta 0.1 --out DIR``. The four
+frictionless walls move in at equal speed; plane strain. Forces, and the width of the contacts, are
+compared with converged finite elements at equal displacement of the walls and at equal packing
+fraction.
+"""
+
+import argparse
+import time
+
+import numpy as np
+from yade import O
+
+import softgrain as sg
+from softgrain import cases, command_line, finite_elements
+
+WALLS = ("left", "right", "bottom", "top")
+
+
+def parse_options(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    cases.add_grain_options(
+        parser, speed=0.01, speed_help="of each of the four walls [m/s]", out="square_cell"
+    )
+    parser.add_argument(
+        "--until-phi",
+        type=command_line.fraction,
+        default=0.98,
+        help="packing fraction to stop at, above pi/4 [-]",
+    )
+    options = parser.parse_args(arguments)
+    command_line.check_method(parser, options)
+    if options.until_phi <= np.pi / 4:
+        parser.error(f"argument --until-phi: {options.until_phi} is not above the start at pi/4")
+    return options
+
+
+def make_scene(options):
+    """The disk just touching four walls; returns its id and theirs."""
+    radius = options.diameter / 2
+    disk = cases.add_disk(options, (0, 0, 0)).id
+    walls = [
+        cases.add_wall(-sense * radius, axis=axis, sense=sense, velocity=sense * options.speed)
+        for axis in (0, 1)
+        for sense in (1, -1)
+    ]
+    cases.start()
+    return disk, walls
+
+
+def close(options, disk, walls):
+    """Close the box; returns records, averaged over windows."""
+    left, right, bottom, top = walls
+
+    def side(low, high, axis):
+        return (O.bodies[high].state.pos[axis] - O.bodies[low].state.pos[axis]) / options.diameter
+
+    def place():
+        width, height = side(left, right, 0), side(bottom, top, 1)
+        area = width * height * options.diameter**2
+        displacement = 0.5 - 0.25 * (width + height)
+        return np.array(
+            [displacement, sg.packing_fraction(area), sg.packing_fraction(area, nominal=True)]
+        )
+
+    def forces():
+        f = O.forces.f
+        return [-f(left)[0], f(right)[0], -f(bottom)[1], f(top)[1]]
+
+    contacts = [cases.WallContact(disk, wall) for wall in walls]
+    seconds = cases.window_seconds(options)
+    rows = []
+    start = phi = place()[1]
+    with command_line.progress_bar(total=options.until_phi - start) as bar:
+        while phi < options.until_phi:
+            where, force = cases.window_means(seconds, place, forces, contacts)
+            halfwidth = np.mean([c.halfwidth() for c in contacts]) / options.diameter
+            rows.append(
+                [
+                    *where,
+                    *(force / (options.young * options.diameter)),
+                    halfwidth,
+                    cases.kinetic_over_elastic(),
+                ]
+            )
+            phi = place()[1]
+            command_line.show_progress(bar, phi - start, f"phi {phi:.4f}")
+    return np.array(rows).T
+
+
+def main():
+    options = parse_options()
+    disk, walls = make_scene(options)
+    started = time.time()
+    displacement, phi, phi0, *forces, halfwidth, kinetic = close(options, disk, walls)
+    facts = cases.run_facts(options, started)
+    force = np.mean(forces, axis=0)
+    command_line.write_result(
+        options.out,
+        {
+            "phi": phi,
+            "phi0": phi0,
+            "wall_displacement_over_D": displacement,
+            "force_over_ED": force,
+            **{f"force_{name}_over_ED": f for name, f in zip(WALLS, forces)},
+            "contact_halfwidth_over_D": halfwidth,
+            "kinetic_over_elastic": kinetic,
+            **facts,
+        },
+    )
+    exact = finite_elements.square_cell()
+    cases.plot_force(
+        options,
+        displacement,
+        force,
+        exact.wall_displacement_over_D,
+        exact.force_over_ED,
+        xlabel="displacement of each wall w / D",
+        title="square cell",
+    )
+    print(
+        f"phi = {phi[-1]:.4f}, w/D = {displacement[-1]:.4f}, F/(E D) = {force[-1]:.4f}; "
+        f"{facts['steps']} steps in {facts['wall_seconds']:.1f} s. Results in {options.out}/"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,48 @@
+"""Running the cases of ``scripts/`` and comparing their forces with finite elements."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from softgrain import finite_elements
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+
+
+def run_case(name, folder, *options):
+    """Run ``scripts/<name>.py``; returns its result with arrays for lists of numbers."""
+    process = subprocess.run(
+        [
+            "/usr/bin/yade",
+            "-n",
+            "-x",
+            "-j1",
+            str(SCRIPTS / f"{name}.py"),
+            "--out",
+            str(folder),
+            *options,
+        ],
+        capture_output=True,
+        text=True,
+        timeout=3600,
+        cwd=folder,
+    )
+    assert process.returncode == 0, process.stdout + process.stderr
+    result = json.loads((folder / "result.json").read_text())
+    return {k: np.array(v) if is_numbers(v) else v for k, v in result.items()}
+
+
+def is_numbers(value):
+    return isinstance(value, list) and not isinstance(value[0], dict)
+
+
+def errors(result, curve, abscissa, ordinate="force_over_ED", start=0.0, end=np.inf):
+    """Relative errors of a result over a curve of finite elements, where the abscissa lies within
+    [start, end]."""
+    x = result[abscissa]
+    shown = (x >= start) & (x <= end)
+    assert shown.sum() > 3
+    expected = finite_elements.interpolated(x[shown], curve[abscissa], curve[ordinate])
+    return result[ordinate][shown] / expected - 1
