@@ -102,9 +102,7 @@ def profiles(records):
     nearest = {
         int(np.argmin(np.abs(records["delta"] - at))) for at in PROFILES_AT if at <= last + 0.005
     }
-    return [
-        {"delta_over_D": records["delta"][k], **records["profile"][k]} for k in sorted(nearest)
-    ]
+    return [{"delta_over_D": records["delta"][k], **records["profile"][k]} for k in sorted(nearest)]
 
 
 def main():
@@ -129,13 +127,16 @@ def main():
             **facts,
         },
     )
-    exact = finite_elements.disk_between_plates(options.condition)
+    known = options.poisson in finite_elements.poisson_ratios(options.condition)
+    exact = (
+        finite_elements.disk_between_plates(options.condition, options.poisson) if known else None
+    )
     cases.plot_force(
         options,
         delta,
         force,
-        exact.delta_over_D,
-        exact.force_over_ED,
+        exact,
+        abscissa="delta_over_D",
         xlabel=r"approach of the plates $\delta$ / D",
         title=options.condition.replace("_", " "),
     )

@@ -109,13 +109,13 @@ def main():
             **facts,
         },
     )
-    exact = finite_elements.square_cell()
+    exact = finite_elements.square_cell() if options.poisson == finite_elements.POISSON else None
     cases.plot_force(
         options,
         displacement,
         force,
-        exact.wall_displacement_over_D,
-        exact.force_over_ED,
+        exact,
+        abscissa="wall_displacement_over_D",
         xlabel="displacement of each wall w / D",
         title="square cell",
     )

@@ -102,16 +102,30 @@ private:
 	double z_;
 };
 
+/// Gaps are differences of positions in space: 1e8 radii from the origin they are good to 1e-7 dr.
+void requireDigits(const GrainDescription& d)
+{
+	constexpr double farthest = 1e8; // in radii
+	const double distance = d.position.norm() / d.radius;
+	if (distance <= farthest) return;
+	throw std::invalid_argument("grain #" + std::to_string(d.id) + " lies " +
+				    std::to_string(distance) +
+				    " radii from the origin, more than the admissible 1e8, where "
+				    "gaps lose their digits; move the scene nearer");
+}
+
 template <int dim> class GrainAssemblyOf : public GrainAssembly {
 public:
 	explicit GrainAssemblyOf(const std::vector<GrainDescription>& grains)
 		: z_(dim == 2 ? grains.front().position[2] : 0.)
 	{
-		for (const GrainDescription& d : grains)
+		for (const GrainDescription& d : grains) {
 			if (dim == 2 && std::abs(d.position[2] - z_) > 1e-6 * d.radius)
 				throw std::invalid_argument(
 					"grain #" + std::to_string(d.id) +
 					": 2D soft grains must lie in one plane z = const");
+			requireDigits(d);
+		}
 		addSets(grains);
 		system_.updateSurfaces(1);
 	}

@@ -46,6 +46,10 @@ softgrain::TemplateRecipe SoftGrain::recipe() const
 		{ { "ball", softgrain::Form::ball }, { "block", softgrain::Form::block } });
 	for (int a = 0; a < 3; ++a)
 		r.form.aspect[a] = aspect[a];
+	r.volumetric = choose<softgrain::VolumetricStrain>(
+		"volumetric", volumetric,
+		{ { "pointwise", softgrain::VolumetricStrain::pointwise },
+		  { "projected", softgrain::VolumetricStrain::projected } });
 	return r;
 }
 

@@ -54,6 +54,7 @@ public:
 		((string, formulation, "total", Attr::readonly, "'total' (total Lagrangian: grid and shape functions stay in the reference configuration) or 'updated' (updated Lagrangian: a grid fixed in space, shape functions made anew in every step; order 2 or 3). 'updated' is there for comparison: slower and less accurate."))
 		((string, velocityUpdate, "nodal", Attr::readonly, "Where velocities live from step to step with formulation 'total': 'nodal' (at the background nodes; conserves energy and angular momentum) or 'flip' (at the material points, mapped to the nodes and back in every step, the classical cycle; for comparison). With formulation 'updated' always at the points."))
 		((Real, picShare, 0, Attr::readonly, "Where velocities live at the points: share of the nodal velocity itself (PIC) instead of its change (FLIP) that points take over in a step, in [0, 1] [-]. Damps; doc/decisions/0005-formulations.md."))
+		((string, volumetric, "pointwise", Attr::readonly, "How the law sees the change of volume: 'pointwise', or 'projected' on a coarser space of pressures, for Poisson's ratios above 0.48 or so in plane strain and 3D: no oscillating pressures, small contacts not too stiff, at 1.4 to 1.8 times the cost of the bulk."))
 		((Vector3r, stateOrigin, Vector3r::Zero(), Attr::hidden, "Origin of savedPositions."))
 		((vector<Real>, savedPositions, , Attr::hidden, "Positions of the state (GrainState) relative to stateOrigin as last fetched."))
 		((vector<Real>, savedVelocities, , Attr::hidden, "Velocities of the state as last fetched."))

@@ -146,7 +146,7 @@ void SoftGrainIntegrator::chooseTimeStep(double stiffening)
 			dtSet = std::min(timeStepFraction * undeformed, criticalDt);
 		if (dtSet > limit * (1 + 1e-6) || dtSet < 0.7 * limit) dtSet = 0.9 * limit;
 		scene->dt = dtSet;
-	} else if (!(scene->dt <= criticalDt && scene->dt > 0)) {
+	} else if (!(scene->dt <= criticalDt * (1 + 1e-9) && scene->dt > 0)) {
 		std::ostringstream message;
 		message << "O.dt = " << scene->dt << " s is outside the admissible range (0, "
 			<< criticalDt
@@ -175,7 +175,7 @@ void SoftGrainIntegrator::applyUserMotions()
 		const Rotation turn = state.ori * written.orientation.conjugate();
 		const Vec3 velocity = state.vel - written.velocity,
 			   spin = state.angVel - written.angularVelocity;
-		const bool moved = shift.norm() > 1e-9 * (radius + state.pos.norm());
+		const bool moved = shift.norm() > 1e-9 * radius + 1e-14 * state.pos.norm();
 		const bool turned = turn.vec().norm() > 1e-9;
 		const bool pushed = velocity.norm() > 1e-12 * state.vel.norm();
 		const bool spun = spin.norm() > 1e-9 * state.angVel.norm() &&

@@ -40,6 +40,12 @@ def add_grain_options(parser, speed, speed_help, out):
         default="surface",
         help="contact geometry",
     )
+    add(
+        "--volumetric",
+        choices=("pointwise", "projected"),
+        default="pointwise",
+        help="how the law sees the change of volume; 'projected' for nu above 0.48 or so",
+    )
     command_line.add_method_options(parser)
     add(
         "--orientation",
@@ -63,6 +69,7 @@ def add_disk(options, centre, condition="planeStrain"):
         options.diameter / 2,
         zeta=options.zeta,
         contact=options.contact,
+        volumetric=options.volumetric,
         **command_line.method_attributes(options),
         material=wrapper.SoftMat(
             young=options.young,
@@ -190,16 +197,16 @@ def run_facts(options, started):
     }
 
 
-def plot_force(options, x, force, exact_x, exact_force, xlabel, title):
-    """``force.png``: forces over E D against the finite-element curve, where it is for this
-    Poisson's ratio."""
+def plot_force(options, x, force, exact, abscissa, xlabel, title):
+    """``force.png``: forces over E D against a curve of ``finite_elements`` (None: there is none
+    for this Poisson's ratio) with ``abscissa`` the name of its column for x."""
     figure = matplotlib.figure.Figure(figsize=(5, 4), layout="constrained")
     axes = figure.add_subplot()
-    if options.poisson == finite_elements.POISSON:
-        shown = exact_x <= 1.05 * x[-1]
+    if exact is not None:
+        shown = exact[exact[abscissa] <= 1.05 * x[-1]]
         axes.plot(
-            exact_x[shown],
-            exact_force[shown],
+            shown[abscissa],
+            shown.force_over_ED,
             color="black",
             lw=1,
             label="finite elements, converged",

@@ -103,6 +103,13 @@ inline TemplateRecipe recipe(double zeta, int order = 3, double nodeSpacing = 2)
 	return r;
 }
 
+inline TemplateRecipe projectedRecipe(double zeta, int order = 3)
+{
+	TemplateRecipe r = recipe(zeta, order);
+	r.volumetric = VolumetricStrain::projected;
+	return r;
+}
+
 template <int dim>
 Batch<dim> singleGrain(const TemplateRecipe& r,
 		       const GrainParameters<dim>& grain = paperGrain<dim>(),

@@ -72,3 +72,17 @@ def test_unknown_condition():
         ValueError, match="condition = 'flat' is unknown.*'plane_strain', 'plane_stress'"
     ):
         finite_elements.disk_between_plates("flat")
+
+
+@pytest.mark.parametrize("poisson, expected", [(0.49, 0.02102), (0.499, 0.02132)])
+def test_nearly_incompressible(poisson, expected):
+    """Stiffer than nu = 0.45; the area hardly changes."""
+    curve = finite_elements.disk_between_plates("plane_strain", poisson)
+    assert curve.force_over_ED[curve.delta_over_D == 0.05] == pytest.approx(expected, rel=1e-3)
+    assert curve.deformed_area_over_D2.min() > np.pi / 4 * (1 - 2 * (0.5 - poisson))
+    assert curve.rel_uncertainty[curve.delta_over_D >= 0.02].max() < 0.005
+
+
+def test_unknown_poisson():
+    with pytest.raises(ValueError, match="poisson = 0.3: there are solutions for 0.45, 0.49"):
+        finite_elements.disk_between_plates("plane_strain", 0.3)

@@ -38,6 +38,7 @@ class Case:
     zeta: tuple = (0.3, 0.25)  # unequal: two batches, the second grain comes first in the kernel
     node_spacing: float = 1.25
     surface_spacing: float = 1.0
+    volumetric: str = "pointwise"
     centres: tuple = OBLIQUE
     walls: tuple = (BOTTOM, TOP)
     gravity: float = 0.0  # m/s^2
@@ -56,6 +57,7 @@ class Case:
                 surface_spacing=self.surface_spacing,
                 quadrature=self.quadrature,
                 contact=self.contact,
+                volumetric=self.volumetric,
             )
             for zeta in self.zeta
         ]
@@ -82,6 +84,7 @@ CASES = {
     "points": Case(contact="points", zeta=(0.25, 0.25)),
     "plane stress, quadratic": Case("planeStress", order=2, zeta=(0.25, 0.25), gravity=-3000.0),
     "linear, lattice": Case(order=1, quadrature="lattice", zeta=(0.25, 0.25)),
+    "projected": Case(volumetric="projected", zeta=(0.25, 0.25)),
     # a grain between two walls: their order counts in the sweeps, whichever was met first, where
     # the grid is so coarse that their contacts share nodes
     "corner": Case(node_spacing=2.0, walls=(SIDE, BOTTOM, TOP)),
@@ -130,6 +133,7 @@ def build_in_yade(case):
             zeta=recipe.zeta, order=recipe.order, nodeSpacing=recipe.node_spacing,
             surfaceSpacing=recipe.surface_spacing,
             quadrature=recipe.quadrature, contact=recipe.contact,
+            volumetric=recipe.volumetric,
             formulation=case.formulation, velocityUpdate=case.velocity_update,
             picShare=case.pic_share,
         )

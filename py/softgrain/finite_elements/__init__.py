@@ -1,7 +1,7 @@
 """Converged finite-element solutions to compare with; each file names its case and source.
 
 All quantities are dimensionless: lengths over the diameter D, stresses over Young's modulus E,
-forces over E D (per unit of reference thickness). Poisson's ratio is 0.45.
+forces over E D (per unit of reference thickness).
 """
 
 from importlib import resources
@@ -9,15 +9,29 @@ from importlib import resources
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-#: Poisson's ratio of all curves.
+#: Poisson's ratio of the curves, unless another is chosen.
 POISSON = 0.45
 
+#: Poisson's ratios of the solutions for a disk between plates.
+_POISSON_RATIOS = {"plane_strain": (0.45, 0.49, 0.499), "plane_stress": (0.45,)}
 
-def disk_between_plates(condition):
-    """Disk between two frictionless plates, neo-Hookean, Poisson's ratio 0.45.
+
+def poisson_ratios(condition):
+    """Poisson's ratios that :func:`disk_between_plates` has a solution for."""
+    if condition not in _POISSON_RATIOS:
+        raise ValueError(
+            f"condition = {condition!r} is unknown; known: 'plane_strain', 'plane_stress'"
+        )
+    return _POISSON_RATIOS[condition]
+
+
+def disk_between_plates(condition, poisson=POISSON):
+    """Disk between two frictionless plates, neo-Hookean.
 
     Args:
         condition (str): 'plane_strain' or 'plane_stress'.
+        poisson (float): Poisson's ratio, one of :func:`poisson_ratios`: 0.45 good to 0.02 %, 0.49
+            and 0.499 (plane strain) to about 0.2 %, see the column rel_uncertainty.
 
     Returns:
         numpy record array: delta_over_D (total approach of the plates), force_over_ED,
@@ -25,13 +39,14 @@ def disk_between_plates(condition):
         deformed_area_over_D2; all dimensionless.
 
     Raises:
-        ValueError: unknown condition.
+        ValueError: unknown condition, or no solution for this Poisson's ratio.
     """
-    if condition not in ("plane_strain", "plane_stress"):
+    known = poisson_ratios(condition)
+    if poisson not in known:
         raise ValueError(
-            f"condition = {condition!r} is unknown; known: 'plane_strain', 'plane_stress'"
+            f"poisson = {poisson!r}: there are solutions for {', '.join(map(str, known))}"
         )
-    return _curve(f"disk_{condition}")
+    return _curve(f"disk_{condition}", poisson)
 
 
 def square_cell():
@@ -74,7 +89,7 @@ def interpolated(x, abscissa, ordinate):
     return np.exp(CubicSpline(np.log(abscissa), np.log(ordinate))(np.log(x)))
 
 
-def _curve(name):
-    with (resources.files(__name__) / f"{name}_nu0.45.csv").open() as lines:
+def _curve(name, poisson=POISSON):
+    with (resources.files(__name__) / f"{name}_nu{poisson}.csv").open() as lines:
         rows = [line for line in lines if not line.startswith("#")]
     return np.genfromtxt(rows, delimiter=",", names=True).view(np.recarray)

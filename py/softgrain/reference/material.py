@@ -33,11 +33,13 @@ class Material:
             lam = 2 * lam * mu / (lam + 2 * mu)
         return np.sqrt((lam + 2 * mu) / self.density)
 
-    def first_piola(self, F):
+    def first_piola(self, F, volume_projection=None):
         """First Piola-Kirchhoff stress P = mu (F - F^-T) + lambda ln J F^-T, J = det(F) F33.
 
         Args:
             F (ndarray): deformation gradient in the plane, shape (points, 2, 2).
+            volume_projection (ndarray | None): takes ln J at all points to what stands in its place
+                in P, shape (points, points); plane strain only.
 
         Returns:
             ndarray: P in the plane [Pa], shape (points, 2, 2).
@@ -45,6 +47,8 @@ class Material:
         ln_J = np.log(np.linalg.det(F))
         if self.condition == "planeStress":
             ln_J = ln_J + self.thickness_strain(ln_J)
+        if volume_projection is not None:
+            ln_J = volume_projection @ ln_J
         inverse_transposed = np.linalg.inv(F).transpose(0, 2, 1)
         return self.mu * F + (self.lam * ln_J - self.mu)[:, None, None] * inverse_transposed
 

@@ -29,11 +29,16 @@ class SolverReport:
     residual: float = 0.0  #: of the impulses found
 
 
-def closing_bias(gap, dt, settings):
+#: Overlaps up to this share of dr are left as they are.
+RESTING_OVERLAP = 1e-3
+
+
+def closing_bias(gap, point_spacing, dt, settings):
     """b [m/s]: a gap may close within the step; an overlap opens at a capped speed."""
     if gap >= 0:
         return gap / dt
-    return max(settings.overlap_relaxation * gap / dt, -settings.overlap_speed)
+    excess = min(gap + RESTING_OVERLAP * point_spacing, 0.0)
+    return max(settings.overlap_relaxation * excess / dt, -settings.overlap_speed)
 
 
 def project_on_cone(r, normal, friction):

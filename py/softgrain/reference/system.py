@@ -90,7 +90,7 @@ class System:
             delassus=H / mass @ H.T,
             free_velocity=H @ v - self.wall_velocities(),
             normal=np.array([contact.normal for contact in contacts]),
-            bias=np.array([closing_bias(contact.gap, dt, self.settings) for contact in contacts]),
+            bias=np.array([self.bias(pair, contact, dt) for pair, contact in self.contacts]),
             friction=np.array([self.friction(pair) for pair, _ in self.contacts]),
             impulse=impulse,
             settings=self.settings,
@@ -136,6 +136,11 @@ class System:
             if pair[1] < 0:
                 velocity[k] = self.walls[-1 - pair[1]].velocity
         return velocity
+
+    def bias(self, pair, contact, dt):
+        """b of a contact [m/s], with the dr of the node's grain."""
+        spacing = self.grains[pair[contact.side]].point_spacing
+        return closing_bias(contact.gap, spacing, dt, self.settings)
 
     def friction(self, pair):
         """Coefficient of a pair, mu = tan of the smaller one of both angles."""

@@ -37,6 +37,7 @@ class Recipe:
     quadrature: str = "cutCell"  #: or 'lattice'
     contact: str = "surface"  #: or 'points'
     light_node_share: float = 1e-4  #: nodes lighter than this share of the heaviest are tied
+    volumetric: str = "pointwise"  #: or 'projected'
 
 
 class Template:
@@ -50,6 +51,8 @@ class Template:
         node_mass (ndarray): mI = sum_p Vp0 N_I(Xp), shape (nodes,).
         point_shape (ndarray): N_I(Xp), shape (points, nodes).
         point_gradient (ndarray): G_I(Xp), shape (points, nodes, 2).
+        volume_projection (ndarray | None): takes ln J at the points to its projection, shape
+            (points, points); None where it is taken pointwise.
         contact_position (ndarray): Xs, shape (contact nodes, 2); on a surface counter-clockwise.
         contact_shape (ndarray): N_I(Xs), shape (contact nodes, nodes).
         contact_radius (float): radius of the disk about a contact node; 0 on a surface.
@@ -67,6 +70,12 @@ class Template:
         self.node_position = grid.node_position
         self.point_shape, self.point_gradient = grid.shapes(self.point_position)
         self.node_mass = self.point_volume @ self.point_shape
+        self.volume_projection = None
+        if recipe.volumetric == "projected":
+            spacing = 2 * recipe.node_spacing * recipe.zeta
+            self.volume_projection = volume_projection(
+                self.point_position, self.point_volume, spacing
+            )
         if recipe.contact == "surface":
             self.contact_position = surface_nodes(recipe.surface_spacing * recipe.zeta)
             self.contact_radius = 0.0
@@ -80,6 +89,33 @@ class Template:
 def template(recipe):
     """Return the template of a recipe, made once."""
     return Template(recipe)
+
+
+#: Functions of less than this share of the greatest weight are left out of the projection.
+LIGHT_FUNCTION_SHARE = 0.02
+
+
+def volume_projection(X, volume, spacing):
+    """Least-squares projection on the bilinear functions of a square grid about the centre.
+
+    Functions that see too little of the disk are left out, the others scaled to sum to 1.
+
+    Args:
+        X (ndarray): material points, shape (points, 2).
+        volume (ndarray): their weights, shape (points,).
+        spacing (float): step of the grid.
+
+    Returns:
+        ndarray: shape (points, points).
+    """
+    reach = int(np.ceil(1 / spacing)) + 1
+    line = np.arange(-reach, reach + 1)
+    N = np.array([_outer(factors) for factors in spline(1, X[:, :, None] / spacing - line)])
+    weight = volume @ N
+    N = N[:, weight >= LIGHT_FUNCTION_SHARE * weight.max()]
+    N = N / N.sum(axis=1)[:, None]
+    gram = N.T @ (volume[:, None] * N)
+    return N @ np.linalg.solve(gram, N.T * volume)
 
 
 def surface_nodes(spacing):

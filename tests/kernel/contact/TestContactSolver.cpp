@@ -544,6 +544,19 @@ TEST_CASE("Solver: one ball on a plane, by hand", "[contact]")
 		capped.solve(0.1, settings);
 		CHECK((capped.body[0].velocity[0] - Vec<2>(0, 0.03)).norm() < 1e-14);
 	}
+	SECTION("a thousandth of the point spacing is left")
+	{
+		SolverSettings settings;
+		settings.overlapRelaxation = 0.2;
+		Ball left({ 0, -2 }, -0.05, 0);
+		left.body[0].pointSpacing = 51;
+		left.solve(0.1, settings);
+		CHECK(left.body[0].velocity[0].norm() < 1e-14);
+		Ball excess({ 0, -2 }, -0.05, 0);
+		excess.body[0].pointSpacing = 30;
+		excess.solve(0.1, settings);
+		CHECK((excess.body[0].velocity[0] - Vec<2>(0, 0.04)).norm() < 1e-14);
+	}
 	SECTION("a moving plane takes it along and works on it")
 	{
 		Ball ball({ 0, 0 }, 0, 10, { 3, 1 });

@@ -161,3 +161,23 @@ TEST_CASE("Critical time step: scales with size and wave speed", "[grain]")
 	CHECK(std::abs(criticalTimeStep(*reference, Condition::planeStrain, grain) / (6 * dt) - 1) <
 	      1e-12);
 }
+
+TEMPLATE_TEST_CASE_SIG("Critical time step: with projected volumetric strain", "[grain]",
+		       ((int dim), dim), 2, 3)
+{
+	for (double poisson : { 0.3, 0.49, 0.499 }) {
+		GrainParameters<dim> grain = paperGrain<dim>();
+		grain.constants.poisson = poisson;
+		const double zeta = dim == 2 ? 0.23 : 0.5;
+		const auto batch = singleGrain<dim>(projectedRecipe(zeta), grain);
+		const Eigen::VectorXd squares = eigenvalues(dynamicMatrix(batch));
+		const double exact = 2 / std::sqrt(squares[squares.size() - 1]);
+		const double found = criticalTimeStep(*batch.reference, usualCondition<dim>, grain);
+		CAPTURE(poisson, found / exact);
+		CHECK(found < exact);
+		CHECK(found > 0.985 * exact);
+		const auto pointwise = singleGrain<dim>(recipe(zeta), grain);
+		CHECK(found >
+		      0.99 * criticalTimeStep(*pointwise.reference, usualCondition<dim>, grain));
+	}
+}

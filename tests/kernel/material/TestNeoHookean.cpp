@@ -286,3 +286,33 @@ TEMPLATE_TEST_CASE("Neo-Hookean: an inverted point is not finite", "[material]",
 	CHECK(!std::isfinite(r.energy));
 	CHECK(!r.P.allFinite());
 }
+
+TEST_CASE("Neo-Hookean: thickness in plane stress from nu = -0.9 to 0.499", "[material]")
+{
+	for (double poisson : { -0.9, -0.5, -0.4, -0.1, 0., 0.3, 0.49, 0.499 }) {
+		const ElasticConstants c { 1, poisson, 1 };
+		const double lambda = c.lambda(), mu = c.mu();
+		for (double J2 : { 0.05, 0.3, 0.36, 0.38, 0.5, 0.9, 1., 1.5, 5., 20. }) {
+			CAPTURE(poisson, J2);
+			const double y = detail::thicknessStrain(std::log(J2), lambda, mu);
+			// where lambda < 0, the lowest point of the residual says whether there is
+			// a root
+			const double lowest =
+				lambda < 0 ? 0.5 * std::log(-0.5 * lambda / mu) : -1e3;
+			auto stress = [&](double strain) {
+				return mu * (std::exp(2 * strain) - 1) +
+				       lambda * (std::log(J2) + strain);
+			};
+			if (lambda < 0 && stress(lowest) >= 0) {
+				CHECK(std::isnan(y));
+				CHECK(std::isnan(
+					respond<PlaneStress>(std::sqrt(J2) * Mat<2>::Identity(), c)
+						.J));
+			} else {
+				CHECK(y >= lowest); // the side that hangs together with rest
+				CHECK(std::abs(stress(y)) <
+				      1e-13 * (mu + std::abs(lambda)) * (1 + std::exp(2 * y)));
+			}
+		}
+	}
+}

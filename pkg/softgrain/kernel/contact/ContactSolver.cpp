@@ -11,6 +11,18 @@ namespace softgrain {
 
 namespace {
 
+/// Overlaps up to this share of dr are left as they are: working off what the tolerance of the
+/// solver leaves in every step would heat grains at rest (doc/decisions/0010-resting-overlap.md).
+constexpr double restingOverlap = 1e-3;
+
+/// b: the speed at which a gap may close, or minus that at which an overlap is worked off.
+double biasOf(double gap, double pointSpacing, double dt, const SolverSettings& settings)
+{
+	if (gap >= 0) return gap / dt;
+	const double excess = std::min(gap + restingOverlap * pointSpacing, 0.);
+	return std::max(settings.overlapRelaxation * excess / dt, -settings.overlapSpeed);
+}
+
 /// Worth measuring the residual: it was 0.55 to 1.1 times the change of the sweep before it in
 /// problems of a compaction.
 constexpr double changePerResidual = 2;
@@ -50,10 +62,7 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 				second ? Vec<dim>(Vec<dim>::Zero()) : list->plane.velocity;
 			c.freeVelocity = relativeVelocity(c, &ContactBody<dim>::velocity);
 			c.inverseW = inverseMobility(contact, *c.body, c.partner);
-			c.bias = contact.gap >= 0
-					 ? contact.gap / dt
-					 : std::max(settings.overlapRelaxation * contact.gap / dt,
-						    -settings.overlapSpeed);
+			c.bias = biasOf(contact.gap, c.body->pointSpacing, dt, settings);
 			c.friction = list->friction;
 			constraints_.push_back(c);
 		}

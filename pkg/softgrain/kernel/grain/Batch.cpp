@@ -29,6 +29,10 @@ Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Con
 	, report(grains.size())
 {
 	checkGrains(condition, grains);
+	if (condition == Condition::planeStress && !reference->pressureSpace.empty())
+		throw std::invalid_argument(
+			"volumetric = 'projected' is for plane strain and 3D: in plane stress the "
+			"thickness is free to follow, and nothing locks; use 'pointwise'");
 	lame.resize(blocks());
 	for (const GrainParameters<dim>& own : grain) {
 		pointScale.push_back(std::pow(own.radius, dim));

@@ -15,12 +15,18 @@ std::vector<Vec<dim>> accelerations(const GrainTemplate<dim>& reference, double 
 {
 	const auto& shapes = reference.pointShapes;
 	std::vector<Vec<dim>> result(u.size(), Vec<dim>::Zero());
+	std::vector<Mat<dim>> gradients(reference.points(), Mat<dim>::Zero());
+	std::vector<double> theta(reference.points());
 	for (int p = 0; p < reference.points(); ++p) {
-		Mat<dim> gradient = Mat<dim>::Zero();
 		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-			gradient += u[shapes.column[k]] * shapes.value[k].G.transpose();
-		const Mat<dim> stress = mu * (gradient + gradient.transpose()) +
-					lambda * gradient.trace() * Mat<dim>::Identity();
+			gradients[p] += u[shapes.column[k]] * shapes.value[k].G.transpose();
+		theta[p] = gradients[p].trace();
+	}
+	if (!reference.pressureSpace.empty())
+		project<1>(reference.pressureSpace, reference.pointVolume, theta.data());
+	for (int p = 0; p < reference.points(); ++p) {
+		const Mat<dim> stress = mu * (gradients[p] + gradients[p].transpose()) +
+					lambda * theta[p] * Mat<dim>::Identity();
 		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
 			result[shapes.column[k]] +=
 				reference.pointVolume[p] * stress * shapes.value[k].G;

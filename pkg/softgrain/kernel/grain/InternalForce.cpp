@@ -1,7 +1,10 @@
 #include "grain/InternalForce.hpp"
 #include "material/Dispatch.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <vector>
 
 namespace softgrain {
 
@@ -80,10 +83,76 @@ template <int dim> BlockScales blockScales(const Batch<dim>& batch, int block)
 	return s;
 }
 
-template <int dim, class LawEvaluator>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(Batch<dim>& batch, int block, LawEvaluator)
+/// Stress from F, every point on its own.
+template <int dim, class LawEvaluator> struct PointwiseLaw {
+	PointwiseLaw(const Batch<dim>& batch, int block)
+		: lame(batch.lame[block])
+	{
+	}
+	void evaluate(int, PointLanes<dim>& point) const { LawEvaluator::evaluate(point, lame); }
+	/// The volumetric strain that the stress was computed with, plane strain and 3D.
+	double theta(int, const PointLanes<dim>& point, int lane) const
+	{
+		return std::log(point.J[lane]);
+	}
+
+	const LameConstants& lame;
+};
+
+/// Stress from F and theta = Pi ln J, the projection over all points of the grain.
+template <int dim, class LawEvaluator> struct ProjectedLaw {
+	ProjectedLaw(const Batch<dim>& batch, int block)
+		: lame(batch.lame[block])
+		, theta_(static_cast<std::size_t>(batch.reference->points()) * laneWidth)
+	{
+		const BlockScales scales = blockScales(batch, block);
+		PointLanes<dim> point;
+		Lanes lnJ;
+		for (int p = 0; p < batch.reference->points(); ++p) {
+			gatherGradient(batch, block, p, scales.inverseRadius, point);
+			LawEvaluator::volumetricStrain(point, lnJ);
+			std::copy(lnJ, lnJ + laneWidth, &theta_[p * laneWidth]);
+		}
+		project<laneWidth>(batch.reference->pressureSpace, batch.reference->pointVolume,
+				   theta_.data());
+	}
+	void evaluate(int p, PointLanes<dim>& point) const
+	{
+		Lanes theta;
+		std::copy(&theta_[p * laneWidth], &theta_[p * laneWidth] + laneWidth, theta);
+		LawEvaluator::evaluateProjected(point, lame, theta);
+	}
+	double theta(int p, const PointLanes<dim>&, int lane) const
+	{
+		return theta_[p * laneWidth + lane];
+	}
+
+	const LameConstants& lame;
+
+private:
+	std::vector<double> theta_; ///< [point][lane]
+};
+
+/// Calls `use` with the type that evaluates the law over a batch: nothing of the projection is in
+/// the loops of batches without it.
+template <int dim, class Use> void withVolumetricLaw(const Batch<dim>& batch, Use&& use)
+{
+	withLaw<dim>(batch.law, batch.condition, [&]<class LawEvaluator>(LawEvaluator) {
+		if constexpr (LawEvaluator::canProject)
+			if (!batch.reference->pressureSpace.empty()) {
+				use(std::type_identity<ProjectedLaw<dim, LawEvaluator>> {});
+				return;
+			}
+		use(std::type_identity<PointwiseLaw<dim, LawEvaluator>> {});
+	});
+}
+
+template <int dim, class VolumetricLaw>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(Batch<dim>& batch, int block,
+						     std::type_identity<VolumetricLaw>)
 {
 	const BlockScales scales = blockScales(batch, block);
+	const VolumetricLaw law(batch, block);
 	Lanes energy {}, stiffening {}, invertedPoint;
 	for (double& p : invertedPoint)
 		p = -1;
@@ -91,7 +160,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(Batch<dim>& batch, int bloc
 	PointLanes<dim> point;
 	for (int p = 0; p < batch.reference->points(); ++p) {
 		gatherGradient(batch, block, p, scales.inverseRadius, point);
-		LawEvaluator::evaluate(point, batch.lame[block]);
+		law.evaluate(p, point);
 		Lanes weight;
 		const double V = batch.reference->pointVolume[p];
 		for (int l = 0; l < laneWidth; ++l) {
@@ -115,11 +184,11 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(Batch<dim>& batch, int bloc
 
 template <int dim> void computeInternalForce(Batch<dim>& batch, int threads)
 {
-	withLaw<dim>(batch.law, batch.condition, [&](auto evaluator) {
+	withVolumetricLaw(batch, [&](auto law) {
 		const int blocks = batch.blocks();
 #pragma omp parallel for schedule(static) num_threads(threads)
 		for (int b = 0; b < blocks; ++b)
-			forceOfBlock(batch, b, evaluator);
+			forceOfBlock(batch, b, law);
 	});
 }
 
@@ -153,17 +222,21 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 	const BlockScales scales = blockScales(batch, block);
 	const auto& shapes = batch.reference->pointShapes;
 	std::vector<PointResponse<dim>> responses;
-	withLaw<dim>(batch.law, batch.condition, [&](auto evaluator) {
+	withVolumetricLaw(batch, [&]<class VolumetricLaw>(std::type_identity<VolumetricLaw>) {
+		const VolumetricLaw law(batch, block);
 		PointLanes<dim> point;
 		for (int p = 0; p < batch.reference->points(); ++p) {
 			gatherGradient(batch, block, p, scales.inverseRadius, point);
-			evaluator.evaluate(point, batch.lame[block]);
+			law.evaluate(p, point);
 			PointResponse<dim> r =
 				pointResponse(point, lane, batch.condition, batch.lame[block]);
 			r.position = batch.grain[g].origin;
 			for (int k = shapes.begin(p); k < shapes.end(p); ++k)
 				r.position += shapes.value[k].N * batch.x.get(g, shapes.column[k]);
 			r.volume = batch.pointScale[g] * batch.reference->pointVolume[p] * r.J;
+			if (batch.condition == Condition::planeStrain)
+				r.cauchy33 = batch.lame[block].lambda[lane] *
+					     law.theta(p, point, lane) / r.J;
 			responses.push_back(r);
 		}
 	});

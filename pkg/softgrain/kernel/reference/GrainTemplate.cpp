@@ -87,6 +87,9 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 	grain->pointVolume = quadrature.weight;
 	for (const Vec<dim>& X : quadrature.point)
 		grid.appendShapes(X, grain->pointShapes);
+	if (recipe.volumetric == VolumetricStrain::projected)
+		grain->pressureSpace =
+			makePressureSpace<dim>(quadrature, 2 * recipe.nodeSpacing * dr);
 
 	layContactNodes(*outline, *grain);
 	SparseRows<ShapeFunction<dim>> shapes;

@@ -3,6 +3,7 @@
 
 #include "Vector.hpp"
 #include "reference/Outline.hpp"
+#include "reference/PressureSpace.hpp"
 #include "reference/Quadrature.hpp"
 #include "reference/ShapeFunction.hpp"
 #include "reference/SparseRows.hpp"
@@ -20,6 +21,12 @@ enum class ContactGeometry {
 	nodes ///< nodes of a grid in space that get mass from two bodies (contact/CommonGrid.hpp)
 };
 
+/// How the volumetric part of the law sees ln J.
+enum class VolumetricStrain {
+	pointwise, ///< at every material point
+	projected  ///< on a coarser space of pressures: for nearly incompressible grains
+};
+
 /// How a grain is discretised. Grains with equal recipes are congruent and share one template.
 struct TemplateRecipe {
 	double zeta = 0.11; ///< 2 dr / D, dimensionless, in [0.001, 0.5]
@@ -31,14 +38,16 @@ struct TemplateRecipe {
 	QuadratureRule quadrature = QuadratureRule::cutCell;
 	ContactGeometry contact = ContactGeometry::surface;
 	GrainForm form;
+	VolumetricStrain volumetric = VolumetricStrain::pointwise;
 
 	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 	void validate() const;
 	bool operator<(const TemplateRecipe& o) const
 	{
 		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact,
-				form) < std::tie(o.zeta, o.order, o.nodeSpacing, o.surfaceSpacing,
-						 o.quadrature, o.contact, o.form);
+				form, volumetric) < std::tie(o.zeta, o.order, o.nodeSpacing,
+							     o.surfaceSpacing, o.quadrature,
+							     o.contact, o.form, o.volumetric);
 	}
 };
 
@@ -55,6 +64,8 @@ template <int dim> struct GrainTemplate {
 	std::vector<Vec<dim>> pointPosition;        ///< Xp, in radii
 	std::vector<double> pointVolume;            ///< Vp0, in radii^dim
 	SparseRows<ShapeFunction<dim>> pointShapes; ///< row p: nodes I with N_I(Xp), G_I(Xp)
+
+	PressureSpace pressureSpace; ///< of the volumetric strain; empty where it is pointwise
 
 	OutlineMesh<dim> contactMesh; ///< contact nodes; without facets for ContactGeometry::points
 	double contactRadius =

@@ -89,17 +89,27 @@ template <int dim> void System<dim>::updateSurfaces(int threads)
 	forcesFresh_ = false;
 }
 
+namespace {
+
+template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
+{
+	std::string what =
+		"the material point is inverted (J <= 0 or not finite) or has left its grain";
+	if (set.condition() == Condition::planeStress && set.parameters(g).constants.poisson < 0)
+		what += ", or so compressed that in plane stress with poisson < 0 no thickness is "
+			"free of stress";
+	return what;
+}
+
+} // namespace
+
 template <int dim> void System<dim>::updateForces(int threads)
 {
 	for (const auto& set : sets_)
 		set->updateForces(threads);
 	for (int g = 0; g < grains(); ++g) {
 		const int point = setOf(g).report(indexInSet(g)).invertedPoint;
-		if (point >= 0)
-			throw StepError(
-				g, point,
-				"the material point is inverted (J <= 0 or not finite) or has left "
-				"its grain");
+		if (point >= 0) throw StepError(g, point, whatStopped(setOf(g), indexInSet(g)));
 	}
 	forcesFresh_ = true;
 }

@@ -1,0 +1,78 @@
+"""scripts/benchmark/stability.py: every case runs or stops with a message that helps."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "benchmark" / "stability.py"
+
+#: Words in the messages of the values that stop, by study; all others run.
+STOPS = {
+    "time_step": {1.1: "(0, 1]", 1.2: "(0, 1]"},
+    "own_step": dict.fromkeys((0.9, 1.0, 1.1, 1.2), "sg.set_time_step()"),
+    "poisson_plane_strain": {0.5: "poisson = 0.5"},
+    "poisson_plane_stress": dict.fromkeys((-0.5, -0.4, -0.3), "no thickness"),
+    "distance": dict.fromkeys((1e9, 1e12), "radii from the origin"),
+}
+FAST = ("time_step", "own_step", "poisson_plane_stress", "friction", "distance", "units")
+SLOW = (
+    "time_step",
+    "own_step",
+    "distance",
+    "units",
+    "poisson_plane_stress",
+    "wall_speed",
+    "impact_speed",
+    "friction",
+    "poisson_plane_strain",
+    "poisson_projected",
+    "stiffness_ratio",
+    "size_ratio",
+    "size_ratio_equal_spacing",
+    "density_ratio",
+    "density_impact",
+    "packing",
+)
+
+
+def rows_of(study, folder, *options):
+    process = subprocess.run(
+        ["/usr/bin/yade", "-n", "-x", "-j1", str(SCRIPT), "--only", study, "--out", str(folder)]
+        + list(options),
+        capture_output=True,
+        text=True,
+        timeout=3000,
+        cwd=folder,
+    )
+    assert process.returncode == 0, process.stdout + process.stderr
+    for name in ("stability.csv", "stability.md", "stability.png"):
+        assert (folder / name).stat().st_size > 0
+    return json.loads((folder / f"{study}.json").read_text())
+
+
+def check(study, rows):
+    """No case is wrong, and those that must stop do, with their words."""
+    expected = STOPS.get(study, {})
+    for row in rows:
+        told = f"{study} {row['value']}: {row['outcome']} {row['message']} {row['figures']}"
+        words = expected.get(row["value"])
+        assert row["outcome"] == ("runs" if words is None else "stops"), told
+        assert words is None or words in row["message"], told
+
+
+@pytest.mark.parametrize("study", FAST)
+def test_study_in_short(study, tmp_path):
+    check(study, rows_of(study, tmp_path, "--quick"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("study", SLOW)
+def test_study(study, tmp_path):
+    check(study, rows_of(study, tmp_path))
+
+
+@pytest.mark.slow
+def test_at_rest(tmp_path):
+    check("at_rest", rows_of("at_rest", tmp_path))
