@@ -10,7 +10,7 @@ import numpy as np
 import yade.utils
 from yade import FrictMat, O, Quaternion, wrapper
 
-from softgrain import build, command_line, finite_elements, observe, profile
+from softgrain import build, command_line, observe, profile
 
 #: omega R / c_s of the lowest vibration of a free disk (Lamb), nu = 0.45; it changes little with
 #: nu.

@@ -78,7 +78,7 @@ private:
 	Batch<dim> batch_;
 	std::vector<OwnNodes> ownNodes_; ///< none unless `useContactNodes` was called
 	std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
-	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
+	std::vector<double> criticalTimeStep_;                ///< of the undeformed grains, s
 };
 
 } // namespace softgrain

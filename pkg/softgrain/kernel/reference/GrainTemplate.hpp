@@ -44,10 +44,10 @@ struct TemplateRecipe {
 	void validate() const;
 	bool operator<(const TemplateRecipe& o) const
 	{
-		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact,
-				form, volumetric) < std::tie(o.zeta, o.order, o.nodeSpacing,
-							     o.surfaceSpacing, o.quadrature,
-							     o.contact, o.form, o.volumetric);
+		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact, form,
+				volumetric) < std::tie(o.zeta, o.order, o.nodeSpacing,
+						       o.surfaceSpacing, o.quadrature, o.contact,
+						       o.form, o.volumetric);
 	}
 };
 
