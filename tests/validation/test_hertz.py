@@ -125,7 +125,7 @@ def test_points_geometry_is_stiffer(tmp_path):
 def test_nodes_geometry_is_stiffer_still(tmp_path):
     """Contact on a common grid acts a part of a grid step before the outlines touch."""
     result = press(tmp_path, "--zeta", "0.2", "--contact", "nodes", "--until", "0.08")
-    assert 0.2 < errors(result).mean() < 4
+    assert 0.2 < force_errors(result).mean() < 4
 
 
 @pytest.mark.slow
