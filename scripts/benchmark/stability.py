@@ -479,7 +479,8 @@ beyond its bound (`BOUNDS` in `scripts/benchmark/stability.py`). This page is ma
 Disks at zeta = 0.2, nu = 0.45, plane strain, unless the study says otherwise. F: mean force of both
 plates over E D in the last quarter (compaction: wall stress over E at the end), as the speed of the
 study has it; overlap: largest so far; capped: share of the steps whose sweeps hit the cap; heating:
-growth of kinetic and elastic energy over the elastic energy.
+growth of kinetic and elastic energy over the elastic energy. A million steps at rest:
+[decisions/0010](decisions/0010-resting-overlap.md).
 """
 
 
