@@ -68,7 +68,7 @@ def square_error(result):
         exact.wall_displacement_over_D,
         exact.force_over_ED,
         0.02,
-        0.06,
+        0.045,
     )
 
 
@@ -96,7 +96,11 @@ def problems(options):
 
 def measure(problem, options):
     """A row of COLUMNS for each run that ended well."""
-    methods = list(itertools.product(FORMULATIONS, CONTACTS, ORDERS, options.zeta))
+    methods = [
+        method
+        for method in itertools.product(FORMULATIONS, CONTACTS, ORDERS, options.zeta)
+        if method[:2] != ("UL", "nodes")  # refused
+    ]
     settings = [
         {**problem.settings, **FORMULATIONS[f], "contact": contact, "order": order, "zeta": zeta}
         for f, contact, order, zeta in methods
