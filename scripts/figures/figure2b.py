@@ -47,7 +47,7 @@ def main():
     truth = fitted_modulus(grid, exact)
 
     figure, axes = new_figure(
-        r"displacement of the centre d / D", r"F / (E* D)", xlim=(0, UNTIL / 2), ylim=(0, None)
+        r"displacement of the centre d / D", r"F / (E* D)", xlim=(0, UNTIL / 2)
     )
     moduli = {contact: [] for contact in CONTACTS}
     styles = {"points": "--", "surface": "-"}
@@ -64,6 +64,7 @@ def main():
             label=rf"{chosen['contact']}, $\zeta$ = {chosen['zeta']:g}",
         )
     axes.plot(grid / 2, exact / EFFECTIVE, "k:", label="finite elements")
+    axes.set_ylim(bottom=0)
     axes.legend(frameon=False, fontsize=7)
     draw_moduli(axes.inset_axes((0.62, 0.12, 0.36, 0.34)), moduli, truth)
     figure.savefig(options.out / "figure2b.png", dpi=200)

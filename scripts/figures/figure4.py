@@ -11,9 +11,10 @@ LEVELS = (0.84, 0.88, 0.92, 0.96, 0.98)  # packing fractions of the tables
 
 def draw(path, curves):
     """One line for each (label, result)."""
-    figure, axes = new_figure(r"packing fraction $\phi$", r"$\sigma$ / E", ylim=(0, None))
+    figure, axes = new_figure(r"packing fraction $\phi$", r"$\sigma$ / E")
     for label, result in curves:
         axes.plot(result["phi"], result["stress_over_E"], lw=1, label=label)
+    axes.set_ylim(bottom=0)
     axes.legend(frameon=False)
     figure.savefig(path, dpi=200)
 
