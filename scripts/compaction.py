@@ -57,12 +57,6 @@ def parse_options(arguments=None):
         default=0.98,
         help="packing fraction to stop at [-]",
     )
-    add(
-        "--contact",
-        choices=("surface", "points", "nodes"),
-        default="surface",
-        help="contact geometry",
-    )
     command_line.add_method_options(parser)
     add("--seed", type=int, default=1, help="of the packing generator, at least 1 [-]")
     add(

@@ -188,36 +188,19 @@ def main():
     disks = Lattice(options)
     cases.start(TOLERANCE)
     started = time.time()
-    displacement, phi, phi0, *forces, width, kinetic = compress(options, disks)
-    facts = cases.run_facts(options, started)
-    force = np.mean(forces, axis=0)
-    command_line.write_result(
-        options.out,
-        {
-            "phi": phi,
-            "phi0": phi0,
-            "wall_displacement_over_D": displacement,
-            "force_over_ED": force,
-            "neighbour_forces_over_ED": np.transpose(forces),
-            "contact_halfwidth_over_D": width,
-            "kinetic_over_elastic": kinetic,
-            "grains": len(disks.disks),
-            **facts,
-        },
-    )
-    exact = finite_elements.hexagonal_cell() if options.poisson == finite_elements.POISSON else None
-    cases.plot_force(
+    columns = compress(options, disks)
+    cases.report_cell(
         options,
-        displacement,
-        force,
-        exact,
-        abscissa="wall_displacement_over_D",
-        xlabel="displacement of each side w / D",
+        started,
+        columns,
+        own_results=lambda forces: {
+            "neighbour_forces_over_ED": np.transpose(forces),
+            "grains": len(disks.disks),
+        },
+        exact=(
+            finite_elements.hexagonal_cell() if options.poisson == finite_elements.POISSON else None
+        ),
         title="triangular lattice",
-    )
-    print(
-        f"phi = {phi[-1]:.4f}, w/D = {displacement[-1]:.4f}, F/(E D) = {force[-1]:.4f}; "
-        f"{facts['steps']} steps in {facts['wall_seconds']:.1f} s. Results in {options.out}/"
     )
 
 

@@ -93,35 +93,14 @@ def main():
     options = parse_options()
     disk, walls = make_scene(options)
     started = time.time()
-    displacement, phi, phi0, *forces, halfwidth, kinetic = close(options, disk, walls)
-    facts = cases.run_facts(options, started)
-    force = np.mean(forces, axis=0)
-    command_line.write_result(
-        options.out,
-        {
-            "phi": phi,
-            "phi0": phi0,
-            "wall_displacement_over_D": displacement,
-            "force_over_ED": force,
-            **{f"force_{name}_over_ED": f for name, f in zip(WALLS, forces)},
-            "contact_halfwidth_over_D": halfwidth,
-            "kinetic_over_elastic": kinetic,
-            **facts,
-        },
-    )
-    exact = finite_elements.square_cell() if options.poisson == finite_elements.POISSON else None
-    cases.plot_force(
+    columns = close(options, disk, walls)
+    cases.report_cell(
         options,
-        displacement,
-        force,
-        exact,
-        abscissa="wall_displacement_over_D",
-        xlabel="displacement of each wall w / D",
+        started,
+        columns,
+        own_results=lambda forces: {f"force_{name}_over_ED": f for name, f in zip(WALLS, forces)},
+        exact=finite_elements.square_cell() if options.poisson == finite_elements.POISSON else None,
         title="square cell",
-    )
-    print(
-        f"phi = {phi[-1]:.4f}, w/D = {displacement[-1]:.4f}, F/(E D) = {force[-1]:.4f}; "
-        f"{facts['steps']} steps in {facts['wall_seconds']:.1f} s. Results in {options.out}/"
     )
 
 

@@ -35,12 +35,6 @@ def add_grain_options(parser, speed, speed_help, out):
     add("--density", type=command_line.positive, default=1000.0, help="density [kg/m3]")
     add("--diameter", type=command_line.positive, default=0.02, help="diameter of a disk [m]")
     add(
-        "--contact",
-        choices=("surface", "points", "nodes"),
-        default="surface",
-        help="contact geometry",
-    )
-    add(
         "--volumetric",
         choices=("pointwise", "projected"),
         default="pointwise",
@@ -223,3 +217,48 @@ def plot_force(options, x, force, exact, abscissa, xlabel, title):
     axes.legend(frameon=False)
     axes.grid(alpha=0.3)
     figure.savefig(options.out / "force.png", dpi=200)
+
+
+def report_cell(options, started, columns, own_results, exact, title):
+    """Write, plot and print the results of a cell that closes.
+
+    Args:
+        options (argparse.Namespace): of the case.
+        started (float): when the run began, as ``time.time()`` [s].
+        columns (array (m, n)): over the n windows: displacement of the sides over D, phi, phi0,
+            forces on the sides over E D (m - 5 rows), half-width of the contacts over D, kinetic
+            over elastic energy; all dimensionless.
+        own_results (callable): from the forces, further entries of ``result.json``.
+        exact (numpy record array | None): curve of ``finite_elements``, None if there is none for
+            this Poisson's ratio.
+        title (str): of the plot.
+    """
+    displacement, phi, phi0, *forces, halfwidth, kinetic = columns
+    facts = run_facts(options, started)
+    force = np.mean(forces, axis=0)
+    command_line.write_result(
+        options.out,
+        {
+            "phi": phi,
+            "phi0": phi0,
+            "wall_displacement_over_D": displacement,
+            "force_over_ED": force,
+            **own_results(forces),
+            "contact_halfwidth_over_D": halfwidth,
+            "kinetic_over_elastic": kinetic,
+            **facts,
+        },
+    )
+    plot_force(
+        options,
+        displacement,
+        force,
+        exact,
+        abscissa="wall_displacement_over_D",
+        xlabel="displacement of each side w / D",
+        title=title,
+    )
+    print(
+        f"phi = {phi[-1]:.4f}, w/D = {displacement[-1]:.4f}, F/(E D) = {force[-1]:.4f}; "
+        f"{facts['steps']} steps in {facts['wall_seconds']:.1f} s. Results in {options.out}/"
+    )

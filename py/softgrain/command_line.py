@@ -58,6 +58,12 @@ def share(text):
 def add_method_options(parser):
     """Options of a case that choose how grains are computed; see :func:`method_attributes`."""
     add = parser.add_argument
+    add(
+        "--contact",
+        choices=("surface", "points", "nodes"),
+        default="surface",
+        help="contact geometry",
+    )
     add("--order", type=int, choices=(1, 2, 3), default=3, help="order of the B-splines")
     add(
         "--formulation",
