@@ -3,6 +3,8 @@
 Run it with YADE: ``scripts/yade -n -x -j2 scripts/compaction.py --grains 100 --until-phi 0.95 --out
 DIR``. A packing is prepared with YADE's generator and rigid DEM, its spheres are turned into soft
 disks in place, and the top wall moves down at constant speed; plane strain, frictionless walls.
+``positions.npy`` has the grains' centres at the start and at each record of ``result.json``: an
+array (records + 1, grains, 2) [m].
 """
 
 import argparse
@@ -40,7 +42,7 @@ RADIUS_SPREAD = 0.15  # uniform in mean (1 +- spread): weak, yet enough not to c
 CLOUD_PHI = 0.45  # of the generated cloud
 START_PHI = 0.70  # of the loose packing made by rigid DEM, below random loose packing for all mu
 RECORDS_PER_UNIT_PHI = 400
-JAMMED_STRESS = 1e-3  # stress over E that a flowing packing does not carry on average
+JAMMING_PHI = 0.84  # of frictionless disks; the paper's Figure 3b
 
 
 def parse_options(arguments=None):
@@ -173,6 +175,11 @@ def make_soft(options):
     O.trackEnergy = True
 
 
+def centres():
+    """Centres of mass of the grains: array (n, 2)."""
+    return np.array([b.state.pos for b in sg.soft_bodies()])[:, :2]
+
+
 class Recorder:
     """What is measured between two records, and all records so far.
 
@@ -193,6 +200,7 @@ class Recorder:
                 "coordination",
             )
         }
+        self.positions = [centres()]  # at the start and at each record
         self.balance = sg.Balance()
         self.energy_error = 0.0
         self._restart()
@@ -200,7 +208,6 @@ class Recorder:
     def _restart(self):
         self._bottom = self._top = 0.0
         self._steps = 0
-        self._positions = np.array([b.state.pos for b in sg.soft_bodies()])
 
     def step(self):
         """Take in the forces of the last step."""
@@ -210,8 +217,8 @@ class Recorder:
 
     def record(self):
         """Close the window of mean forces and append a record."""
-        positions = np.array([b.state.pos for b in sg.soft_bodies()])
-        moved = np.abs(positions - self._positions).mean(axis=0)
+        self.positions.append(centres())
+        moved = np.abs(self.positions[-1] - self.positions[-2]).mean(axis=0)
         scale = self._steps * self.box.width * YOUNG
         values = (
             sg.packing_fraction(self.box.area),
@@ -256,7 +263,7 @@ def compact(options, box):
             phi = recorder.phi
             text = f"phi {phi:.4f}, stress/E {recorder.stress:.2e}"
             command_line.show_progress(bar, phi - begin, text)
-            if not jammed and min(recorder.records["stress_over_E"][-3:]) > JAMMED_STRESS:
+            if not jammed and phi >= JAMMING_PHI:
                 jammed = True
                 paused = time.time()
                 draw(options, box, "packing_jammed")
@@ -315,6 +322,7 @@ def main():
             "options": {name: str(value) for name, value in vars(options).items()},
         },
     )
+    np.save(options.out / "positions.npy", recorder.positions)
     plot_stress(options, recorder.records)
     print(
         f"phi = {recorder.phi:.4f}, stress/E = {recorder.stress:.4f}; {int(engine.steps)} steps "

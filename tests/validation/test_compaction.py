@@ -56,6 +56,8 @@ def check(folder, result, until):
     np.testing.assert_allclose(bottom.mean(), top.mean(), rtol=0.05)
     assert 0.02 < bottom[-1] < 1
     assert 4 < result["coordination"][-1] < 7
+    positions = np.load(folder / "positions.npy")
+    assert positions.shape == (len(result["phi"]) + 1, result["grains"], 2)
     for name in PICTURES:
         height, width = imread(folder / name).shape[:2]
         assert height > 400 and width > 400
