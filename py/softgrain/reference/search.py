@@ -7,6 +7,13 @@ import numpy as np
 #: Overlaps of a node with an outline deeper than this (in dr) are no contacts any more.
 DEEPEST_CONTACT = 1.5
 
+#: Twice the weights of four nodes on the curve between the middle ones, as polynomials: a row a
+#: node, columns 1, t, t^2, t^3.
+CATMULL_ROM = np.array([[0, -1, 2, -1], [2, 0, -5, 3], [0, 1, 4, -3], [0, 0, -1, 1]])
+
+#: Steps of Newton's method towards the foot on that curve.
+NEWTON_STEPS = 3
+
 
 @dataclass
 class Contact:
@@ -68,55 +75,53 @@ def disks_on_disks(first, second, reach):
 def nodes_on_outline(grain, other, side, reach):
     """Surface nodes of `grain` against the outline of `other`."""
     outline = other.contact_positions()
-    normals = outline_normals(outline)
     deepest = DEEPEST_CONTACT * max(grain.point_spacing, other.point_spacing)
     contacts = []
     for s, x in enumerate(grain.contact_positions()):
-        place = nearest_place(x, outline)
-        normal, gap = smooth_gap(x, outline, normals, place)
+        place, normal, gap = measure_gap(x, outline)
         if -deepest <= gap < reach:
             contacts.append(Contact(side, s, -1, place, normal, gap))
     return contacts
 
 
-def outline_normals(outline):
-    """Outward unit normals at the nodes of a counter-clockwise polygon, shape (nodes, 2).
-
-    Those of the two segments that meet there, weighted with their lengths.
-    """
-    edge = np.roll(outline, -1, axis=0) - outline
-    segment_normal = np.column_stack([edge[:, 1], -edge[:, 0]])
-    normal = segment_normal + np.roll(segment_normal, 1, axis=0)
-    return normal / np.linalg.norm(normal, axis=1)[:, None]
-
-
-def nearest_place(x, outline):
-    """Point of a closed polygon nearest to x.
-
-    Returns:
-        dict: the two nodes of its segment with their shares 1 - t and t.
-    """
+def nearest_segment(x, outline):
+    """Segment of a closed polygon nearest to x: its first node, and the share t of its second."""
     edge = np.roll(outline, -1, axis=0) - outline
     t = np.einsum("sa,sa->s", x - outline, edge) / np.einsum("sa,sa->s", edge, edge)
     t = np.clip(t, 0, 1)
     distance = np.linalg.norm(x - outline - t[:, None] * edge, axis=1)
     s = int(np.argmin(distance))
-    return {s: 1 - t[s], (s + 1) % len(outline): t[s]}
+    return s, t[s]
 
 
-def smooth_gap(x, outline, normals, place):
-    """Normal and gap of a node at x over a place between the outline nodes i and j.
+def curve_weights(t):
+    """Weights of four nodes in a row on the curve between the second and the third, and their
+    derivatives by t.
 
-    With shares w_i, w_j, foot y = w_i x_i + w_j x_j, n = (w_i n_i + w_j n_j) made unit:
-    g = (x - y) . n - b. The true outline bulges over the segment by
-    b = 1/2 w_i w_j (n_j - n_i) . (x_j - x_i), which is the arc through both nodes to second order.
+    The cubic with the tangents (x_2 - x_0)/2 and (x_3 - x_1)/2 at its ends (Catmull and Rom).
+    """
+    powers = np.array([1, t, t**2, t**3])
+    slopes = np.array([0, 1, 2 * t, 3 * t**2])
+    return 0.5 * CATMULL_ROM @ powers, 0.5 * CATMULL_ROM @ slopes
+
+
+def measure_gap(x, outline):
+    """Gap of a node at x to the smooth curve through the nodes of a counter-clockwise polygon.
+
+    The foot y = sum_k w_k x_k is the place of the curve, over the nearest segment, nearest to x;
+    n is normal to the curve there, g = (x - y) . n.
 
     Returns:
-        tuple: n, shape (2,), and g [m].
+        tuple: the nodes of the curve with their weights w_k (dict), n of shape (2,), and g [m].
     """
-    (i, w_i), (j, w_j) = place.items()
-    foot = w_i * outline[i] + w_j * outline[j]
-    normal = w_i * normals[i] + w_j * normals[j]
-    normal = normal / np.linalg.norm(normal)
-    bulge = 0.5 * w_i * w_j * (normals[j] - normals[i]) @ (outline[j] - outline[i])
-    return normal, (x - foot) @ normal - bulge
+    s, t = nearest_segment(x, outline)
+    nodes = [(s + k) % len(outline) for k in (-1, 0, 1, 2)]
+    weights, slopes = curve_weights(t)
+    for _ in range(NEWTON_STEPS):
+        tangent = slopes @ outline[nodes]
+        t = np.clip(t + (x - weights @ outline[nodes]) @ tangent / (tangent @ tangent), 0, 1)
+        weights, slopes = curve_weights(t)
+    tangent = slopes @ outline[nodes]
+    normal = np.array([tangent[1], -tangent[0]]) / np.linalg.norm(tangent)
+    gap = (x - weights @ outline[nodes]) @ normal
+    return dict(zip(nodes, weights)), normal, gap

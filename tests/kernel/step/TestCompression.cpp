@@ -82,6 +82,61 @@ TEST_CASE("Compression: disk between planes, plane strain", "[step]")
 	CHECK(c.deepest < 0.1);
 }
 
+namespace {
+
+/// Errors of the force on the walls of a closing box that four disks, turned anyhow, fill as a
+/// square lattice would: half of their contacts are with each other. References over D and E D.
+std::vector<double> closeBox(double zeta, const std::vector<Reference>& references)
+{
+	const double R = 0.01, D = 2 * R, E = 1e6, speed = 0.02, window = 0.0015;
+	Random random(1);
+	std::vector<GrainParameters<2>> grains(4, paperGrain<2>());
+	for (int g = 0; g < 4; ++g)
+		grains[g].origin = { g % 2 ? R : -R, g / 2 ? R : -R };
+	Batch<2> batch(makeGrainTemplate<2>(recipe(zeta, 3, 1.25)), Law::neoHookean,
+		       Condition::planeStrain, grains);
+	for (int g = 0; g < 4; ++g) // closing in already
+		batch.place(g, random.rotation<2>(), -speed / D * grains[g].origin, Mat<2>::Zero());
+	Scene<2> scene;
+	scene.settings.solver.tolerance = 1e-3;
+	scene.add(std::move(batch));
+	scene.addPairs(0);
+	for (int wall = 0; wall < 4; ++wall) {
+		const Vec<2> normal = (wall % 2 ? -1. : 1.) * Vec<2>::Unit(wall / 2);
+		for (int g = 0; g < 4; ++g)
+			if (grains[g].origin.dot(normal) < 0)
+				scene.addPlane(g, -D * normal, normal, speed * normal).second =
+					-1 - wall;
+	}
+	std::vector<double> errors;
+	for (const Reference& reference : references) {
+		double impulse = 0, span = 0;
+		for (;;) { // walls move twice as far as one disk would have them
+			const double start = scene.time, w = 0.5 * speed * start / D;
+			if (w > reference.approach + window) break;
+			scene.advance();
+			if (w < reference.approach - window) continue;
+			span += scene.time - start;
+			for (const ContactList<2>& list : scene.lists)
+				for (const Contact<2>& c : list.contacts)
+					if (list.second < 0) impulse += c.impulse.norm() / 8;
+		}
+		errors.push_back(impulse / span / (E * D) / reference.force - 1);
+	}
+	return errors;
+}
+
+} // namespace
+
+TEST_CASE("Compression: contacts between disks are as good as those with walls", "[step]")
+{
+	const auto errors = closeBox(
+		0.1, { { 0.01, 0.0099028636 }, { 0.015, 0.017221068 }, { 0.02, 0.026025199 } });
+	CAPTURE(errors[0], errors[1], errors[2]);
+	for (double error : errors)
+		CHECK(std::abs(error) < 0.006);
+}
+
 TEST_CASE("Compression: ball between planes", "[step]")
 {
 	const auto c = compress<3>(recipe(0.2), 0.1, { { 0.05, 0.0051316 }, { 0.1, 0.015291 } });

@@ -23,15 +23,19 @@ struct ContactKey {
 	bool operator==(const ContactKey& o) const { return !(*this < o) && !(o < *this); }
 };
 
+/// Most nodes that a place on an outline leans on: the ends of a segment and their neighbours, or
+/// the corners of a triangle.
+template <int dim> constexpr int mostPartners = dim == 2 ? 4 : 3;
+
 /// One contact node of one body against a place on another body.
 template <int dim> struct Contact {
 	ContactKey key;
-	int partners = 0; ///< nodes of the other body it leans on: 0 (plane), 1 or dim
-	std::array<int, dim> partner {};     ///< these nodes
-	std::array<double, dim> weight {};   ///< their shares, sum 1
-	Vec<dim> normal = Vec<dim>::Zero();  ///< unit, from the other body to the node
-	double gap = 0;                      ///< m, negative for an overlap
-	Vec<dim> impulse = Vec<dim>::Zero(); ///< r on the node, -r on the partners, N s
+	int partners = 0; ///< nodes of the other body it leans on: 0 (plane), 1 or `mostPartners`
+	std::array<int, mostPartners<dim>> partner {};   ///< these nodes
+	std::array<double, mostPartners<dim>> weight {}; ///< their shares, sum 1
+	Vec<dim> normal = Vec<dim>::Zero();              ///< unit, from the other body to the node
+	double gap = 0;                                  ///< m, negative for an overlap
+	Vec<dim> impulse = Vec<dim>::Zero();             ///< r on the node, -r on the partners, N s
 };
 
 /// Rigid plane with prescribed motion; the grain is on the side of the normal.

@@ -33,8 +33,8 @@ double inverseMobility(const Contact<dim>& contact, const ContactBody<dim>& body
 {
 	double W = body.mobility(contact.key.node, contact.key.node);
 	for (int i = 0; i < contact.partners; ++i)
-		for (int j = 0; j < contact.partners; ++j)
-			W += contact.weight[i] * contact.weight[j] *
+		for (int j = 0; j <= i; ++j)
+			W += (j < i ? 2 : 1) * contact.weight[i] * contact.weight[j] *
 			     partner->mobility(contact.partner[i], contact.partner[j]);
 	return 1 / W;
 }

@@ -1,4 +1,5 @@
 #include "contact/Search.hpp"
+#include "contact/OutlineCurve.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -76,17 +77,30 @@ PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body
 	return best;
 }
 
-/// Gap and smooth normal at a place on an outline. Between its vertices the outline bulges by
+/// Gap and normal at a place on a 2D outline: of the smooth curve over the facet. What leans on the
+/// curve moves and pushes its nodes with the curve's own weights.
+void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
+		Contact<2>& contact)
+{
+	const OutlineCurve curve(body, place.facet);
+	const OutlineCurve::Place foot = curve.nearest(x, place.weight[1]);
+	contact.partners = mostPartners<2>;
+	contact.partner = curve.nodes();
+	contact.weight = foot.weight;
+	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
+	contact.gap = (x - foot.position).dot(contact.normal);
+}
+
+/// The same in 3D: between its vertices the outline bulges over the flat facet by
 /// 1/2 sum_(i<j) w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second
 /// order.
-template <int dim>
-void measureGap(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place,
-		Contact<dim>& contact)
+void measureGap(const Vec<3>& x, const ContactBody<3>& body, const PlaceOnOutline<3>& place,
+		Contact<3>& contact)
 {
 	const auto& vertex = body.mesh->facet[place.facet];
-	Vec<dim> foot = Vec<dim>::Zero(), normal = Vec<dim>::Zero();
+	Vec<3> foot = Vec<3>::Zero(), normal = Vec<3>::Zero();
 	double bulge = 0;
-	for (int i = 0; i < dim; ++i) {
+	for (int i = 0; i < 3; ++i) {
 		foot += place.weight[i] * body.position[vertex[i]];
 		normal += place.weight[i] * body.normalAt(place.facet, vertex[i]);
 		for (int j = 0; j < i; ++j)
@@ -95,7 +109,7 @@ void measureGap(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOu
 				  body.normalAt(place.facet, vertex[i]))
 					 .dot(body.position[vertex[j]] - body.position[vertex[i]]);
 	}
-	contact.partners = dim;
+	contact.partners = mostPartners<3>;
 	contact.partner = vertex;
 	contact.weight = place.weight;
 	contact.normal = normal.normalized();

@@ -14,7 +14,7 @@ namespace softgrain {
 /// right-hand (2D: right of the direction of travel, counter-clockwise) normal points outwards.
 template <int dim> struct OutlineMesh {
 	std::vector<Vec<dim>> vertex;            ///< on the true boundary
-	std::vector<std::array<int, dim>> facet; ///< vertex indices
+	std::vector<std::array<int, dim>> facet; ///< vertex indices; in 2D in order around it
 	/// Vertices where the outline has no single normal, with the facets that meet there. At any
 	/// other vertex the facets approximate one smooth surface.
 	std::map<int, std::vector<int>> sharp;
