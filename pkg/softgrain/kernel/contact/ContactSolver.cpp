@@ -27,18 +27,6 @@ double biasOf(double gap, double pointSpacing, double dt, const SolverSettings& 
 /// problems of a compaction.
 constexpr double changePerResidual = 2;
 
-template <int dim>
-double inverseMobility(const Contact<dim>& contact, const ContactBody<dim>& body,
-		       const ContactBody<dim>* partner)
-{
-	double W = body.mobility(contact.key.node, contact.key.node);
-	for (int i = 0; i < contact.partners; ++i)
-		for (int j = 0; j <= i; ++j)
-			W += (j < i ? 2 : 1) * contact.weight[i] * contact.weight[j] *
-			     partner->mobility(contact.partner[i], contact.partner[j]);
-	return 1 / W;
-}
-
 } // namespace
 
 template <int dim>
@@ -48,6 +36,7 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 {
 	settings_ = settings;
 	constraints_.clear();
+	partnerMobility_.clear();
 	for (ContactList<dim>* list : lists)
 		for (Contact<dim>& contact : list->contacts) {
 			ContactBody<dim>* first = &bodies[list->first];
@@ -61,11 +50,41 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 			c.planeVelocity =
 				second ? Vec<dim>(Vec<dim>::Zero()) : list->plane.velocity;
 			c.freeVelocity = relativeVelocity(c, &ContactBody<dim>::velocity);
-			c.inverseW = inverseMobility(contact, *c.body, c.partner);
+			c.inverseW = 1 / (c.body->mobility(contact.key.node, contact.key.node) +
+					  appendPartnerMobility(contact, c.partner));
 			c.bias = biasOf(contact.gap, c.body->pointSpacing, dt, settings);
 			c.friction = list->friction;
 			constraints_.push_back(c);
 		}
+}
+
+/// Neighbouring partner nodes move almost the same nodes: their rows are added up once, not in
+/// every sweep.
+template <int dim>
+double ContactSolver<dim>::appendPartnerMobility(const Contact<dim>& contact,
+						 const ContactBody<dim>* partner)
+{
+	std::vector<double>& sum = partnerSum_; // all 0 between calls
+	const int begin = static_cast<int>(partnerMobility_.column.size());
+	for (int i = 0; i < contact.partners; ++i) {
+		const SparseRows<double>& table = *partner->delassus;
+		if (static_cast<int>(sum.size()) < table.rows()) sum.resize(table.rows(), 0.);
+		const double share = contact.weight[i] * partner->delassusScale;
+		const int node = contact.partner[i];
+		for (int k = table.begin(node); k < table.end(node); ++k) {
+			double& moved = sum[table.column[k]];
+			// A sum that is 0 again is listed twice, the second time with 0.
+			if (moved == 0) partnerMobility_.append(table.column[k], 0);
+			moved += share * table.value[k];
+		}
+	}
+	double W = 0;
+	for (int i = 0; i < contact.partners; ++i)
+		W += contact.weight[i] * sum[contact.partner[i]];
+	for (int k = begin; k < static_cast<int>(partnerMobility_.column.size()); ++k)
+		partnerMobility_.value[k] = std::exchange(sum[partnerMobility_.column[k]], 0.);
+	partnerMobility_.closeRow();
+	return W;
 }
 
 template <int dim>
@@ -81,10 +100,10 @@ Vec<dim> ContactSolver<dim>::relativeVelocity(const Constraint& c,
 
 template <int dim> void ContactSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
-	const Contact<dim>& contact = c.contact;
-	c.body->push(contact.key.node, J);
-	for (int i = 0; i < contact.partners; ++i)
-		c.partner->push(contact.partner[i], -contact.weight[i] * J);
+	c.body->push(c.contact.key.node, J);
+	const int row = static_cast<int>(&c - constraints_.data());
+	for (int k = partnerMobility_.begin(row); k < partnerMobility_.end(row); ++k)
+		c.partner->velocity[partnerMobility_.column[k]] -= partnerMobility_.value[k] * J;
 }
 
 template <int dim> Vec<dim> ContactSolver<dim>::solvedImpulse(const Constraint& c) const

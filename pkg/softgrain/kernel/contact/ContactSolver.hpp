@@ -84,6 +84,9 @@ private:
 
 	Vec<dim> relativeVelocity(const Constraint& c,
 				  std::vector<Vec<dim>> ContactBody<dim>::* field) const;
+	/// Adds a row to `partnerMobility_`; returns what of it the contact itself feels, the
+	/// partner's share of W.
+	double appendPartnerMobility(const Contact<dim>& contact, const ContactBody<dim>* partner);
 	Vec<dim> solvedImpulse(const Constraint& c) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	double sweep(); ///< relative change of the impulses, in the residual's norm
@@ -97,6 +100,10 @@ private:
 	}
 
 	std::vector<Constraint> constraints_;
+	/// Row k: sum_i w_i W_is of all nodes s of the partner that an impulse on contact k moves,
+	/// 1/kg; empty for a plane.
+	SparseRows<double> partnerMobility_;
+	std::vector<double> partnerSum_; ///< of a row in the making, by node
 	SolverSettings settings_;
 };
 
