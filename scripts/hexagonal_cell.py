@@ -149,6 +149,25 @@ class Lattice:
         return np.mean(widths) if widths else 0.0
 
 
+class MeanHalfwidth:
+    """Half-width of the contacts of the central disk, averaged over the samples of a window."""
+
+    def __init__(self, disks):
+        self._disks = disks
+        self.restart()
+
+    def restart(self):
+        self._samples = []
+
+    def sample(self):
+        """Take in the last step."""
+        self._samples.append(self._disks.halfwidth())
+
+    def value(self):
+        """[m]"""
+        return np.mean(self._samples)
+
+
 def halfwidth(interaction):
     """Half-width of the contact of two disks [m], along the tangent."""
     contacts = interaction.geom.contacts()
@@ -165,16 +184,19 @@ def normal_forces(contacts):
 def compress(options, disks):
     """Shrink the lattice; returns records, averaged over windows."""
     seconds = cases.window_seconds(options)
+    halfwidth = MeanHalfwidth(disks)
     rows = []
     start = phi = disks.cell()[1]
     with command_line.progress_bar(total=options.until_phi - start) as bar:
         while phi < options.until_phi:
-            where, force = cases.window_means(seconds, disks.cell, disks.forces, step=disks.step)
+            where, force = cases.window_means(
+                seconds, disks.cell, disks.forces, contacts=[halfwidth], step=disks.step
+            )
             rows.append(
                 [
                     *where,
                     *(force / (options.young * options.diameter)),
-                    disks.halfwidth() / options.diameter,
+                    halfwidth.value() / options.diameter,
                     cases.kinetic_over_elastic(),
                 ]
             )

@@ -144,7 +144,7 @@ def window_means(seconds, place, forces, contacts=(), step=O.step):
         seconds (float): length of the window, at least one step [s].
         place (callable): where the walls are, quantities that change steadily, as an array.
         forces (callable): what is to be averaged, taken after every step, as an array.
-        contacts (iterable of WallContact): sampled several times.
+        contacts (iterable): sampled several times; with `restart` and `sample` as WallContact.
         step (callable): makes a step.
 
     Returns:

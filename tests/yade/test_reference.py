@@ -366,7 +366,7 @@ def test_comparison_notices_a_change(change):
     dt, found = run_in_yade("corner")
     system = build_oracle(CASES["corner"])
     change(system)
-    largest = largest_deviations(CASES["corner"], found, run_oracle(system, dt, steps=20))
+    largest = largest_deviations(CASES["corner"], found, run_oracle(system, dt, steps=40))
     assert largest["positions"] > 100 * TOLERANCE
     assert largest["velocities"] > 100 * TOLERANCE
 

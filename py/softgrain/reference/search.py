@@ -12,7 +12,7 @@ DEEPEST_CONTACT = 1.5
 CATMULL_ROM = np.array([[0, -1, 2, -1], [2, 0, -5, 3], [0, 1, 4, -3], [0, 0, -1, 1]])
 
 #: Steps of Newton's method towards the foot on that curve.
-NEWTON_STEPS = 3
+NEWTON_STEPS = 2
 
 
 @dataclass

@@ -161,9 +161,9 @@ TEMPLATE_TEST_CASE_SIG("Impact: off-centre with friction and different sizes", "
 	CAPTURE(lost, e.friction / initial, e.impact / initial,
 		(e.kinetic + e.elastic + e.friction + e.impact) / initial - 1);
 	CHECK((scene.momentum() - before).norm() < 1e-13 * before.norm());
-	// Impulses act on the chord of an outline, not on its arc: friction has a lever of gap and
-	// bulge, h^2/8R, here half a per cent of that of the impact.
-	CHECK(lost < 1e-2);
+	// Friction has the gap as its lever, in 3D also the bulge, h^2/8R, of the outline over the
+	// triangle whose corners the impulses act on: half a per cent of the lever of the impact.
+	CHECK(lost < (dim == 2 ? 1e-4 : 1e-2));
 	CHECK(scene.whole(0).angularVelocity.norm() > 1);
 	CHECK(e.friction > 1e-3 * initial);
 	CHECK(e.impact > -1e-3 * initial);

@@ -7,7 +7,7 @@ namespace softgrain {
 namespace {
 
 /// Newton's method from the place on the chord; each step gains a factor of gap times curvature.
-constexpr int newtonSteps = 3;
+constexpr int newtonSteps = 2;
 
 } // namespace
 
