@@ -20,15 +20,14 @@ public:
 	void resize(int blocks, int nodes)
 	{
 		nodes_ = nodes;
-		data_.assign(static_cast<std::size_t>(blocks) * nodes * dim * laneWidth, 0.);
+		data_.assign(static_cast<std::size_t>(blocks) * nodes * dim, LaneSlot {});
 	}
 	/// Component `a` at node `I` of all grains of a block.
-	double* lanes(int block, int I, int a)
+	Lanes& lanes(int block, int I, int a)
 	{
-		return data_.data() +
-		       ((static_cast<std::size_t>(block) * nodes_ + I) * dim + a) * laneWidth;
+		return data_[(static_cast<std::size_t>(block) * nodes_ + I) * dim + a].value;
 	}
-	const double* lanes(int block, int I, int a) const
+	const Lanes& lanes(int block, int I, int a) const
 	{
 		return const_cast<NodalField*>(this)->lanes(block, I, a);
 	}
@@ -49,7 +48,7 @@ public:
 
 private:
 	int nodes_ = 0;
-	std::vector<double> data_;
+	std::vector<LaneSlot> data_;
 };
 
 /// What distinguishes one grain of a batch from the next.

@@ -16,20 +16,15 @@ void gatherGradient(const Batch<dim>& batch, int block, int p, const Lanes& inve
 {
 	Lanes sum[dim][dim] = {}; // local, so that it can stay in registers
 	const auto& shapes = batch.reference->pointShapes;
-	for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
-		const Vec<dim> G = shapes.value[k].G;
+	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
 		for (int a = 0; a < dim; ++a) {
-			const double* x = batch.x.lanes(block, shapes.column[k], a);
+			const Lanes& x = batch.x.lanes(block, shapes.column[k], a);
 			for (int b = 0; b < dim; ++b)
-#pragma omp simd
-				for (int l = 0; l < laneWidth; ++l)
-					sum[a][b][l] += x[l] * G[b];
+				sum[a][b] += x * shapes.value[k].G[b];
 		}
-	}
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
-			for (int l = 0; l < laneWidth; ++l)
-				point.F[a][b][l] = sum[a][b][l] * inverseRadius[l];
+			point.F[a][b] = sum[a][b] * inverseRadius;
 }
 
 /// f_I -= weight P G_I
@@ -40,29 +35,22 @@ void scatterForce(Batch<dim>& batch, int block, int p, const PointLanes<dim>& po
 	Lanes P[dim][dim];
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
-			for (int l = 0; l < laneWidth; ++l)
-				P[a][b][l] = weight[l] * point.P[a][b][l];
+			P[a][b] = weight * point.P[a][b];
 	const auto& shapes = batch.reference->pointShapes;
-	for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
-		const Vec<dim> G = shapes.value[k].G;
+	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
 		for (int a = 0; a < dim; ++a) {
-			double* f = batch.force.lanes(block, shapes.column[k], a);
-#pragma omp simd
-			for (int l = 0; l < laneWidth; ++l) {
-				double sum = 0;
-				for (int b = 0; b < dim; ++b)
-					sum += P[a][b][l] * G[b];
-				f[l] -= sum;
-			}
+			Lanes sum = {};
+			for (int b = 0; b < dim; ++b)
+				sum += P[a][b] * shapes.value[k].G[b];
+			batch.force.lanes(block, shapes.column[k], a) -= sum;
 		}
-	}
 }
 
 template <int dim> void clearForce(Batch<dim>& batch, int block)
 {
-	double* f = batch.force.lanes(block, 0, 0);
-	for (int k = 0; k < batch.reference->nodes() * dim * laneWidth; ++k)
-		f[k] = 0;
+	for (int I = 0; I < batch.reference->nodes(); ++I)
+		for (int a = 0; a < dim; ++a)
+			batch.force.lanes(block, I, a) = Lanes {};
 }
 
 /// Scales of a block's lanes: gradients with 1/R, point volumes with R^dim.
@@ -78,8 +66,8 @@ template <int dim> BlockScales blockScales(const Batch<dim>& batch, int block)
 		const bool used = g < batch.grains();
 		s.inverseRadius[l] = used ? 1 / batch.grain[g].radius : 1;
 		s.volume[l] = used ? batch.pointScale[g] : 1;
-		s.volumeOverRadius[l] = s.volume[l] * s.inverseRadius[l];
 	}
+	s.volumeOverRadius = s.volume * s.inverseRadius;
 	return s;
 }
 
@@ -107,20 +95,16 @@ template <int dim, class LawEvaluator> struct ProjectedLaw {
 	{
 		const BlockScales scales = blockScales(batch, block);
 		PointLanes<dim> point;
-		Lanes lnJ;
 		for (int p = 0; p < batch.reference->points(); ++p) {
 			gatherGradient(batch, block, p, scales.inverseRadius, point);
-			LawEvaluator::volumetricStrain(point, lnJ);
-			std::copy(lnJ, lnJ + laneWidth, &theta_[p * laneWidth]);
+			storeLanes(&theta_[p * laneWidth], LawEvaluator::volumetricStrain(point));
 		}
 		project<laneWidth>(batch.reference->pressureSpace, batch.reference->pointVolume,
 				   theta_.data());
 	}
 	void evaluate(int p, PointLanes<dim>& point) const
 	{
-		Lanes theta;
-		std::copy(&theta_[p * laneWidth], &theta_[p * laneWidth] + laneWidth, theta);
-		LawEvaluator::evaluateProjected(point, lame, theta);
+		LawEvaluator::evaluateProjected(point, lame, loadLanes(&theta_[p * laneWidth]));
 	}
 	double theta(int p, const PointLanes<dim>&, int lane) const
 	{
@@ -153,24 +137,19 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(Batch<dim>& batch, int bloc
 {
 	const BlockScales scales = blockScales(batch, block);
 	const VolumetricLaw law(batch, block);
-	Lanes energy {}, stiffening {}, invertedPoint;
-	for (double& p : invertedPoint)
-		p = -1;
+	Lanes energy = {}, stiffening = {}, invertedPoint = Lanes {} - 1;
 	clearForce(batch, block);
 	PointLanes<dim> point;
 	for (int p = 0; p < batch.reference->points(); ++p) {
 		gatherGradient(batch, block, p, scales.inverseRadius, point);
 		law.evaluate(p, point);
-		Lanes weight;
 		const double V = batch.reference->pointVolume[p];
-		for (int l = 0; l < laneWidth; ++l) {
-			weight[l] = V * scales.volumeOverRadius[l];
-			energy[l] += V * scales.volume[l] * point.energy[l];
-			stiffening[l] = point.stiffening[l] > stiffening[l] ? point.stiffening[l]
-									    : stiffening[l];
-			if (!(point.J[l] > 0) && invertedPoint[l] < 0) invertedPoint[l] = p;
-		}
-		scatterForce(batch, block, p, point, weight);
+		energy += V * scales.volume * point.energy;
+		stiffening = larger(point.stiffening, stiffening);
+		const Lanes here = Lanes {} + p;
+		invertedPoint = point.J > 0 ? invertedPoint
+					    : (invertedPoint < 0 ? here : invertedPoint);
+		scatterForce(batch, block, p, point, V * scales.volumeOverRadius);
 	}
 	for (int l = 0; l < laneWidth; ++l) {
 		const int g = block * laneWidth + l;
@@ -209,8 +188,7 @@ PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Conditi
 		r.cauchy33 = lame.lambda[lane] * std::log(r.J) / r.J;
 	if (condition == Condition::planeStress) {
 		// forces are per unit reference thickness, Cauchy stress per present one
-		r.F33 = std::exp(
-			detail::thicknessStrain(std::log(r.J), lame.lambda[lane], lame.mu[lane]));
+		r.F33 = expOf(detail::thicknessStrain(lnOf(point.J), lame.lambda, lame.mu))[lane];
 		r.cauchy /= r.F33;
 	}
 	return r;

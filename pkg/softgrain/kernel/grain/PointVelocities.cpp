@@ -15,21 +15,14 @@ nodesToPoints(const GrainTemplate<dim>& reference, const NodalField<dim>& v,
 		for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
 			const double N = shapes.value[k].N;
 			for (int a = 0; a < dim; ++a) {
-				const double* before = v.lanes(block, shapes.column[k], a);
-				const double* after = vNext.lanes(block, shapes.column[k], a);
-#pragma omp simd
-				for (int l = 0; l < laneWidth; ++l) {
-					change[a][l] += N * (after[l] - before[l]);
-					whole[a][l] += N * after[l];
-				}
+				const Lanes& after = vNext.lanes(block, shapes.column[k], a);
+				change[a] += N * (after - v.lanes(block, shapes.column[k], a));
+				whole[a] += N * after;
 			}
 		}
 		for (int a = 0; a < dim; ++a) {
-			double* vp = points.lanes(block, p, a);
-#pragma omp simd
-			for (int l = 0; l < laneWidth; ++l)
-				vp[l] = (1 - picShare) * (vp[l] + change[a][l]) +
-					picShare * whole[a][l];
+			Lanes& vp = points.lanes(block, p, a);
+			vp = (1 - picShare) * (vp + change[a]) + picShare * whole[a];
 		}
 	}
 }
@@ -40,25 +33,20 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void pointsToNodes(const GrainTemplate<dim>& 
 						      NodalField<dim>& v)
 {
 	const auto& shapes = reference.pointShapes;
-	double* all = v.lanes(block, 0, 0);
-	for (int k = 0; k < reference.nodes() * dim * laneWidth; ++k)
-		all[k] = 0;
+	for (int I = 0; I < reference.nodes(); ++I)
+		for (int a = 0; a < dim; ++a)
+			v.lanes(block, I, a) = Lanes {};
 	for (int p = 0; p < reference.points(); ++p)
 		for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
 			const double mass = reference.pointVolume[p] * shapes.value[k].N;
-			for (int a = 0; a < dim; ++a) {
-				const double* vp = points.lanes(block, p, a);
-				double* momentum = v.lanes(block, shapes.column[k], a);
-#pragma omp simd
-				for (int l = 0; l < laneWidth; ++l)
-					momentum[l] += mass * vp[l];
-			}
+			for (int a = 0; a < dim; ++a)
+				v.lanes(block, shapes.column[k], a) +=
+					mass * points.lanes(block, p, a);
 		}
 	for (int I = 0; I < reference.nodes(); ++I) {
 		const double inverseMass = 1 / reference.nodeMass[I];
 		for (int a = 0; a < dim; ++a)
-			for (int l = 0; l < laneWidth; ++l)
-				v.lanes(block, I, a)[l] *= inverseMass;
+			v.lanes(block, I, a) *= inverseMass;
 	}
 }
 

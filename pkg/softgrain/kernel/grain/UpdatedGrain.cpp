@@ -35,8 +35,7 @@ void findStencils(const SpatialGrid<dim>& grid, double inverseSpacing,
 	std::array<std::array<int, laneWidth>, dim> index;
 	for (int a = 0; a < dim; ++a) {
 		Lanes t, begin, value[rowWidth], gradient[rowWidth];
-		for (int l = 0; l < laneWidth; ++l)
-			t[l] = x[a][l] * inverseSpacing;
+		t = loadLanes(x[a]) * inverseSpacing;
 		splineLanes<order>(t, begin, value, gradient);
 		for (int l = 0; l < laneWidth; ++l) {
 			index[a][l] = static_cast<int>(begin[l]);
@@ -116,7 +115,7 @@ template <int dim, int order> void stencilsOfContactNodes(UpdatedGrain<dim>& gra
 		for (int a = 0; a < dim; ++a) {
 			for (int l = 0; l < laneWidth; ++l)
 				coordinates[a][l] = grain.contactX[std::min(s + l, count - 1)][a];
-			x[a] = coordinates[a];
+			x[a] = &coordinates[a][0];
 		}
 		findStencils<dim, order>(grain.grid, 1 / grain.spacing, x,
 					 grain.contacts.first.data() + s,
@@ -141,24 +140,21 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void spread(UpdatedGrain<dim>& grain, LawEval
 	for (int begin = 0; begin < static_cast<int>(grain.mass.size()); begin += laneWidth) {
 		for (int a = 0; a < dim; ++a)
 			for (int b = 0; b < dim; ++b)
-				for (int l = 0; l < laneWidth; ++l)
-					point.F[a][b][l] = grain.F[a * dim + b][begin + l];
+				point.F[a][b] = loadLanes(&grain.F[a * dim + b][begin]);
 		LawEvaluator::evaluate(point, grain.lame);
 		LawEvaluator::stiffenInSpace(point, grain.lame);
 		Lanes T[dim][dim];
 		for (int a = 0; a < dim; ++a)
-			for (int b = 0; b < dim; ++b)
-				for (int l = 0; l < laneWidth; ++l) {
-					double sum = 0;
-					for (int c = 0; c < dim; ++c)
-						sum += point.P[a][c][l] * point.F[b][c][l];
-					T[a][b][l] = grain.volume[begin + l] * sum;
-				}
+			for (int b = 0; b < dim; ++b) {
+				Lanes sum = {};
+				for (int c = 0; c < dim; ++c)
+					sum += point.P[a][c] * point.F[b][c];
+				T[a][b] = loadLanes(&grain.volume[begin]) * sum;
+			}
+		energy += loadLanes(&grain.volume[begin]) * point.energy;
+		stiffening = larger(point.stiffening, stiffening);
 		for (int l = 0; l < laneWidth; ++l) {
 			const int p = begin + l;
-			energy[l] += grain.volume[p] * point.energy[l];
-			stiffening[l] = point.stiffening[l] > stiffening[l] ? point.stiffening[l]
-									    : stiffening[l];
 			if (!(point.J[l] > 0) && report.invertedPoint < 0) report.invertedPoint = p;
 			const GridRows<dim, order> rows(
 				grain.grid, grain.points.first[p],
@@ -203,27 +199,24 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void collect(UpdatedGrain<dim>& grain, double
 			}
 		}
 		for (int a = 0; a < dim; ++a) {
-			double* v = grain.v[a].data() + begin;
-			double* x = grain.x[a].data() + begin;
-			for (int l = 0; l < laneWidth; ++l) {
-				v[l] = (1 - picShare) * (v[l] + (after[a][l] - before[a][l])) +
-				       picShare * after[a][l];
-				x[l] += dt * after[a][l];
-			}
+			const Lanes v = loadLanes(&grain.v[a][begin]);
+			storeLanes(&grain.v[a][begin],
+				   (1 - picShare) * (v + (after[a] - before[a])) + picShare * after[a]);
+			const Lanes x = loadLanes(&grain.x[a][begin]);
+			storeLanes(&grain.x[a][begin], x + dt * after[a]);
 		}
 		for (int b = 0; b < dim; ++b) {
 			Lanes column[dim];
-			for (int a = 0; a < dim; ++a)
-				for (int l = 0; l < laneWidth; ++l) {
-					double sum = 0;
-					for (int c = 0; c < dim; ++c)
-						sum += gradient[a][c][l] *
-						       grain.F[c * dim + b][begin + l];
-					column[a][l] = sum;
-				}
-			for (int a = 0; a < dim; ++a)
-				for (int l = 0; l < laneWidth; ++l)
-					grain.F[a * dim + b][begin + l] += dt * column[a][l];
+			for (int a = 0; a < dim; ++a) {
+				column[a] = Lanes {};
+				for (int c = 0; c < dim; ++c)
+					column[a] += gradient[a][c] *
+						     loadLanes(&grain.F[c * dim + b][begin]);
+			}
+			for (int a = 0; a < dim; ++a) {
+				double* F = &grain.F[a * dim + b][begin];
+				storeLanes(F, loadLanes(F) + dt * column[a]);
+			}
 		}
 	}
 	for (std::size_t s = 0; s < grain.contactX.size(); ++s) {

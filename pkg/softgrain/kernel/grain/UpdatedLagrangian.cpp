@@ -277,8 +277,7 @@ template <int dim> std::vector<PointResponse<dim>> UpdatedLagrangian<dim>::point
 			const int lane = p % laneWidth;
 			for (int a = 0; a < dim && lane == 0; ++a)
 				for (int b = 0; b < dim; ++b)
-					for (int l = 0; l < laneWidth; ++l)
-						point.F[a][b][l] = grain.F[a * dim + b][p + l];
+					point.F[a][b] = loadLanes(&grain.F[a * dim + b][p]);
 			if (lane == 0) evaluator.evaluate(point, grain.lame);
 			PointResponse<dim> r = pointResponse(point, lane, condition_, grain.lame);
 			r.position = parameters_[g].origin + pointAt(g, p);

@@ -5,7 +5,6 @@
 #include "material/Elasticity.hpp"
 #include "material/Lanes.hpp"
 
-#include <cmath>
 #include <limits>
 
 namespace softgrain {
@@ -13,7 +12,7 @@ namespace softgrain {
 namespace detail {
 
 /// Cofactors of F (rows and columns as F) and its determinant: F^-T = C / J.
-inline double cofactors(const double (&F)[2][2], double (&C)[2][2])
+inline Lanes cofactors(const Lanes (&F)[2][2], Lanes (&C)[2][2])
 {
 	C[0][0] = F[1][1];
 	C[0][1] = -F[1][0];
@@ -22,7 +21,7 @@ inline double cofactors(const double (&F)[2][2], double (&C)[2][2])
 	return F[0][0] * F[1][1] - F[0][1] * F[1][0];
 }
 
-inline double cofactors(const double (&F)[3][3], double (&C)[3][3])
+inline Lanes cofactors(const Lanes (&F)[3][3], Lanes (&C)[3][3])
 {
 	for (int a = 0; a < 3; ++a)
 		for (int b = 0; b < 3; ++b) {
@@ -34,20 +33,20 @@ inline double cofactors(const double (&F)[3][3], double (&C)[3][3])
 }
 
 /// Largest eigenvalue of A A^T, exact in 2D, an upper bound (exact where A A^T is spherical) in 3D.
-template <int dim> double largestSquaredStretch(const double (&A)[dim][dim])
+template <int dim> Lanes largestSquaredStretch(const Lanes (&A)[dim][dim])
 {
-	double trace = 0, squares = 0;
+	Lanes trace = {}, squares = {};
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b) {
-			double B = 0;
+			Lanes B = {};
 			for (int c = 0; c < dim; ++c)
 				B += A[a][c] * A[b][c];
 			squares += B * B;
 			if (a == b) trace += B;
 		}
-	const double mean = trace / dim;
-	const double deviator = squares - dim * mean * mean;
-	return mean + std::sqrt((dim - 1.) / dim * (deviator > 0 ? deviator : 0));
+	const Lanes mean = trace / dim;
+	const Lanes deviator = squares - dim * mean * mean;
+	return mean + sqrtOf((dim - 1.) / dim * larger(deviator, Lanes {}));
 }
 
 /// The same for lambda < 0 (auxetic): the function has a minimum, and the thickness belongs to the
@@ -71,14 +70,15 @@ inline double auxeticThicknessStrain(double lnJ2, double lambda, double mu)
 /// ln F33 from P33 = 0: mu (F33^2 - 1) + lambda (ln J2 + ln F33) = 0. For lambda >= 0 the function
 /// is convex and increasing in ln F33, so Newton's method converges; 8 steps reach rounding for all
 /// J2 in [0.05, 20].
-inline double thicknessStrain(double lnJ2, double lambda, double mu)
+inline Lanes thicknessStrain(const Lanes& lnJ2, const Lanes& lambda, const Lanes& mu)
 {
-	if (lambda < 0) return auxeticThicknessStrain(lnJ2, lambda, mu);
-	double y = -lambda * lnJ2 / (lambda + 2 * mu);
+	Lanes y = -lambda * lnJ2 / (lambda + 2 * mu);
 	for (int k = 0; k < 8; ++k) {
-		const double a = std::exp(2 * y);
+		const Lanes a = expOf(2 * y);
 		y -= (mu * (a - 1) + lambda * (lnJ2 + y)) / (2 * mu * a + lambda);
 	}
+	for (int l = 0; l < laneWidth; ++l)
+		if (lambda[l] < 0) y[l] = auxeticThicknessStrain(lnJ2[l], lambda[l], mu[l]);
 	return y;
 }
 
@@ -98,31 +98,22 @@ template <int dim, Condition condition> struct NeoHookean {
 	/// where no thickness is free of stress none of them is a number.
 	static void evaluate(PointLanes<dim>& point, const LameConstants& lame)
 	{
-		Lanes lnJ, squareF33;
-		volumetricStrain(point, lnJ);
-		for (int l = 0; l < laneWidth; ++l) {
-			const double y = condition == Condition::planeStress
-						 ? detail::thicknessStrain(lnJ[l], lame.lambda[l],
-									   lame.mu[l])
-						 : 0;
-			squareF33[l] = condition == Condition::planeStress ? std::exp(2 * y) : 1;
-			lnJ[l] += y; // of the in-plane part so far; the thickness follows
-			if (point.J[l] > 0 && std::isnan(y)) point.J[l] = y;
+		Lanes lnJ = volumetricStrain(point), squareF33 = Lanes {} + 1;
+		if constexpr (condition == Condition::planeStress) {
+			const Lanes y = detail::thicknessStrain(lnJ, lame.lambda, lame.mu);
+			squareF33 = expOf(2 * y);
+			lnJ += y; // of the in-plane part so far; the thickness follows
+			point.J = y == y ? point.J : y;
 		}
 		respond<false>(point, lame, lnJ, lnJ, squareF33);
 	}
 
 	/// Fills J from F; ln J.
-	static void volumetricStrain(PointLanes<dim>& point, Lanes& lnJ)
+	static Lanes volumetricStrain(PointLanes<dim>& point)
 	{
-#pragma omp simd
-		for (int l = 0; l < laneWidth; ++l) {
-			double F[dim][dim], C[dim][dim];
-			laneOf(point.F, l, F);
-			point.J[l] = detail::cofactors(F, C);
-		}
-		for (int l = 0; l < laneWidth; ++l)
-			lnJ[l] = std::log(point.J[l]);
+		Lanes C[dim][dim];
+		point.J = detail::cofactors(point.F, C);
+		return lnOf(point.J);
 	}
 
 	/// As `evaluate`, with theta in the place of ln J in the volumetric part lambda/2 (ln J)^2:
@@ -131,32 +122,24 @@ template <int dim, Condition condition> struct NeoHookean {
 				      const Lanes& theta)
 	{
 		static_assert(canProject);
-		Lanes lnJ, squareF33;
-		volumetricStrain(point, lnJ);
-		for (double& square : squareF33)
-			square = 1;
-		respond<true>(point, lame, lnJ, theta, squareF33);
+		const Lanes lnJ = volumetricStrain(point);
+		respond<true>(point, lame, lnJ, theta, Lanes {} + 1);
 	}
 
 	/// Replaces the stiffening, after `evaluate`, by that seen by a grid fixed in space: with a
 	/// spatial wave vector k, rho0 omega^2 = mu |F^T k|^2 + (lambda + mu - lambda ln J) |k|^2.
 	static void stiffenInSpace(PointLanes<dim>& point, const LameConstants& lame)
 	{
-#pragma omp simd
-		for (int l = 0; l < laneWidth; ++l) {
-			double F[dim][dim], tau = 0, b = 0; // first diagonal entries
-			laneOf(point.F, l, F);
-			for (int a = 0; a < dim; ++a) {
-				tau += point.P[0][a][l] * F[0][a];
-				b += F[0][a] * F[0][a];
-			}
-			const double lambda = lame.lambda[l], mu = lame.mu[l];
-			const double rest = tau - mu * b; // lambda ln J - mu; with P33 = 0 also
-							  // -mu F33^2
-			point.stiffening[l] = (mu * detail::largestSquaredStretch<dim>(F) +
-					       inPlane(lambda, -rest) - rest) /
-					      (inPlane(lambda, mu) + 2 * mu);
+		const Lanes &lambda = lame.lambda, &mu = lame.mu;
+		Lanes tau = {}, b = {}; // first diagonal entries
+		for (int a = 0; a < dim; ++a) {
+			tau += point.P[0][a] * point.F[0][a];
+			b += point.F[0][a] * point.F[0][a];
 		}
+		const Lanes rest = tau - mu * b; // lambda ln J - mu; with P33 = 0 also -mu F33^2
+		point.stiffening = (mu * detail::largestSquaredStretch<dim>(point.F) +
+				    inPlane(lambda, -rest) - rest) /
+				   (inPlane(lambda, mu) + 2 * mu);
 	}
 
 private:
@@ -166,48 +149,36 @@ private:
 	static void respond(PointLanes<dim>& point, const LameConstants& lame, const Lanes& lnJ,
 			    const Lanes& theta, const Lanes& squareF33)
 	{
-#pragma omp simd
-		for (int l = 0; l < laneWidth; ++l) {
-			double F[dim][dim], C[dim][dim];
-			laneOf(point.F, l, F);
-			const double J = detail::cofactors(F, C);
-			const double lambda = lame.lambda[l], mu = lame.mu[l];
-			const double onInverse = (lambda * theta[l] - mu) / J;
-			double squares = dim == 2 ? squareF33[l] : 0;
-			for (int a = 0; a < dim; ++a)
-				for (int b = 0; b < dim; ++b) {
-					point.P[a][b][l] = mu * F[a][b] + onInverse * C[a][b];
-					squares += F[a][b] * F[a][b];
-				}
-			point.energy[l] = 0.5 * mu * (squares - 3 - 2 * lnJ[l]) +
-					  0.5 * lambda * lnJ[l] * theta[l];
-			const double tangentLambda = inPlane(lambda, mu * squareF33[l]);
-			const double inverseStretch =
-				detail::largestSquaredStretch<dim>(C) / (J * J);
-			point.stiffening[l] =
-				(mu + (tangentLambda + mu - lambda * theta[l]) * inverseStretch) /
-				(inPlane(lambda, mu) + 2 * mu);
-			if (projected) { // the shortest waves may change no projected volume
-				const double shear =
-					(mu + (mu - lambda * theta[l]) * inverseStretch) / (2 * mu);
-				point.stiffening[l] =
-					shear > point.stiffening[l] ? shear : point.stiffening[l];
-			}
-		}
-	}
-
-	static void laneOf(const Lanes (&tensor)[dim][dim], int l, double (&T)[dim][dim])
-	{
+		const Lanes &lambda = lame.lambda, &mu = lame.mu;
+		Lanes C[dim][dim];
+		const Lanes inverseJ = 1 / detail::cofactors(point.F, C);
+		const Lanes onInverse = (lambda * theta - mu) * inverseJ;
+		Lanes squares = dim == 2 ? squareF33 : Lanes {};
 		for (int a = 0; a < dim; ++a)
-			for (int b = 0; b < dim; ++b)
-				T[a][b] = tensor[a][b][l];
+			for (int b = 0; b < dim; ++b) {
+				point.P[a][b] = mu * point.F[a][b] + onInverse * C[a][b];
+				squares += point.F[a][b] * point.F[a][b];
+			}
+		point.energy = 0.5 * mu * (squares - 3 - 2 * lnJ) + 0.5 * lambda * lnJ * theta;
+		const Lanes inverseStretch =
+			detail::largestSquaredStretch<dim>(C) * inverseJ * inverseJ;
+		const Lanes tangentLambda = inPlane(lambda, mu * squareF33);
+		point.stiffening =
+			(mu + (tangentLambda + mu - lambda * theta) * inverseStretch) /
+			(inPlane(lambda, mu) + 2 * mu);
+		if constexpr (projected) // the shortest waves may change no projected volume
+			point.stiffening =
+				larger((mu + (mu - lambda * theta) * inverseStretch) / (2 * mu),
+				       point.stiffening);
 	}
 
 	/// First Lame constant that acts in the plane where the thickness is free to follow.
-	static double inPlane(double lambda, double mu)
+	static Lanes inPlane(const Lanes& lambda, const Lanes& mu)
 	{
-		return condition == Condition::planeStress ? 2 * mu * lambda / (2 * mu + lambda)
-							   : lambda;
+		if constexpr (condition == Condition::planeStress)
+			return 2 * mu * lambda / (2 * mu + lambda);
+		else
+			return lambda;
 	}
 };
 
