@@ -40,19 +40,15 @@ Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Con
 	}
 	for (int b = 0; b < blocks(); ++b)
 		for (int l = 0; l < laneWidth; ++l) {
-			const int g = b * laneWidth + l;
-			const ElasticConstants& c =
-				grain[g < this->grains() ? g : b * laneWidth].constants;
+			const ElasticConstants& c = grain[grainInLane(b, l)].constants;
 			lame[b].lambda[l] = c.lambda();
 			lame[b].mu[l] = c.mu();
 		}
 	for (NodalField<dim>* field : { &x, &v, &force, &vNext })
-		field->resize(blocks(), reference->nodes());
-	for (int g = 0; g < blocks() * laneWidth; ++g) // empty lanes rest undeformed at unit size
+		field->resize(this->grains(), reference->nodes());
+	for (int g = 0; g < this->grains(); ++g)
 		for (int I = 0; I < reference->nodes(); ++I)
-			x.set(g, I,
-			      (g < this->grains() ? grain[g].radius : 1.) *
-				      reference->nodePosition[I]);
+			x.set(g, I, grain[g].radius * reference->nodePosition[I]);
 }
 
 template <int dim>

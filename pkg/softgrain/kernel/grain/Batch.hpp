@@ -1,5 +1,5 @@
-// State of a batch of congruent grains as structure of arrays: one grain per lane, laneWidth lanes
-// to a block.
+// State of a batch of congruent grains. For the loops over material points its grains are taken in
+// blocks of laneWidth, one grain per lane (BlockField.hpp).
 #pragma once
 
 #include "Vector.hpp"
@@ -14,41 +14,25 @@
 
 namespace softgrain {
 
-/// One vector per node and grain; all lanes of a block lie side by side.
+/// One vector per node and grain, the nodes of a grain side by side.
 template <int dim> class NodalField {
 public:
-	void resize(int blocks, int nodes)
+	void resize(int grains, int nodes)
 	{
 		nodes_ = nodes;
-		data_.assign(static_cast<std::size_t>(blocks) * nodes * dim, LaneSlot {});
+		data_.assign(static_cast<std::size_t>(grains) * nodes, Vec<dim>::Zero());
 	}
-	/// Component `a` at node `I` of all grains of a block.
-	Lanes& lanes(int block, int I, int a)
-	{
-		return data_[(static_cast<std::size_t>(block) * nodes_ + I) * dim + a].value;
-	}
-	const Lanes& lanes(int block, int I, int a) const
-	{
-		return const_cast<NodalField*>(this)->lanes(block, I, a);
-	}
+	/// The vectors of all nodes of a grain.
+	Vec<dim>* of(int grain) { return data_.data() + static_cast<std::size_t>(grain) * nodes_; }
+	const Vec<dim>* of(int grain) const { return const_cast<NodalField*>(this)->of(grain); }
 
-	Vec<dim> get(int grain, int I) const
-	{
-		Vec<dim> value;
-		for (int a = 0; a < dim; ++a)
-			value[a] = lanes(grain / laneWidth, I, a)[grain % laneWidth];
-		return value;
-	}
-	void set(int grain, int I, const Vec<dim>& value)
-	{
-		for (int a = 0; a < dim; ++a)
-			lanes(grain / laneWidth, I, a)[grain % laneWidth] = value[a];
-	}
+	const Vec<dim>& get(int grain, int I) const { return of(grain)[I]; }
+	void set(int grain, int I, const Vec<dim>& value) { of(grain)[I] = value; }
 	void swap(NodalField& other) { data_.swap(other.data_); }
 
 private:
 	int nodes_ = 0;
-	std::vector<LaneSlot> data_;
+	std::vector<Vec<dim>> data_;
 };
 
 /// What distinguishes one grain of a batch from the next.
@@ -92,6 +76,12 @@ template <int dim> struct Batch {
 
 	int grains() const { return static_cast<int>(grain.size()); }
 	int blocks() const { return (grains() + laneWidth - 1) / laneWidth; }
+	bool hasGrain(int block, int lane) const { return block * laneWidth + lane < grains(); }
+	/// The grain in a lane; in lanes without one, the first of the block.
+	int grainInLane(int block, int lane) const
+	{
+		return block * laneWidth + (hasGrain(block, lane) ? lane : 0);
+	}
 	double nodeMass(int g, int I) const { return massScale[g] * reference->nodeMass[I]; }
 	double mass(int g) const { return massScale[g] * reference->volume; }
 	Vec<dim> position(int g, int I) const { return grain[g].origin + x.get(g, I); }

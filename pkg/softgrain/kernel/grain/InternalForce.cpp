@@ -1,4 +1,5 @@
 #include "grain/InternalForce.hpp"
+#include "grain/BlockField.hpp"
 #include "material/Dispatch.hpp"
 
 #include <algorithm>
@@ -11,17 +12,15 @@ namespace softgrain {
 namespace {
 
 template <int dim>
-void gatherGradient(const Batch<dim>& batch, int block, int p, const Lanes& inverseRadius,
-		    PointLanes<dim>& point)
+void gatherGradient(const GrainTemplate<dim>& reference, const BlockField<dim>& x, int p,
+		    const Lanes& inverseRadius, PointLanes<dim>& point)
 {
 	Lanes sum[dim][dim] = {}; // local, so that it can stay in registers
-	const auto& shapes = batch.reference->pointShapes;
+	const auto& shapes = reference.pointShapes;
 	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-		for (int a = 0; a < dim; ++a) {
-			const Lanes& x = batch.x.lanes(block, shapes.column[k], a);
+		for (int a = 0; a < dim; ++a)
 			for (int b = 0; b < dim; ++b)
-				sum[a][b] += x * shapes.value[k].G[b];
-		}
+				sum[a][b] += x.at(shapes.column[k], a) * shapes.value[k].G[b];
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
 			point.F[a][b] = sum[a][b] * inverseRadius;
@@ -29,28 +28,21 @@ void gatherGradient(const Batch<dim>& batch, int block, int p, const Lanes& inve
 
 /// f_I -= weight P G_I
 template <int dim>
-void scatterForce(Batch<dim>& batch, int block, int p, const PointLanes<dim>& point,
-		  const Lanes& weight)
+void scatterForce(const GrainTemplate<dim>& reference, int p, const PointLanes<dim>& point,
+		  const Lanes& weight, BlockField<dim>& force)
 {
 	Lanes P[dim][dim];
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
 			P[a][b] = weight * point.P[a][b];
-	const auto& shapes = batch.reference->pointShapes;
+	const auto& shapes = reference.pointShapes;
 	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
 		for (int a = 0; a < dim; ++a) {
 			Lanes sum = {};
 			for (int b = 0; b < dim; ++b)
 				sum += P[a][b] * shapes.value[k].G[b];
-			batch.force.lanes(block, shapes.column[k], a) -= sum;
+			force.at(shapes.column[k], a) -= sum;
 		}
-}
-
-template <int dim> void clearForce(Batch<dim>& batch, int block)
-{
-	for (int I = 0; I < batch.reference->nodes(); ++I)
-		for (int a = 0; a < dim; ++a)
-			batch.force.lanes(block, I, a) = Lanes {};
 }
 
 /// Scales of a block's lanes: gradients with 1/R, point volumes with R^dim.
@@ -62,10 +54,9 @@ template <int dim> BlockScales blockScales(const Batch<dim>& batch, int block)
 {
 	BlockScales s;
 	for (int l = 0; l < laneWidth; ++l) {
-		const int g = block * laneWidth + l;
-		const bool used = g < batch.grains();
-		s.inverseRadius[l] = used ? 1 / batch.grain[g].radius : 1;
-		s.volume[l] = used ? batch.pointScale[g] : 1;
+		const int g = batch.grainInLane(block, l);
+		s.inverseRadius[l] = 1 / batch.grain[g].radius;
+		s.volume[l] = batch.pointScale[g];
 	}
 	s.volumeOverRadius = s.volume * s.inverseRadius;
 	return s;
@@ -73,7 +64,7 @@ template <int dim> BlockScales blockScales(const Batch<dim>& batch, int block)
 
 /// Stress from F, every point on its own.
 template <int dim, class LawEvaluator> struct PointwiseLaw {
-	PointwiseLaw(const Batch<dim>& batch, int block)
+	PointwiseLaw(const Batch<dim>& batch, int block, const BlockField<dim>&)
 		: lame(batch.lame[block])
 	{
 	}
@@ -89,14 +80,14 @@ template <int dim, class LawEvaluator> struct PointwiseLaw {
 
 /// Stress from F and theta = Pi ln J, the projection over all points of the grain.
 template <int dim, class LawEvaluator> struct ProjectedLaw {
-	ProjectedLaw(const Batch<dim>& batch, int block)
+	ProjectedLaw(const Batch<dim>& batch, int block, const BlockField<dim>& x)
 		: lame(batch.lame[block])
 		, theta_(static_cast<std::size_t>(batch.reference->points()) * laneWidth)
 	{
 		const BlockScales scales = blockScales(batch, block);
 		PointLanes<dim> point;
 		for (int p = 0; p < batch.reference->points(); ++p) {
-			gatherGradient(batch, block, p, scales.inverseRadius, point);
+			gatherGradient(*batch.reference, x, p, scales.inverseRadius, point);
 			storeLanes(&theta_[p * laneWidth], LawEvaluator::volumetricStrain(point));
 		}
 		project<laneWidth>(batch.reference->pressureSpace, batch.reference->pointVolume,
@@ -135,28 +126,27 @@ template <int dim, class VolumetricLaw>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(Batch<dim>& batch, int block,
 						     std::type_identity<VolumetricLaw>)
 {
+	const GrainTemplate<dim>& reference = *batch.reference;
+	BlockField<dim> x(reference.nodes()), force(reference.nodes());
+	x.load(batch.x, batch, block);
 	const BlockScales scales = blockScales(batch, block);
-	const VolumetricLaw law(batch, block);
+	const VolumetricLaw law(batch, block, x);
 	Lanes energy = {}, stiffening = {}, invertedPoint = Lanes {} - 1;
-	clearForce(batch, block);
 	PointLanes<dim> point;
-	for (int p = 0; p < batch.reference->points(); ++p) {
-		gatherGradient(batch, block, p, scales.inverseRadius, point);
+	for (int p = 0; p < reference.points(); ++p) {
+		gatherGradient(reference, x, p, scales.inverseRadius, point);
 		law.evaluate(p, point);
-		const double V = batch.reference->pointVolume[p];
+		const double V = reference.pointVolume[p];
 		energy += V * scales.volume * point.energy;
 		stiffening = larger(point.stiffening, stiffening);
-		const Lanes here = Lanes {} + p;
-		invertedPoint = point.J > 0 ? invertedPoint
-					    : (invertedPoint < 0 ? here : invertedPoint);
-		scatterForce(batch, block, p, point, V * scales.volumeOverRadius);
+		const Lanes found = invertedPoint < 0 ? Lanes {} + p : invertedPoint;
+		invertedPoint = point.J > 0 ? invertedPoint : found;
+		scatterForce(reference, p, point, V * scales.volumeOverRadius, force);
 	}
-	for (int l = 0; l < laneWidth; ++l) {
-		const int g = block * laneWidth + l;
-		if (g < batch.grains())
-			batch.report[g] = { energy[l], stiffening[l],
-					    static_cast<int>(invertedPoint[l]) };
-	}
+	force.store(batch.force, batch, block);
+	for (int l = 0; l < laneWidth && batch.hasGrain(block, l); ++l)
+		batch.report[batch.grainInLane(block, l)] = { energy[l], stiffening[l],
+							      static_cast<int>(invertedPoint[l]) };
 }
 
 } // namespace
@@ -201,10 +191,12 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 	const auto& shapes = batch.reference->pointShapes;
 	std::vector<PointResponse<dim>> responses;
 	withVolumetricLaw(batch, [&]<class VolumetricLaw>(std::type_identity<VolumetricLaw>) {
-		const VolumetricLaw law(batch, block);
+		BlockField<dim> x(batch.reference->nodes());
+		x.load(batch.x, batch, block);
+		const VolumetricLaw law(batch, block, x);
 		PointLanes<dim> point;
 		for (int p = 0; p < batch.reference->points(); ++p) {
-			gatherGradient(batch, block, p, scales.inverseRadius, point);
+			gatherGradient(*batch.reference, x, p, scales.inverseRadius, point);
 			law.evaluate(p, point);
 			PointResponse<dim> r =
 				pointResponse(point, lane, batch.condition, batch.lame[block]);

@@ -3,11 +3,17 @@
 
 namespace softgrain {
 
-template <int dim> Mat<dim> detail::nearestRotation(const Mat<dim>& A)
+template <> Mat<2> detail::nearestRotation(const Mat<2>& A)
 {
-	Eigen::JacobiSVD<Mat<dim>> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
-	Mat<dim> U = svd.matrixU();
-	if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(dim - 1) *= -1;
+	const Vec<2> direction = Vec<2>(A(0, 0) + A(1, 1), A(1, 0) - A(0, 1)).normalized();
+	return (Mat<2>() << direction[0], -direction[1], direction[1], direction[0]).finished();
+}
+
+template <> Mat<3> detail::nearestRotation(const Mat<3>& A)
+{
+	Eigen::JacobiSVD<Mat<3>> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+	Mat<3> U = svd.matrixU();
+	if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;
 	return U * svd.matrixV().transpose();
 }
 
@@ -50,7 +56,6 @@ template <int dim> double currentVolume(const Batch<dim>& batch, int g)
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
-	template Mat<dim> detail::nearestRotation<dim>(const Mat<dim>&);                           \
 	template WholeGrain<dim> wholeGrain<dim>(const Batch<dim>&, int);                          \
 	template double kineticEnergy<dim>(const Batch<dim>&, const NodalField<dim>&,              \
 					   const NodalField<dim>&, int);                           \

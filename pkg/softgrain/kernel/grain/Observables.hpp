@@ -69,6 +69,8 @@ inline Mat<3> pointInertia(const Vec<3>& r)
 
 /// Rotation nearest to A in the sense of the polar decomposition.
 template <int dim> Mat<dim> nearestRotation(const Mat<dim>& A);
+template <> Mat<2> nearestRotation(const Mat<2>& A);
+template <> Mat<3> nearestRotation(const Mat<3>& A);
 
 } // namespace detail
 

@@ -1,4 +1,5 @@
 #include "grain/PointVelocities.hpp"
+#include "grain/BlockField.hpp"
 
 namespace softgrain {
 
@@ -6,8 +7,8 @@ namespace {
 
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
-nodesToPoints(const GrainTemplate<dim>& reference, const NodalField<dim>& v,
-	      const NodalField<dim>& vNext, double picShare, int block, NodalField<dim>& points)
+nodesToPoints(const GrainTemplate<dim>& reference, const BlockField<dim>& v,
+	      const BlockField<dim>& vNext, double picShare, BlockField<dim>& points)
 {
 	const auto& shapes = reference.pointShapes;
 	for (int p = 0; p < reference.points(); ++p) {
@@ -15,38 +16,35 @@ nodesToPoints(const GrainTemplate<dim>& reference, const NodalField<dim>& v,
 		for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
 			const double N = shapes.value[k].N;
 			for (int a = 0; a < dim; ++a) {
-				const Lanes& after = vNext.lanes(block, shapes.column[k], a);
-				change[a] += N * (after - v.lanes(block, shapes.column[k], a));
+				const Lanes& after = vNext.at(shapes.column[k], a);
+				change[a] += N * (after - v.at(shapes.column[k], a));
 				whole[a] += N * after;
 			}
 		}
 		for (int a = 0; a < dim; ++a) {
-			Lanes& vp = points.lanes(block, p, a);
+			Lanes& vp = points.at(p, a);
 			vp = (1 - picShare) * (vp + change[a]) + picShare * whole[a];
 		}
 	}
 }
 
+/// `v` must be zero.
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void pointsToNodes(const GrainTemplate<dim>& reference,
-						      const NodalField<dim>& points, int block,
-						      NodalField<dim>& v)
+						      const BlockField<dim>& points,
+						      BlockField<dim>& v)
 {
 	const auto& shapes = reference.pointShapes;
-	for (int I = 0; I < reference.nodes(); ++I)
-		for (int a = 0; a < dim; ++a)
-			v.lanes(block, I, a) = Lanes {};
 	for (int p = 0; p < reference.points(); ++p)
 		for (int k = shapes.begin(p); k < shapes.end(p); ++k) {
 			const double mass = reference.pointVolume[p] * shapes.value[k].N;
 			for (int a = 0; a < dim; ++a)
-				v.lanes(block, shapes.column[k], a) +=
-					mass * points.lanes(block, p, a);
+				v.at(shapes.column[k], a) += mass * points.at(p, a);
 		}
 	for (int I = 0; I < reference.nodes(); ++I) {
 		const double inverseMass = 1 / reference.nodeMass[I];
 		for (int a = 0; a < dim; ++a)
-			v.lanes(block, I, a) *= inverseMass;
+			v.at(I, a) *= inverseMass;
 	}
 }
 
@@ -56,7 +54,7 @@ template <int dim>
 PointVelocities<dim>::PointVelocities(Batch<dim>& batch, double picShare)
 	: picShare_(picShare)
 {
-	v_.resize(batch.blocks(), batch.reference->points());
+	v_.resize(batch.grains(), batch.reference->points());
 	for (int g = 0; g < batch.grains(); ++g)
 		takeFromNodes(batch, g);
 	for (int b = 0; b < batch.blocks(); ++b)
@@ -76,12 +74,21 @@ template <int dim> void PointVelocities<dim>::takeFromNodes(const Batch<dim>& ba
 
 template <int dim> void PointVelocities<dim>::updateBlock(const Batch<dim>& batch, int block)
 {
-	nodesToPoints(*batch.reference, batch.v, batch.vNext, picShare_, block, v_);
+	const GrainTemplate<dim>& reference = *batch.reference;
+	BlockField<dim> v(reference.nodes()), vNext(reference.nodes()), points(reference.points());
+	v.load(batch.v, batch, block);
+	vNext.load(batch.vNext, batch, block);
+	points.load(v_, batch, block);
+	nodesToPoints(reference, v, vNext, picShare_, points);
+	points.store(v_, batch, block);
 }
 
 template <int dim> void PointVelocities<dim>::mapBlockToNodes(Batch<dim>& batch, int block)
 {
-	pointsToNodes(*batch.reference, v_, block, batch.v);
+	BlockField<dim> v(batch.reference->nodes()), points(batch.reference->points());
+	points.load(v_, batch, block);
+	pointsToNodes(*batch.reference, points, v);
+	v.store(batch.v, batch, block);
 }
 
 template <int dim> void PointVelocities<dim>::update(Batch<dim>& batch, int threads)

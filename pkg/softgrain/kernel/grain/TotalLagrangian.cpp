@@ -48,10 +48,14 @@ template <int dim>
 void interpolate(const SparseRows<double>& shapes, int g, const NodalField<dim>& field,
 		 std::vector<Vec<dim>>& at)
 {
-	at.assign(shapes.rows(), Vec<dim>::Zero());
-	for (int s = 0; s < shapes.rows(); ++s)
+	const Vec<dim>* own = field.of(g);
+	at.resize(shapes.rows());
+	for (int s = 0; s < shapes.rows(); ++s) {
+		Vec<dim> sum = Vec<dim>::Zero();
 		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
-			at[s] += shapes.value[k] * field.get(g, shapes.column[k]);
+			sum += shapes.value[k] * own[shapes.column[k]];
+		at[s] = sum;
+	}
 }
 
 } // namespace
@@ -128,16 +132,17 @@ template <int dim>
 double TotalLagrangian<dim>::contactPositions(int g, std::vector<Vec<dim>>& at) const
 {
 	const SparseRows<double>& shapes = batch_.reference->contactShapes;
+	const Vec<dim>*x = batch_.x.of(g), *v = batch_.v.of(g);
 	double fastest = 0;
 	at.resize(shapes.rows());
 	for (int s = 0; s < shapes.rows(); ++s) {
-		Vec<dim> x = Vec<dim>::Zero(), v = Vec<dim>::Zero();
+		Vec<dim> xs = Vec<dim>::Zero(), vs = Vec<dim>::Zero();
 		for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
-			x += shapes.value[k] * batch_.x.get(g, shapes.column[k]);
-			v += shapes.value[k] * batch_.v.get(g, shapes.column[k]);
+			xs += shapes.value[k] * x[shapes.column[k]];
+			vs += shapes.value[k] * v[shapes.column[k]];
 		}
-		at[s] = batch_.grain[g].origin + x;
-		fastest = std::max(fastest, v.norm());
+		at[s] = batch_.grain[g].origin + xs;
+		fastest = std::max(fastest, vs.norm());
 	}
 	return fastest;
 }
