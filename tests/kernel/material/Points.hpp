@@ -80,4 +80,11 @@ PointResult<Case::dim> respondInSpace(const Mat<Case::dim>& F, const ElasticCons
 	return getLane<Case::dim>(one.point, 3);
 }
 
+/// ln F33 in plane stress.
+inline double thicknessStrain(double J2, const ElasticConstants& c)
+{
+	const Lanes one = Lanes {} + 1;
+	return detail::thicknessStrain(std::log(J2) * one, c.lambda() * one, c.mu() * one)[5];
+}
+
 } // namespace softgrain::testing

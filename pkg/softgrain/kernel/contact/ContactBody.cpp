@@ -1,6 +1,8 @@
 #include "contact/ContactBody.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 namespace softgrain {
 
@@ -30,11 +32,20 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 	box = box.grown(nodeRadius);
 	if (!hasFacets()) return;
 	normal.assign(position.size(), Vec<dim>::Zero());
+	double squaredEdge = 0;
 	for (const auto& facet : mesh->facet) {
 		const Vec<dim> n = facetNormal(position, facet);
-		for (int vertex : facet)
-			normal[vertex] += n;
+		for (int i = 0; i < dim; ++i) {
+			normal[facet[i]] += n;
+			const Vec<dim> edge = position[facet[i]] - position[facet[(i + 1) % dim]];
+			squaredEdge = std::max(squaredEdge, edge.squaredNorm());
+		}
 	}
+	longestEdge = std::sqrt(squaredEdge);
+	double squaredRadius = 0;
+	for (const Vec<dim>& x : position)
+		squaredRadius = std::max(squaredRadius, (x - box.centre()).squaredNorm());
+	circumradius = std::sqrt(squaredRadius);
 	for (Vec<dim>& n : normal)
 		n.normalize();
 }

@@ -46,6 +46,8 @@ template <int dim> struct ContactBody {
 		velocityBefore;        ///< vs at t_n - dt/2, m/s; empty unless energies are tracked
 	std::vector<Vec<dim>> impulse; ///< sum of the reactions on each node, N s
 	Box<dim> box;                  ///< of the positions, node radii included
+	double longestEdge = 0;        ///< of a facet, m
+	double circumradius = 0;       ///< of the outline about the centre of its box, m
 	double fastest = 0;            ///< largest speed of a node, m/s
 
 	/// Contact on background nodes: step of the common grid, m (0: another geometry), and what

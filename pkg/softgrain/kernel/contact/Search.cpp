@@ -56,23 +56,35 @@ template <int dim> struct PlaceOnOutline {
 	double squaredDistance = std::numeric_limits<double>::infinity();
 };
 
+/// A facet and a ball that holds it.
+template <int dim> struct FacetNear {
+	int facet;
+	Vec<dim> centre;
+	double radius;
+};
+
 /// Nearest place to `x` on those of the facets of `body` that `admissible` lets pass.
 template <int dim, class Admissible>
 PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body,
-				 const std::vector<int>& facets, Admissible&& admissible)
+				 const std::vector<FacetNear<dim>>& facets, Admissible&& admissible)
 {
 	PlaceOnOutline<dim> best;
-	for (int f : facets) {
-		if (!admissible(f)) continue;
+	double distance = std::numeric_limits<double>::infinity();
+	for (const FacetNear<dim>& f : facets) {
+		const double farthest = distance + f.radius;
+		if ((x - f.centre).squaredNorm() > farthest * farthest) continue;
+		if (!admissible(f.facet)) continue;
 		std::array<Vec<dim>, dim> corner;
 		for (int i = 0; i < dim; ++i)
-			corner[i] = body.position[body.mesh->facet[f][i]];
+			corner[i] = body.position[body.mesh->facet[f.facet][i]];
 		const auto weight = nearestOnFacet(x, corner);
 		Vec<dim> nearest = Vec<dim>::Zero();
 		for (int i = 0; i < dim; ++i)
 			nearest += weight[i] * corner[i];
 		const double squared = (x - nearest).squaredNorm();
-		if (squared < best.squaredDistance) best = { f, weight, squared };
+		if (squared >= best.squaredDistance) continue;
+		best = { f.facet, weight, squared };
+		distance = std::sqrt(squared);
 	}
 	return best;
 }
@@ -136,17 +148,22 @@ bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOn
 	return true;
 }
 
-template <int dim> std::vector<int> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
+/// Facets that may reach into a region, in their order.
+template <int dim>
+std::vector<FacetNear<dim>> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
 {
-	std::vector<int> found;
+	const Box<dim> around = region.grown(body.longestEdge);
+	std::vector<FacetNear<dim>> found;
 	for (std::size_t f = 0; f < body.mesh->facet.size(); ++f) {
-		Box<dim> box { body.position[body.mesh->facet[f][0]],
-			       body.position[body.mesh->facet[f][0]] };
-		for (int i = 1; i < dim; ++i) {
-			box.low = box.low.cwiseMin(body.position[body.mesh->facet[f][i]]);
-			box.high = box.high.cwiseMax(body.position[body.mesh->facet[f][i]]);
-		}
-		if (box.overlaps(region)) found.push_back(static_cast<int>(f));
+		const auto& vertex = body.mesh->facet[f];
+		if (!around.contains(body.position[vertex[0]])) continue;
+		FacetNear<dim> near { static_cast<int>(f), Vec<dim>::Zero(), 0 };
+		for (int i : vertex)
+			near.centre += body.position[i] / dim;
+		for (int i : vertex)
+			near.radius =
+				std::max(near.radius, (body.position[i] - near.centre).norm());
+		found.push_back(near);
 	}
 	return found;
 }
@@ -156,6 +173,22 @@ template <int dim> std::vector<int> nodesIn(const ContactBody<dim>& body, const 
 	std::vector<int> found;
 	for (int s = 0; s < body.nodes(); ++s)
 		if (region.contains(body.position[s])) found.push_back(s);
+	return found;
+}
+
+/// Nodes of `body` that may be inside `other` or within reach of it.
+template <int dim>
+std::vector<int> nodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other,
+			   double reach, double margin)
+{
+	std::vector<int> found = nodesIn(body, other.box.grown(margin));
+	// The ball is the tighter of the two for round grains. The outline bulges out of its facets
+	// by less than a quarter of an edge.
+	const double radius = other.circumradius + reach + 0.25 * other.longestEdge;
+	const Vec<dim> centre = other.box.centre();
+	std::erase_if(found, [&](int s) {
+		return (body.position[s] - centre).squaredNorm() > radius * radius;
+	});
 	return found;
 }
 
@@ -176,7 +209,7 @@ void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& o
 	// The outline bulges out of the box of its vertices, and the facet nearest to a node that
 	// overlaps may lie outside the common region: both by less than a contact depth.
 	const double margin = std::max(reach, deep);
-	const auto nodes = nodesIn(body, other.box.grown(margin));
+	const auto nodes = nodesNear(body, other, reach, margin);
 	if (nodes.empty()) return;
 	const auto facets = facetsIn(other, body.box.grown(margin));
 	if (facets.empty()) return;

@@ -201,7 +201,8 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void collect(UpdatedGrain<dim>& grain, double
 		for (int a = 0; a < dim; ++a) {
 			const Lanes v = loadLanes(&grain.v[a][begin]);
 			storeLanes(&grain.v[a][begin],
-				   (1 - picShare) * (v + (after[a] - before[a])) + picShare * after[a]);
+				   (1 - picShare) * (v + (after[a] - before[a])) +
+					   picShare * after[a]);
 			const Lanes x = loadLanes(&grain.x[a][begin]);
 			storeLanes(&grain.x[a][begin], x + dt * after[a]);
 		}

@@ -18,15 +18,16 @@ constexpr int laneWidth = 8;
 /// One number in every lane. The compiler computes with it as with one number, in as many
 /// instructions as the instruction set needs for all lanes. (The alignment is named because it
 /// would depend on the instruction set; as a template argument the type loses it: see LaneSlot.)
-using Lanes [[gnu::vector_size(laneWidth * sizeof(double)),
-	      gnu::aligned(laneWidth * sizeof(double))]] = double;
+using Lanes
+	[[gnu::vector_size(laneWidth * sizeof(double)), gnu::aligned(laneWidth * sizeof(double))]] =
+		double;
 /// An element of containers.
 struct LaneSlot {
 	Lanes value;
 };
 namespace detail {
-using UnalignedLanes [[gnu::vector_size(laneWidth * sizeof(double)),
-		       gnu::aligned(alignof(double)), gnu::may_alias]] = double;
+using UnalignedLanes [[gnu::vector_size(laneWidth * sizeof(double)), gnu::aligned(alignof(double)),
+		       gnu::may_alias]] = double;
 }
 
 /// From and to `laneWidth` elements of an array of numbers.
@@ -43,8 +44,8 @@ inline void storeLanes(double* to, const Lanes& lanes)
 	inline Lanes name(const Lanes& x)                                                          \
 	{                                                                                          \
 		Lanes y;                                                                           \
-		_Pragma("omp simd simdlen(8)") for (int l = 0; l < laneWidth; ++l)                 \
-			y[l] = function(x[l]);                                                     \
+		_Pragma("omp simd simdlen(8)") for (int l = 0; l < laneWidth; ++l) y[l] =          \
+			function(x[l]);                                                            \
 		return y;                                                                          \
 	}
 SOFTGRAIN_IN_EVERY_LANE(lnOf, ::log)

@@ -103,7 +103,7 @@ template <int dim, Condition condition> struct NeoHookean {
 			const Lanes y = detail::thicknessStrain(lnJ, lame.lambda, lame.mu);
 			squareF33 = expOf(2 * y);
 			lnJ += y; // of the in-plane part so far; the thickness follows
-			point.J = y == y ? point.J : y;
+			point.J = (point.J > 0) & (y != y) ? y : point.J;
 		}
 		respond<false>(point, lame, lnJ, lnJ, squareF33);
 	}
@@ -163,9 +163,8 @@ private:
 		const Lanes inverseStretch =
 			detail::largestSquaredStretch<dim>(C) * inverseJ * inverseJ;
 		const Lanes tangentLambda = inPlane(lambda, mu * squareF33);
-		point.stiffening =
-			(mu + (tangentLambda + mu - lambda * theta) * inverseStretch) /
-			(inPlane(lambda, mu) + 2 * mu);
+		point.stiffening = (mu + (tangentLambda + mu - lambda * theta) * inverseStretch) /
+				   (inPlane(lambda, mu) + 2 * mu);
 		if constexpr (projected) // the shortest waves may change no projected volume
 			point.stiffening =
 				larger((mu + (mu - lambda * theta) * inverseStretch) / (2 * mu),
