@@ -18,6 +18,10 @@ using softgrain::Vec3;
 
 namespace {
 
+/// Relative rounding of the critical time step: how much a grain stiffens comes from the root of a
+/// difference of large numbers, 1e-8 in an undeformed grain.
+constexpr double timeStepRounding = 1e-6;
+
 SoftGrain& grainOf(const Scene& scene, int id)
 {
 	return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape);
@@ -144,10 +148,12 @@ void SoftGrainIntegrator::chooseTimeStep(double stiffening)
 		const Real limit = timeStepFraction * criticalDt;
 		if (dtSet == 0 || dtSet != scene->dt)
 			dtSet = std::min(timeStepFraction * undeformed, criticalDt);
-		if (dtSet > limit * (1 + 1e-6) || dtSet < 0.7 * limit) dtSet = 0.9 * limit;
+		if (dtSet > limit * (1 + timeStepRounding) || dtSet < 0.7 * limit)
+			dtSet = 0.9 * limit;
 		scene->dt = dtSet;
-	} else if (!(scene->dt <= criticalDt * (1 + 1e-9) && scene->dt > 0)) {
+	} else if (!(scene->dt <= criticalDt * (1 + timeStepRounding) && scene->dt > 0)) {
 		std::ostringstream message;
+		message.precision(8); // tells numbers apart that differ by more than rounding
 		message << "O.dt = " << scene->dt << " s is outside the admissible range (0, "
 			<< criticalDt
 			<< "] s for the soft grains as deformed now; assign a smaller O.dt or call "

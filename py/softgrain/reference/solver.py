@@ -29,6 +29,9 @@ class SolverReport:
     residual: float = 0.0  #: of the impulses found
 
 
+#: Sweeps of every step, so many backwards and then so many forwards.
+SWEEPS_EACH_WAY = 2
+
 #: Overlaps up to this share of dr are left as they are.
 RESTING_OVERLAP = 1e-3
 
@@ -91,8 +94,8 @@ def residual(delassus, free_velocity, normal, bias, friction, impulse):
 def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
     """Nonlinear Gauss-Seidel: sweeps of r_k <- proj(r_k - (u_k + b_k n_k)/W_kk).
 
-    The residual is measured after each sweep that changes little; they end when it is within the
-    tolerance.
+    Two sweeps go backwards, all others forwards. After the first two of those the residual is
+    measured after each sweep that changes little; they end when it is within the tolerance.
 
     Args:
         delassus (ndarray): W [1/kg], shape (contacts, contacts).
@@ -113,19 +116,22 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
     for k in range(len(impulse)):
         impulse[k] = project_on_cone(impulse[k], normal[k], friction[k])
     while report.sweeps < settings.max_sweeps:
-        change = sweep(*problem, impulse)
+        forwards = range(len(impulse))
+        order = forwards[::-1] if report.sweeps < SWEEPS_EACH_WAY else forwards
+        change = sweep(*problem, impulse, order)
         report.sweeps += 1
-        if change <= 2 * settings.tolerance or report.sweeps == settings.max_sweeps:
+        enough = report.sweeps >= 2 * SWEEPS_EACH_WAY and change <= 2 * settings.tolerance
+        if enough or report.sweeps == settings.max_sweeps:
             report.residual = residual(*problem, impulse)
             if report.residual <= settings.tolerance:
                 break
     return report
 
 
-def sweep(delassus, free_velocity, normal, bias, friction, impulse):
+def sweep(delassus, free_velocity, normal, bias, friction, impulse, order):
     """Solve each contact in turn; returns the relative change of the impulses, in energy norm."""
     changed = total = 0.0
-    for k in range(len(impulse)):
+    for k in order:
         W = delassus[k, k]
         u = free_velocity[k] + delassus[k] @ impulse
         r = solved_impulse(impulse[k], u, normal[k], bias[k], friction[k], W)

@@ -11,8 +11,13 @@ namespace softgrain {
 
 namespace {
 
+/// Sweeps that every step makes, so many backwards and then so many forwards: what the impulses
+/// still lack then answers to the velocities as springs would, and feeds no vibration
+/// (doc/decisions/0010-grains-at-rest.md).
+constexpr int sweepsEachWay = 2;
+
 /// Overlaps up to this share of dr are left as they are: working off what the tolerance of the
-/// solver leaves in every step would heat grains at rest (doc/decisions/0010-resting-overlap.md).
+/// solver leaves in every step would heat grains at rest (doc/decisions/0010-grains-at-rest.md).
 constexpr double restingOverlap = 1e-3;
 
 /// b: the speed at which a gap may close, or minus that at which an overlap is worked off.
@@ -122,18 +127,22 @@ template <int dim> void ContactSolver<dim>::warmStart()
 	}
 }
 
-template <int dim> double ContactSolver<dim>::sweep()
+template <int dim> double ContactSolver<dim>::sweep(Order order)
 {
 	double changed = 0, total = 0;
-	for (Constraint& c : constraints_) {
+	auto visit = [&](Constraint& c) {
 		const Vec<dim> r = solvedImpulse(c);
 		const Vec<dim> J = r - c.contact.impulse;
 		total += r.squaredNorm() / c.inverseW;
-		if (J.isZero(0)) continue;
+		if (J.isZero(0)) return;
 		changed += J.squaredNorm() / c.inverseW;
 		c.contact.impulse = r;
 		applyImpulse(c, J);
-	}
+	};
+	if (order == Order::forwards)
+		std::for_each(constraints_.begin(), constraints_.end(), visit);
+	else
+		std::for_each(constraints_.rbegin(), constraints_.rend(), visit);
 	return changed > 0 ? std::sqrt(changed / total) : 0;
 }
 
@@ -144,9 +153,11 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	if (constraints_.empty()) return report;
 	report.converged = false;
 	while (!report.converged && report.sweeps < settings_.maxSweeps) {
-		const double change = sweep();
+		const double change =
+			sweep(report.sweeps < sweepsEachWay ? Order::backwards : Order::forwards);
 		++report.sweeps;
-		const bool promising = change <= changePerResidual * settings_.tolerance;
+		const bool promising = report.sweeps >= 2 * sweepsEachWay &&
+				       change <= changePerResidual * settings_.tolerance;
 		if (!promising && report.sweeps < settings_.maxSweeps) continue;
 		report.residual = residual();
 		report.converged = report.residual <= settings_.tolerance;

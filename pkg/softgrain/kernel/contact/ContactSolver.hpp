@@ -55,9 +55,11 @@ public:
 		     double dt, const SolverSettings& settings);
 	/// Applies the impulses left by the last step, made admissible for the present normals.
 	void warmStart();
-	/// Gauss-Seidel sweeps, always in the order of the lists (twice as good as forwards and
-	/// backwards in turn: doc/decisions/0004), until the residual is within the tolerance or
-	/// the cap is hit; then the contacts of the lists have their impulses.
+	/// Gauss-Seidel sweeps: two backwards and two forwards in the order of the lists (in one
+	/// direction alone, few sweeps a step shake grains at rest:
+	/// doc/decisions/0010-grains-at-rest.md), then always forwards (doc/decisions/0004), until
+	/// the residual is within the tolerance or the cap is hit; then the contacts of the lists
+	/// have their impulses.
 	SolverReport solve();
 	/// Of the present impulses: see ResidualSum.
 	double residual() const;
@@ -89,7 +91,8 @@ private:
 	double appendPartnerMobility(const Contact<dim>& contact, const ContactBody<dim>* partner);
 	Vec<dim> solvedImpulse(const Constraint& c) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
-	double sweep(); ///< relative change of the impulses, in the residual's norm
+	enum class Order { forwards, backwards };
+	double sweep(Order order); ///< relative change of the impulses, in the residual's norm
 	SparseRows<double> delassus() const;
 	/// Calls with each body, node and share of the node in the contact's relative velocity.
 	template <class Visit> static void forEachShare(const Constraint& c, Visit&& visit)
