@@ -99,8 +99,9 @@ def squeeze(bottom, top, speed, distance, scale):
     balance = sg.Balance()
     start = O.bodies[top].state.pos[1]
     forces = []
+    stride = max(5, round(distance / speed / O.dt / 500))  # each call of YADE's costs a wait
     while (moved := start - O.bodies[top].state.pos[1]) < distance:
-        run(5)
+        run(stride)
         balance.error()
         if moved > 0.75 * distance:
             forces.append((-O.forces.f(bottom)[1], O.forces.f(top)[1]))

