@@ -1,5 +1,7 @@
 """O.dt: set by the package, kept by the integrator, or the user's."""
 
+import re
+
 import pytest
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 from yade import O
@@ -98,3 +100,17 @@ def test_back_to_automatic():
     run(2)
     assert O.dt == pytest.approx(0.4 * sg.integrator().criticalDt, rel=0.3)
     assert O.dt > 1e-6
+
+
+def test_the_critical_step_itself_is_admissible():
+    """Rounding does not refuse it; a thousandth more is too much, in numbers that differ."""
+    add_disk()
+    ready()
+    O.dt = sg.critical_time_step()
+    run(3)
+    assert sg.integrator().steps == 3
+    O.dt = 1.001 * sg.critical_time_step()
+    with pytest.raises(RuntimeError, match=r"O.dt = .* is outside the admissible range") as error:
+        run(1)
+    given, limit = re.search(r"O\.dt = (\S+) s .* \(0, (\S+)\]", str(error.value)).groups()
+    assert float(given) == pytest.approx(1.001 * float(limit), rel=1e-6)
