@@ -20,9 +20,8 @@ LOWEST_MODE = 2.3525
 PERIODS_PER_WINDOW = 2
 #: The pressure on a wall is sampled this many times a window.
 SAMPLES_PER_WINDOW = 10
-#: Tolerance of the contact sweeps. At the default 1e-2 the unsettled impulses shake the disks: the
-#: kinetic energy reaches 1e-2 of the elastic one; at 1e-4 it stays far below, for half as many
-#: sweeps again (doc/decisions/0008-node-spacing.md).
+#: Tolerance of the contact sweeps: sharper than the default for the sake of contact pressures
+#: (doc/decisions/0010-grains-at-rest.md), for a sixth more sweeps.
 TOLERANCE = 1e-4
 
 

@@ -283,7 +283,7 @@ def slow(nu):
 
 
 def poisson_plane_strain(quick):
-    """Poisson's ratio in plane strain, delta/D = 0.3"""
+    """Poisson's ratio in plane strain, delta/D = 0.3 (-0.5 runs with zeta = 0.1)"""
     for nu in (-0.5, 0.499) if quick else (-0.5, -0.3, 0.0, 0.3, 0.45, 0.49, 0.499, 0.5):
         yield nu, lambda: press_disk(poisson=nu, depth=0.3, speed=slow(nu))
 
@@ -340,7 +340,7 @@ def packing(quick):
 
 
 def at_rest(quick):
-    """Steps at rest under gravity, in a corner with friction"""
+    """Steps at rest under gravity, in a corner with friction; a tremor is left of its growth"""
     for steps in (20_000,) if quick else (20_000, 100_000, 1_000_000):
         yield steps, lambda: rest(steps)
 
@@ -482,8 +482,8 @@ beyond its bound (`BOUNDS` in `scripts/benchmark/stability.py`). This page is ma
 Disks at zeta = 0.2, nu = 0.45, plane strain, unless the study says otherwise. F: mean force of both
 plates over E D in the last quarter (compaction: wall stress over E at the end), as the speed of the
 study has it; overlap: largest so far; capped: share of the steps whose sweeps hit the cap; heating:
-growth of kinetic and elastic energy over the elastic energy. A million steps at rest:
-[decisions/0010](decisions/0010-grains-at-rest.md).
+growth of kinetic and elastic energy over the elastic energy. What rest means, and rest from
+equilibrium: [decisions/0010](decisions/0010-grains-at-rest.md).
 """
 
 

@@ -161,14 +161,14 @@ def drift_of_sticking_block(friction, zeta):
     """Largest distance from the place after settling within one second, over the block's length."""
     block = sg.soft_block((0, HEIGHT / 2, 0), (WIDTH, HEIGHT), soft(friction), zeta=zeta)
     angle = math.radians(20)
-    rest_on_incline(block, friction, angle, 0.1, True, tolerance=1e-4)
+    rest_on_incline(block, friction, angle, 0.1, True)
     begin = block.state.pos[0]
     _, positions, *_ = motion_for(block, 1.0, every=100)
     return np.abs(positions - begin).max() / WIDTH
 
 
 def test_block_sticks_without_creep():
-    """tan 20° = 0.364; the tolerance of the sweeps decides."""
+    """tan 20° = 0.364."""
     assert drift_of_sticking_block(friction=0.4, zeta=0.5) < 1e-6
 
 

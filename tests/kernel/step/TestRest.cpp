@@ -86,9 +86,9 @@ TEST_CASE("Rest: a disk in a corner under gravity", "[step]")
 	settle(scene, dt, 3000);
 	const Rest rest = watch(scene, dt, 30000);
 	CAPTURE(friction, rest.kinetic, rest.drift, rest.heat);
-	CHECK(rest.kinetic < 1e-7);
-	CHECK(rest.drift < 1e-6);
-	CHECK(std::abs(rest.heat) < 1e-5);
+	CHECK(rest.kinetic < 1e-9);
+	CHECK(rest.drift < 1e-8);
+	CHECK(std::abs(rest.heat) < 1e-7);
 	CHECK(scene.deepest < 2e-3);
 }
 
@@ -117,6 +117,6 @@ TEST_CASE("Rest: a squeezed packing with friction", "[step]")
 	CAPTURE(rest.kinetic, rest.drift, rest.heat, scene.deepest);
 	CHECK(scene.system.energy().elastic > 0.1);
 	CHECK(rest.kinetic < 1e-10);
-	CHECK(rest.drift < 1e-6);
-	CHECK(std::abs(rest.heat) < 1e-6);
+	CHECK(rest.drift < 1e-8);
+	CHECK(std::abs(rest.heat) < 1e-7);
 }
