@@ -26,6 +26,7 @@ FORMULATIONS = {
 CONTACTS = {"points": "s", "surface": "o", "nodes": "^"}  # with the marker of the plot
 ORDERS = (2, 3)
 RESOLUTIONS = (0.2, 0.14, 0.1, 0.07, 0.05)
+COARSE = RESOLUTIONS[:3]  # for the packing, where finer runs by all methods would take hours
 FINEST = {"formulation": "total", "velocity_update": "nodal", "contact": "surface", "order": 3}
 COLUMNS = ("formulation", "contact", "order", "zeta", "wall_seconds", "steps", "error")
 
@@ -33,9 +34,9 @@ COLUMNS = ("formulation", "contact", "order", "zeta", "wall_seconds", "steps", "
 class Problem:
     """A case with its fixed options and its measure of error."""
 
-    def __init__(self, name, script, settings, error):
+    def __init__(self, name, script, settings, error, resolutions):
         self.name, self.script, self.settings = name, CASES / script, settings
-        self.error = error
+        self.error, self.resolutions = error, resolutions
 
 
 def relative_error(x, y, exact_x, exact_y, low, high):
@@ -86,11 +87,12 @@ def compaction_error(finest):
 
 def problems(options):
     grains = {"grains": 25, "mu": 0.3, "until_phi": 0.93}
-    finest = run_all(CASES / "compaction.py", [{**grains, **FINEST, "zeta": 0.04}], options)[0]
+    finest = run_all(CASES / "compaction.py", [{**grains, **FINEST, "zeta": 0.05}], options)[0]
+    fine, coarse = options.zeta or RESOLUTIONS, options.zeta or COARSE
     return [
-        Problem("disk", "hertz.py", {"until": 0.16}, disk_error),
-        Problem("square cell", "square_cell.py", {"until_phi": 0.93}, square_error),
-        Problem("compaction", "compaction.py", grains, compaction_error(finest)),
+        Problem("disk", "hertz.py", {"until": 0.16}, disk_error, fine),
+        Problem("square cell", "square_cell.py", {"until_phi": 0.93}, square_error, fine),
+        Problem("compaction", "compaction.py", grains, compaction_error(finest), coarse),
     ]
 
 
@@ -98,7 +100,7 @@ def measure(problem, options):
     """A row of COLUMNS for each run that ended well."""
     methods = [
         method
-        for method in itertools.product(FORMULATIONS, CONTACTS, ORDERS, options.zeta)
+        for method in itertools.product(FORMULATIONS, CONTACTS, ORDERS, problem.resolutions)
         if method[:2] != ("UL", "nodes")  # refused
     ]
     settings = [
@@ -161,8 +163,7 @@ def main():
         zeta={
             "type": float,
             "nargs": "+",
-            "default": RESOLUTIONS,
-            "help": "relative resolutions 2 dr/D [-]",
+            "help": "relative resolutions 2 dr/D, the same for all problems [-]",
         },
     )
     for problem in problems(options):

@@ -1,23 +1,40 @@
 """Figure 5 of the paper: ratio of mean displacements, random loose and random close packing.
 
-The first peak of the ratio of the grains' mean displacements along y and x is taken as random loose
-packing (RLP), the first trough after it as random close packing (RCP).
+Displacements of the grains' centres are counted from the start of the compaction; their mean along
+y (that of the loading) over that along x is plotted against the packing fraction. As in the paper,
+its first peak is taken as random loose packing (RLP) and the first trough after it as random close
+packing (RCP).
 """
 
 import numpy as np
 
-from compactions import FRICTIONS, compact_all, compaction_options, setting
-from softgrain.runs import new_figure, write_table
+from compactions import COMPACTION, FRICTIONS, RESOLUTION, compact_all, compaction_options, setting
+from softgrain.runs import new_figure, run_folder, write_table
 
 #: Standard deviation in phi of the Gaussian that smooths the ratio before extrema are sought.
-SMOOTHING = 0.008
+SMOOTHING = 0.005
+#: Packing fractions at which the ratio is evaluated. Before, hardly any grain has moved.
+GRID = np.arange(0.73, 0.98, 0.001)
+
+
+def displacement_ratio(position):
+    """Mean |y - y_0| over mean |x - x_0| of the grains.
+
+    Args:
+        position (array (records + 1, grains, 2)): of the centres, the start first [m].
+
+    Returns:
+        array (records,): [-].
+    """
+    moved = np.abs(position[1:] - position[0]).mean(axis=1)
+    return moved[:, 1] / moved[:, 0]
 
 
 def smooth(phi, ratio):
-    """Ratio smoothed in log scale by a Gaussian in phi."""
-    phi, logarithm = np.asarray(phi), np.log(np.maximum(ratio, 1e-3))
-    weight = np.exp(-0.5 * ((phi[:, None] - phi[None, :]) / SMOOTHING) ** 2)
-    return np.exp(weight @ logarithm / weight.sum(axis=1))
+    """Ratio smoothed by a Gaussian in phi, on the part of the grid that the run reached."""
+    grid = GRID[GRID < phi[-1] - SMOOTHING]
+    weight = np.exp(-0.5 * ((grid[:, None] - phi[None, :]) / SMOOTHING) ** 2)
+    return grid, weight @ ratio / weight.sum(axis=1)
 
 
 def loose_and_close(phi, ratio):
@@ -30,40 +47,38 @@ def loose_and_close(phi, ratio):
     Returns:
         tuple: (phi_RLP, phi_RCP), nan where there is none.
     """
-    inside = np.arange(1, len(phi) - 1)
-    rises, falls = ratio[1:-1] - ratio[:-2], ratio[2:] - ratio[1:-1]
-    peaks = inside[(rises > 0) & (falls <= 0)]
+    slope = np.diff(ratio)
+    peaks = np.flatnonzero((slope[:-1] > 0) & (slope[1:] <= 0)) + 1
     if len(peaks) == 0:
         return np.nan, np.nan
-    troughs = inside[(rises < 0) & (falls >= 0)]
+    troughs = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0)) + 1
     troughs = troughs[troughs > peaks[0]]
     return phi[peaks[0]], phi[troughs[0]] if len(troughs) else np.nan
 
 
 def main():
     options = compaction_options(
-        __doc__, seeds={"type": int, "default": 3, "help": "packings for each friction [-]"}
+        __doc__,
+        seeds={"type": int, "default": 3, "help": "packings for each friction [-]"},
+        zeta={"type": float, "default": RESOLUTION, "help": "relative resolution 2 dr/D [-]"},
     )
     seeds = range(1, options.seeds + 1)
-    settings = [setting(options, mu=mu, seed=seed) for mu in FRICTIONS for seed in seeds]
-    results = iter(compact_all(settings, options))
-
     figure, axes = new_figure(r"packing fraction $\phi$", r"mean $|dy|$ / mean $|dx|$", width=6)
+    settings = {
+        mu: [setting(options, mu=mu, zeta=options.zeta, seed=seed) for seed in seeds]
+        for mu in FRICTIONS
+    }
+    results = iter(compact_all(sum(settings.values(), []), options))
     found = []
-    for k, mu in enumerate(FRICTIONS):
-        extrema = []
-        for seed in seeds:
-            result = next(results)
-            phi, ratio = np.array(result["phi"]), smooth(
-                result["phi"], result["displacement_ratio"]
-            )
-            extrema.append(loose_and_close(phi, ratio))
-            label = rf"$\mu$ = {mu:g}" if seed == 1 else None
-            axes.plot(phi, ratio, color=f"C{k}", lw=1.2 if seed == 1 else 0.4, label=label)
-        found.append(np.array(extrema))
+    for k, (mu, chosen) in enumerate(settings.items()):
+        curves = [curve(each, next(results), options) for each in chosen]
+        found.append(np.array([loose_and_close(*each) for each in curves]))
+        for n, (phi, ratio) in enumerate(curves):
+            label = rf"$\mu$ = {mu:g}" if n == 0 else None
+            axes.plot(phi, ratio, color=f"C{k}", lw=0.4 if n else 1.2, label=label)
     axes.set_yscale("log")
     axes.legend(frameon=False, fontsize=8, loc="upper left")
-    draw_fractions(axes.inset_axes((0.62, 0.62, 0.36, 0.36)), found)
+    draw_fractions(axes.inset_axes((0.62, 0.1, 0.36, 0.36)), found)
     figure.savefig(options.out / "figure5.png", dpi=200)
 
     rows = []
@@ -74,6 +89,12 @@ def main():
         rows.append([f"{mu:g}", *cells, paper])
     head = ["mu", "RLP (mean ± standard deviation)", "RCP", "RCP of the paper"]
     write_table(options.out / "figure5.md", head, rows)
+
+
+def curve(chosen, result, options):
+    """Smoothed ratio of a run."""
+    position = np.load(run_folder(COMPACTION, chosen, options.out) / "positions.npy")
+    return smooth(np.array(result["phi"]), displacement_ratio(position))
 
 
 def draw_fractions(inset, found):
