@@ -305,6 +305,7 @@ def main():
     make_soft(options)
     recorder, seconds = compact(options, box)
     engine = sg.integrator()
+    np.save(options.out / "positions.npy", recorder.positions)
     command_line.write_result(
         options.out,
         {
@@ -322,7 +323,6 @@ def main():
             "options": {name: str(value) for name, value in vars(options).items()},
         },
     )
-    np.save(options.out / "positions.npy", recorder.positions)
     plot_stress(options, recorder.records)
     print(
         f"phi = {recorder.phi:.4f}, stress/E = {recorder.stress:.4f}; {int(engine.steps)} steps "

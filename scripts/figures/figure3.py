@@ -1,15 +1,22 @@
 """Figure 3 of the paper: the frictionless packing at the start, at jamming and at the end."""
 
+import sys
+
 from matplotlib.image import imread
 
 from compactions import COMPACTION, compact_all, compaction_options, setting
 from softgrain.runs import new_figure, run_folder
 
 STATES = ("start", "jammed", "end")
+JAMMING_PHI = 0.84  # of the picture "jammed"
 
 
 def main():
     options = compaction_options(__doc__)
+    if options.until_phi <= JAMMING_PHI:
+        sys.exit(
+            f"--until-phi: {options.until_phi} is outside the admissible range ({JAMMING_PHI}, 1)"
+        )
     chosen = setting(options)
     compact_all([chosen], options)
     folder = run_folder(COMPACTION, chosen, options.out)

@@ -27,7 +27,7 @@ def displacement_ratio(position):
         array (records,): [-].
     """
     moved = np.abs(position[1:] - position[0]).mean(axis=1)
-    return moved[:, 1] / moved[:, 0]
+    return moved[:, 1] / np.maximum(moved[:, 0], 1e-9 * moved[:, 1])
 
 
 def smooth(phi, ratio):

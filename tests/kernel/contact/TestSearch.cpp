@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <limits>
 #include <map>
+#include <set>
 
 using namespace softgrain;
 using namespace softgrain::testing;
@@ -151,6 +153,78 @@ TEST_CASE("Search: the gap of two disks opens at the relative velocity of the co
 		++compared;
 	}
 	CHECK(compared > 5);
+}
+
+namespace {
+
+/// Distance of `x` to the flat facets of a body, from places a tenth of a facet apart: too large
+/// rather than too small.
+template <int dim> double sampledDistance(const Vec<dim>& x, const ContactBody<dim>& body)
+{
+	double least = std::numeric_limits<double>::infinity();
+	for (const auto& facet : body.mesh->facet)
+		for (int i = 0; i <= 10; ++i)
+			for (int j = 0; j <= (dim == 3 ? 10 - i : 0); ++j) {
+				Vec<dim> y = body.position[facet[0]];
+				y += i / 10. * (body.position[facet[1]] - body.position[facet[0]]);
+				y += j / 10. *
+				     (body.position[facet[dim - 1]] - body.position[facet[0]]);
+				least = std::min(least, (x - y).norm());
+			}
+	return least;
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE_SIG("Search: no node near a stretched outline is left out", "[contact]",
+		       ((int dim), dim), 2, 3)
+{
+	const double spacing = dim == 2 ? 0.1 : 0.25, reach = 0.5 * spacing;
+	Random random(11);
+	int found = 0;
+	for (int trial = 0; trial < 12; ++trial) {
+		auto balls = twoBalls<dim>(0, spacing, 100 + trial);
+		for (int b : { 0, 1 }) {
+			Mat<dim> stretch = Mat<dim>::Identity();
+			stretch(0, 0) = 3;
+			const Mat<dim> Q = random.rotation<dim>();
+			const Mat<dim> F = Q * stretch * Q.transpose();
+			for (Vec<dim>& x : balls.body[b].position)
+				x = balls.centre[b] + F * (x - balls.centre[b]);
+			balls.body[b].updateGeometry();
+		}
+		// Move the second one along the line of centres until the outlines just touch.
+		const Vec<dim> way = (balls.centre[1] - balls.centre[0]).normalized();
+		auto closest = [&] {
+			double least = std::numeric_limits<double>::infinity();
+			for (const Vec<dim>& x : balls.body[0].position)
+				least = std::min(least, sampledDistance(x, balls.body[1]));
+			return least;
+		};
+		auto shift = [&](double by) {
+			for (Vec<dim>& x : balls.body[1].position)
+				x += by * way;
+			balls.body[1].updateGeometry();
+		};
+		shift(4);
+		while (closest() > 0.5 * reach)
+			shift(-0.5 * closest());
+		auto list = pairList<dim>();
+		findContacts(balls.body[0], balls.body[1], reach, list);
+		std::set<std::pair<int, int>> listed;
+		for (const Contact<dim>& c : list.contacts)
+			listed.insert({ c.key.side, c.key.node });
+		for (int side : { 0, 1 })
+			for (int s = 0; s < balls.body[side].nodes(); ++s) {
+				if (sampledDistance(balls.body[side].position[s],
+						    balls.body[1 - side]) >= reach)
+					continue;
+				CAPTURE(trial, side, s);
+				CHECK(listed.count({ side, s }) == 1);
+				++found;
+			}
+	}
+	CHECK(found > 20);
 }
 
 TEST_CASE("Search: gap and normal of two balls", "[contact]")

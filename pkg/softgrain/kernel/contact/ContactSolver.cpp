@@ -72,6 +72,7 @@ double ContactSolver<dim>::appendPartnerMobility(const Contact<dim>& contact,
 	std::vector<double>& sum = partnerSum_; // all 0 between calls
 	const int begin = static_cast<int>(partnerMobility_.column.size());
 	for (int i = 0; i < contact.partners; ++i) {
+		if (contact.weight[i] == 0) continue; // at the end of a segment
 		const SparseRows<double>& table = *partner->delassus;
 		if (static_cast<int>(sum.size()) < table.rows()) sum.resize(table.rows(), 0.);
 		const double share = contact.weight[i] * partner->delassusScale;

@@ -57,9 +57,9 @@ public:
 	void warmStart();
 	/// Gauss-Seidel sweeps: two backwards and two forwards in the order of the lists (in one
 	/// direction alone, few sweeps a step shake grains at rest:
-	/// doc/decisions/0010-grains-at-rest.md), then always forwards (doc/decisions/0004), until
-	/// the residual is within the tolerance or the cap is hit; then the contacts of the lists
-	/// have their impulses.
+	/// doc/decisions/0010-grains-at-rest.md), then always forwards
+	/// (doc/decisions/0004-sweep-order.md), until the residual is within the tolerance or the
+	/// cap is hit; then the contacts of the lists have their impulses.
 	SolverReport solve();
 	/// Of the present impulses: see ResidualSum.
 	double residual() const;

@@ -183,8 +183,8 @@ std::vector<int> nodesNear(const ContactBody<dim>& body, const ContactBody<dim>&
 {
 	std::vector<int> found = nodesIn(body, other.box.grown(margin));
 	// The ball is the tighter of the two for round grains. The outline bulges out of its facets
-	// by less than a quarter of an edge.
-	const double radius = other.circumradius + reach + 0.25 * other.longestEdge;
+	// by less than an eighth of the longest edge (3D: 0.29 of it).
+	const double radius = other.circumradius + reach + 0.3 * other.longestEdge;
 	const Vec<dim> centre = other.box.centre();
 	std::erase_if(found, [&](int s) {
 		return (body.position[s] - centre).squaredNorm() > radius * radius;

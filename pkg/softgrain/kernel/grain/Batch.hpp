@@ -5,11 +5,11 @@
 #include "Vector.hpp"
 #include "material/Elasticity.hpp"
 #include "material/Lanes.hpp"
-#include "material/NeoHookean.hpp"
 #include "reference/GrainTemplate.hpp"
 
 #include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace softgrain {
@@ -28,7 +28,7 @@ public:
 
 	const Vec<dim>& get(int grain, int I) const { return of(grain)[I]; }
 	void set(int grain, int I, const Vec<dim>& value) { of(grain)[I] = value; }
-	void swap(NodalField& other) { data_.swap(other.data_); }
+	void swap(NodalField& other) { std::swap(*this, other); }
 
 private:
 	int nodes_ = 0;

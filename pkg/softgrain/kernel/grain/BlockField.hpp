@@ -21,18 +21,16 @@ public:
 	{
 		for (int l = 0; l < laneWidth; ++l) {
 			const Vec<dim>* own = field.of(batch.grainInLane(block, l));
-			double* lane = &data_[0].value[0] + l;
 			for (std::size_t k = 0; k < data_.size(); ++k)
-				lane[k * laneWidth] = own[k / dim][k % dim];
+				data_[k].value[l] = own[k / dim][k % dim];
 		}
 	}
 	void store(NodalField<dim>& field, const Batch<dim>& batch, int block) const
 	{
 		for (int l = 0; l < laneWidth && batch.hasGrain(block, l); ++l) {
 			Vec<dim>* own = field.of(batch.grainInLane(block, l));
-			const double* lane = &data_[0].value[0] + l;
 			for (std::size_t k = 0; k < data_.size(); ++k)
-				own[k / dim][k % dim] = lane[k * laneWidth];
+				own[k / dim][k % dim] = data_[k].value[l];
 		}
 	}
 

@@ -2,7 +2,6 @@
 #include "grain/BlockField.hpp"
 #include "material/Dispatch.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <vector>

@@ -48,6 +48,13 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void pointsToNodes(const GrainTemplate<dim>& 
 	}
 }
 
+template <int dim> void storeNodes(Batch<dim>& batch, int block, const BlockField<dim>& points)
+{
+	BlockField<dim> v(batch.reference->nodes());
+	pointsToNodes(*batch.reference, points, v);
+	v.store(batch.v, batch, block);
+}
+
 } // namespace
 
 template <int dim>
@@ -72,7 +79,7 @@ template <int dim> void PointVelocities<dim>::takeFromNodes(const Batch<dim>& ba
 	}
 }
 
-template <int dim> void PointVelocities<dim>::updateBlock(const Batch<dim>& batch, int block)
+template <int dim> void PointVelocities<dim>::updateBlock(Batch<dim>& batch, int block)
 {
 	const GrainTemplate<dim>& reference = *batch.reference;
 	BlockField<dim> v(reference.nodes()), vNext(reference.nodes()), points(reference.points());
@@ -81,24 +88,22 @@ template <int dim> void PointVelocities<dim>::updateBlock(const Batch<dim>& batc
 	points.load(v_, batch, block);
 	nodesToPoints(reference, v, vNext, picShare_, points);
 	points.store(v_, batch, block);
+	storeNodes(batch, block, points);
 }
 
 template <int dim> void PointVelocities<dim>::mapBlockToNodes(Batch<dim>& batch, int block)
 {
-	BlockField<dim> v(batch.reference->nodes()), points(batch.reference->points());
+	BlockField<dim> points(batch.reference->points());
 	points.load(v_, batch, block);
-	pointsToNodes(*batch.reference, points, v);
-	v.store(batch.v, batch, block);
+	storeNodes(batch, block, points);
 }
 
 template <int dim> void PointVelocities<dim>::update(Batch<dim>& batch, int threads)
 {
 	const int blocks = batch.blocks();
 #pragma omp parallel for schedule(static) num_threads(threads)
-	for (int b = 0; b < blocks; ++b) {
+	for (int b = 0; b < blocks; ++b)
 		updateBlock(batch, b);
-		mapBlockToNodes(batch, b);
-	}
 }
 
 template class PointVelocities<2>;

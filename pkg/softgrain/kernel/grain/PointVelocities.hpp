@@ -26,7 +26,7 @@ public:
 	void set(int g, int p, const Vec<dim>& v) { v_.set(g, p, v); }
 
 private:
-	void updateBlock(const Batch<dim>& batch, int block);
+	void updateBlock(Batch<dim>& batch, int block);
 	void mapBlockToNodes(Batch<dim>& batch, int block);
 
 	double picShare_;

@@ -1,6 +1,8 @@
 // Elastic constants and kinematic conditions common to all laws.
 #pragma once
 
+#include "material/Lanes.hpp"
+
 #include <string>
 
 namespace softgrain {
@@ -37,6 +39,11 @@ struct ElasticConstants {
 	double effectiveLambda(Condition condition) const;
 	/// Speed of pressure waves in the undeformed grain, m/s.
 	double waveSpeed(Condition condition) const;
+};
+
+/// Constants of the grains of a block as laws use them.
+struct LameConstants {
+	Lanes lambda, mu; ///< Pa
 };
 
 } // namespace softgrain

@@ -1,15 +1,6 @@
 // The unit of the bulk computation: the same material point of `laneWidth` congruent grains.
 #pragma once
 
-#include <cmath>
-
-// The compiler may take these from the vector mathematics of the C library, for all lanes at once
-// (errors below 4 units in the last place).
-extern "C" {
-__attribute__((simd("notinbranch"), const)) double log(double) noexcept;
-__attribute__((simd("notinbranch"), const)) double exp(double) noexcept;
-}
-
 namespace softgrain {
 
 /// Grains handled side by side, one per SIMD lane. Eight doubles fill an AVX-512 register.
@@ -39,19 +30,6 @@ inline void storeLanes(double* to, const Lanes& lanes)
 {
 	*reinterpret_cast<detail::UnalignedLanes*>(to) = lanes;
 }
-
-#define SOFTGRAIN_IN_EVERY_LANE(name, function)                                                    \
-	inline Lanes name(const Lanes& x)                                                          \
-	{                                                                                          \
-		Lanes y;                                                                           \
-		_Pragma("omp simd simdlen(8)") for (int l = 0; l < laneWidth; ++l) y[l] =          \
-			function(x[l]);                                                            \
-		return y;                                                                          \
-	}
-SOFTGRAIN_IN_EVERY_LANE(lnOf, ::log)
-SOFTGRAIN_IN_EVERY_LANE(expOf, ::exp)
-SOFTGRAIN_IN_EVERY_LANE(sqrtOf, std::sqrt)
-#undef SOFTGRAIN_IN_EVERY_LANE
 
 inline Lanes larger(const Lanes& x, const Lanes& y) { return x > y ? x : y; }
 

@@ -3,8 +3,9 @@
 #pragma once
 
 #include "material/Elasticity.hpp"
-#include "material/Lanes.hpp"
+#include "material/LaneMath.hpp"
 
+#include <cmath>
 #include <limits>
 
 namespace softgrain {
@@ -83,11 +84,6 @@ inline Lanes thicknessStrain(const Lanes& lnJ2, const Lanes& lambda, const Lanes
 }
 
 } // namespace detail
-
-/// One grain's constants as the law uses them.
-struct LameConstants {
-	Lanes lambda, mu; ///< Pa
-};
 
 template <int dim, Condition condition> struct NeoHookean {
 	static_assert((dim == 3) == (condition == Condition::solid));
