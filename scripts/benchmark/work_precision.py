@@ -2,8 +2,8 @@
 
 Three problems: a disk between plates and a disk in a closing square box, whose errors are against
 converged finite elements, and a compaction of 25 grains, whose error is against a run of the
-default method at half the smallest zeta. Each leaves a CSV with all runs and a plot with the Pareto front marked. Run
-times are only comparable if nothing else runs and ``--jobs`` is 1.
+default method at half the smallest zeta. Each leaves a CSV with all runs and a plot with the Pareto
+front marked. Run times are only comparable if nothing else runs and ``--jobs`` is 1.
 """
 
 import csv

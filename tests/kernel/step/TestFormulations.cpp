@@ -344,7 +344,7 @@ TEMPLATE_TEST_CASE_SIG("Formulations: same bits with any number of threads, and 
 			one.advance(2e-5);
 			two.advance(2e-5);
 			if (n != 19) continue;
-			for (int g = 0; g < 3; ++g)
+			for (int g = 0; g < count; ++g)
 				loaded.system.setOf(g).setState(g, one.system.setOf(g).state(g));
 			loaded.lists = one.lists;
 			loaded.system.continueFrom(one.system.continuation());
