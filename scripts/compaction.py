@@ -169,9 +169,10 @@ def make_soft(options):
         material=material,
         zeta=options.zeta,
         contact=options.contact,
+        time_step_fraction=options.time_step_fraction,
         **command_line.method_attributes(options),
     )
-    O.engines = sg.engines()
+    O.engines = sg.engines(**command_line.engine_attributes(options))
     O.trackEnergy = True
 
 

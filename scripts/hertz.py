@@ -52,7 +52,7 @@ def make_scene(options):
     disk = cases.add_disk(options, (0, 0, 0), condition).id
     bottom = cases.add_wall(-radius, axis=1, sense=1)
     top = cases.add_wall(radius, axis=1, sense=-1, velocity=-options.speed)
-    cases.start()
+    cases.start(options)
     return disk, bottom, top
 
 

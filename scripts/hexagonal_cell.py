@@ -30,6 +30,7 @@ def parse_options(arguments=None):
         speed=0.01,
         speed_help="at which the sides of each cell move in [m/s]",
         out="hexagonal_cell",
+        tolerance=TOLERANCE,
     )
     add = parser.add_argument
     add(
@@ -208,7 +209,7 @@ def compress(options, disks):
 def main():
     options = parse_options()
     disks = Lattice(options)
-    cases.start(TOLERANCE)
+    cases.start(options)
     started = time.time()
     columns = compress(options, disks)
     cases.report_cell(

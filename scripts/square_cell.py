@@ -45,7 +45,7 @@ def make_scene(options):
         for axis in (0, 1)
         for sense in (1, -1)
     ]
-    cases.start()
+    cases.start(options)
     return disk, walls
 
 

@@ -25,7 +25,7 @@ SAMPLES_PER_WINDOW = 10
 TOLERANCE = 1e-4
 
 
-def add_grain_options(parser, speed, speed_help, out):
+def add_grain_options(parser, speed, speed_help, out, tolerance=TOLERANCE):
     """Add the options that all cases have to an ``argparse`` parser."""
     add = parser.add_argument
     add("--zeta", type=command_line.resolution, default=0.1, help="relative resolution 2 dr/D [-]")
@@ -39,7 +39,7 @@ def add_grain_options(parser, speed, speed_help, out):
         default="pointwise",
         help="how the law sees the change of volume; 'projected' for nu above 0.48 or so",
     )
-    command_line.add_method_options(parser)
+    command_line.add_method_options(parser, tolerance)
     add(
         "--orientation",
         type=command_line.angle,
@@ -86,11 +86,11 @@ def add_wall(position, axis, sense, velocity=0.0):
     return O.bodies.append(wall)
 
 
-def start(tolerance=TOLERANCE):
-    """Engines and time step for the scene, with a tolerance of the contact sweeps [-]."""
-    O.engines = build.engines(tolerance=tolerance)
+def start(options):
+    """Engines and time step for the scene."""
+    O.engines = build.engines(**command_line.engine_attributes(options))
     O.trackEnergy = True
-    build.set_time_step()
+    build.set_time_step(options.time_step_fraction)
 
 
 def window_seconds(options):

@@ -30,6 +30,16 @@ def resolution(text):
     return _checked(text, lambda value: 0.001 <= value <= 0.5, "a number in [0.001, 0.5]")
 
 
+def node_spacing(text):
+    """Argument type: step of the background grid over dr."""
+    return _checked(text, lambda value: 1.25 <= value <= 4, "a number in [1.25, 4]")
+
+
+def surface_spacing(text):
+    """Argument type: distance of surface nodes over dr."""
+    return _checked(text, lambda value: 0.5 <= value <= 4, "a number in [0.5, 4]")
+
+
 def poisson(text):
     """Argument type: Poisson's ratio."""
     return _checked(text, lambda value: -1 < value < 0.5, "a number in (-1, 0.5)")
@@ -55,8 +65,20 @@ def share(text):
     return _checked(text, lambda value: 0 <= value <= 1, "a number in [0, 1]")
 
 
-def add_method_options(parser):
-    """Options of a case that choose how grains are computed; see :func:`method_attributes`."""
+def step_fraction(text):
+    """Argument type: a number in (0, 1]."""
+    return _checked(text, lambda value: 0 < value <= 1, "a number in (0, 1]")
+
+
+def add_method_options(parser, tolerance=1e-2):
+    """Options of a case that choose how grains and contacts are computed.
+
+    Args:
+        parser (argparse.ArgumentParser): takes them.
+        tolerance (float): default of the contact sweeps [-].
+
+    See :func:`method_attributes` and :func:`engine_attributes`.
+    """
     add = parser.add_argument
     add(
         "--contact",
@@ -65,6 +87,15 @@ def add_method_options(parser):
         help="contact geometry",
     )
     add("--order", type=int, choices=(1, 2, 3), default=3, help="order of the B-splines")
+    add("--node-spacing", type=node_spacing, default=1.25, help="step of the grid over dr [-]")
+    add("--surface-spacing", type=surface_spacing, default=1.0, help="of surface nodes over dr [-]")
+    add("--tolerance", type=positive, default=tolerance, help="of the contact sweeps [-]")
+    add(
+        "--time-step-fraction",
+        type=step_fraction,
+        default=0.5,
+        help="time step over the critical one [-]",
+    )
     add(
         "--formulation",
         choices=("total", "updated"),
@@ -90,10 +121,17 @@ def method_attributes(options):
     """Attributes of ``SoftGrain`` after :func:`add_method_options`."""
     return {
         "order": options.order,
+        "nodeSpacing": options.node_spacing,
+        "surfaceSpacing": options.surface_spacing,
         "formulation": options.formulation,
         "velocityUpdate": options.velocity_update,
         "picShare": options.pic_share,
     }
+
+
+def engine_attributes(options):
+    """Attributes of ``SoftGrainIntegrator`` after :func:`add_method_options`."""
+    return {"tolerance": options.tolerance, "timeStepFraction": options.time_step_fraction}
 
 
 def check_method(parser, options):

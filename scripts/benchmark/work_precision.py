@@ -3,7 +3,8 @@
 Three problems: a disk between plates and a disk in a closing square box, whose errors are against
 converged finite elements, and a compaction of 25 grains, whose error is against a run of the
 default method at half the smallest zeta. Each leaves a CSV with all runs and a plot with the Pareto
-front marked. Run times are only comparable if nothing else runs and ``--jobs`` is 1.
+front marked, and a CSV and a table in which one parameter of the default method is varied at a
+time. Run times are only comparable if nothing else runs and ``--jobs`` is 1.
 """
 
 import csv
@@ -13,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from softgrain import finite_elements
-from softgrain.runs import new_figure, parse_options, run_all, try_all
+from softgrain.runs import new_figure, parse_options, run_all, try_all, write_table
 
 CASES = Path(__file__).resolve().parents[1]
 
@@ -28,7 +29,18 @@ ORDERS = (2, 3)
 RESOLUTIONS = (0.2, 0.14, 0.1, 0.07, 0.05)
 COARSE = RESOLUTIONS[:3]  # for the packing, where finer runs by all methods would take hours
 FINEST = {"formulation": "total", "velocity_update": "nodal", "contact": "surface", "order": 3}
+#: Parameters varied one at a time at zeta = 0.1, with their values; the first is the default, None
+#: that of the case.
+DEFAULT_ZETA = 0.1
+VARIED = {
+    "order": (3, 2, 1),
+    "node_spacing": (1.25, 1.5, 2.0),
+    "surface_spacing": (1.0, 0.6, 0.8, 1.25, 1.5),
+    "tolerance": (None, 1e-1, 1e-2, 1e-3, 1e-4),
+    "time_step_fraction": (0.5, 0.25, 0.7, 0.9),
+}
 COLUMNS = ("formulation", "contact", "order", "zeta", "wall_seconds", "steps", "error")
+VARIED_COLUMNS = ("parameter", "value", "wall_seconds", "steps", "sweeps", "capped", "error")
 
 
 class Problem:
@@ -116,6 +128,47 @@ def measure(problem, options):
     ]
 
 
+def vary(problem, options):
+    """Rows (parameter, value, seconds, steps, sweeps a step, capped steps, error) of runs of the
+    default method with one parameter changed; no figures where a run failed."""
+    varied = [(name, value) for name, values in VARIED.items() for value in values]
+    settings = [
+        {
+            **problem.settings,
+            **FINEST,
+            "zeta": DEFAULT_ZETA,
+            **({} if value is None else {name: value}),
+        }
+        for name, value in varied
+    ]
+    rows = []
+    for key, result in zip(varied, try_all(problem.script, settings, options)):
+        if result:
+            figures = [result[name] for name in ("steps", "sweeps_per_step", "capped_steps")]
+            rows.append((*key, result["wall_seconds"], *figures, problem.error(result)))
+        else:
+            rows.append((*key, *[np.nan] * 5))
+    return rows
+
+
+def table_of_variations(path, rows):
+    """Markdown table of :func:`vary`."""
+    head = ["parameter", "value", "seconds", "steps", "sweeps a step", "capped", "error %"]
+    cells = [
+        [
+            name.replace("_", " "),
+            "default of the case" if value is None else f"{value:g}",
+            f"{seconds:.2f}",
+            f"{steps:.0f}",
+            f"{sweeps:.1f}",
+            f"{capped:.0f}",
+            f"{100 * error:.2f}",
+        ]
+        for name, value, seconds, steps, sweeps, capped, error in rows
+    ]
+    write_table(path, head, cells)
+
+
 def pareto_front(rows):
     """Rows that no other beats in both time and error, by time."""
     front, best = [], np.inf
@@ -149,10 +202,10 @@ def draw(path, problem, rows):
     figure.savefig(path, dpi=200)
 
 
-def write_csv(path, rows):
+def write_csv(path, columns, rows):
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(COLUMNS)
+        writer.writerow(columns)
         writer.writerows(rows)
 
 
@@ -170,10 +223,13 @@ def main():
     for problem in problems(options):
         rows = measure(problem, options)
         name = problem.name.replace(" ", "_")
-        write_csv(options.out / f"{name}.csv", rows)
+        write_csv(options.out / f"{name}.csv", COLUMNS, rows)
         draw(options.out / f"{name}.png", problem, rows)
         for row in pareto_front(rows):
             print(f"{problem.name}: {row[:4]}: {row[4]:.1f} s, error {100 * row[6]:.2f} %")
+        rows = vary(problem, options)
+        write_csv(options.out / f"{name}_varied.csv", VARIED_COLUMNS, rows)
+        table_of_variations(options.out / f"{name}_varied.md", rows)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@
 Called by ``scripts/test`` on the platform, in the top folder of the checkout, as
 ``run_tests.py BUILD built|broken [PYTEST OPTIONS]``.
 """
+
 import os
 import subprocess
 import sys
@@ -30,16 +31,40 @@ def main(build, build_state, pytest_options):
 
 def kernel_tests(build):
     """CTest, which knows the Catch2 tests of the kernel."""
-    return reported("kernel tests", lambda report: [
-        "ctest", "--test-dir", build, "--output-on-failure", "--parallel", str(os.cpu_count()),
-        "--output-junit", report])
+    return reported(
+        "kernel tests",
+        lambda report: [
+            "ctest",
+            "--test-dir",
+            build,
+            "--output-on-failure",
+            "--parallel",
+            str(os.cpu_count()),
+            "--output-junit",
+            report,
+        ],
+    )
 
 
 def python_tests(build, options):
     """Pytest: Python, and scenes inside YADE. A later -m or path among the options wins."""
-    return reported("python tests", lambda report: [
-        "python3", "-m", "pytest", "-o", "testpaths=tests", "-o", f"cache_dir={build}/pytest_cache",
-        "-m", "not slow", f"--junitxml={report}", *options], no_test_code=5)
+    return reported(
+        "python tests",
+        lambda report: [
+            "python3",
+            "-m",
+            "pytest",
+            "-o",
+            "testpaths=tests",
+            "-o",
+            f"cache_dir={build}/pytest_cache",
+            "-m",
+            "not slow",
+            f"--junitxml={report}",
+            *options,
+        ],
+        no_test_code=5,
+    )
 
 
 def reported(title, command, no_test_code=0):
@@ -81,8 +106,12 @@ def check(title, command):
 
 def cpp_files():
     """List the C++ files that are formatted by rule."""
-    return sorted(str(path) for folder in ("pkg", "tests") for suffix in ("cpp", "hpp")
-                  for path in Path(folder).rglob(f"*.{suffix}"))
+    return sorted(
+        str(path)
+        for folder in ("pkg", "tests")
+        for suffix in ("cpp", "hpp")
+        for path in Path(folder).rglob(f"*.{suffix}")
+    )
 
 
 def summary(totals):

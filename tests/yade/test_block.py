@@ -107,7 +107,7 @@ def test_geometries_hold_a_block(contact):
     while O.time < 0.05:
         O.step()
         forces.append(-O.forces.f(floor.id)[1])
-    late = forces[len(forces) // 2:]
+    late = forces[len(forces) // 2 :]
     assert np.mean(late) == pytest.approx(block.state.mass * 100, rel=0.1)
     assert abs(block.state.pos[1]) < 0.15 * SIZE[1]
     pressures = O.interactions[floor.id, block.id].geom.contacts()["pressure"]

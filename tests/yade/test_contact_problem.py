@@ -53,8 +53,11 @@ def check_conditions(problem, impulse, tolerance):
     slides = (slip > 1e-6) & (r_n > 1e-6)
     assert np.abs(pull - mu * r_n)[slides].max(initial=0) < tolerance
     assert np.abs(np.sum(u_t * r_t, axis=1) + slip * pull)[slides].max(initial=0) < tolerance
-    return {"open": (r_n == 0).any(), "slip": slides.any(),
-            "stick": ((r_n > 1e-6) & (slip < 1e-9)).any()}
+    return {
+        "open": (r_n == 0).any(),
+        "slip": slides.any(),
+        "stick": ((r_n > 1e-6) & (slip < 1e-9)).any(),
+    }
 
 
 def squeezed_scene(steps):

@@ -96,8 +96,13 @@ CASES = {
     ),
     "updated": Case(formulation="updated"),
     "updated with a share of PIC, plane stress, quadratic, points": Case(
-        "planeStress", contact="points", order=2, zeta=(0.25, 0.25), gravity=-3000.0,
-        formulation="updated", pic_share=0.1,
+        "planeStress",
+        contact="points",
+        order=2,
+        zeta=(0.25, 0.25),
+        gravity=-3000.0,
+        formulation="updated",
+        pic_share=0.1,
     ),
 }
 
@@ -125,16 +130,25 @@ def build_in_yade(case):
     for g, recipe in enumerate(case.recipes):
         m = case.materials[g]
         material = SoftMat(
-            young=m.young, poisson=m.poisson, density=m.density,
-            frictionAngle=m.friction_angle, condition=m.condition,
+            young=m.young,
+            poisson=m.poisson,
+            density=m.density,
+            frictionAngle=m.friction_angle,
+            condition=m.condition,
         )
         disk = sg.soft_disk(
-            padded(case.centres[g]), RADII[g], material,
-            zeta=recipe.zeta, order=recipe.order, nodeSpacing=recipe.node_spacing,
+            padded(case.centres[g]),
+            RADII[g],
+            material,
+            zeta=recipe.zeta,
+            order=recipe.order,
+            nodeSpacing=recipe.node_spacing,
             surfaceSpacing=recipe.surface_spacing,
-            quadrature=recipe.quadrature, contact=recipe.contact,
+            quadrature=recipe.quadrature,
+            contact=recipe.contact,
             volumetric=recipe.volumetric,
-            formulation=case.formulation, velocityUpdate=case.velocity_update,
+            formulation=case.formulation,
+            velocityUpdate=case.velocity_update,
             picShare=case.pic_share,
         )
         disk.state.vel, disk.state.angVel = padded(VELOCITIES[g]), (0, 0, SPINS[g])
@@ -175,13 +189,15 @@ def run_in_yade(name):
     for _ in range(STEPS):
         O.step()
         shapes = [O.bodies[i].shape for i in case.kernel_order]
-        snapshots.append(Snapshot(
-            [shape.nodes() for shape in shapes],
-            [shape.nodeVelocities() for shape in shapes],
-            impulses_in_yade(case),
-            sg.integrator().overlap,
-            sg.integrator().sweeps,
-        ))
+        snapshots.append(
+            Snapshot(
+                [shape.nodes() for shape in shapes],
+                [shape.nodeVelocities() for shape in shapes],
+                impulses_in_yade(case),
+                sg.integrator().overlap,
+                sg.integrator().sweeps,
+            )
+        )
     return O.dt, snapshots
 
 
@@ -195,8 +211,14 @@ def build_oracle(case):
         make, method = reference.Grain, {"flip": case.velocity_update == "flip"}
     grains = [
         make(
-            case.recipes[g], case.materials[g], RADII[g], case.centres[g], VELOCITIES[g], SPINS[g],
-            pic_share=case.pic_share, **method
+            case.recipes[g],
+            case.materials[g],
+            RADII[g],
+            case.centres[g],
+            VELOCITIES[g],
+            SPINS[g],
+            pic_share=case.pic_share,
+            **method
         )
         for g in case.kernel_order
     ]
@@ -221,13 +243,15 @@ def run_oracle(system, dt, steps):
     snapshots = []
     for _ in range(steps):
         report = system.step(dt)
-        snapshots.append(Snapshot(
-            [grain.state[0] for grain in system.grains],
-            [grain.state[1] for grain in system.grains],
-            impulses_of_oracle(system),
-            system.deepest_overlap(),
-            report.sweeps,
-        ))
+        snapshots.append(
+            Snapshot(
+                [grain.state[0] for grain in system.grains],
+                [grain.state[1] for grain in system.grains],
+                impulses_of_oracle(system),
+                system.deepest_overlap(),
+                report.sweeps,
+            )
+        )
     return snapshots
 
 
@@ -262,10 +286,12 @@ def deviations(case, found, expected):
     """
     radii = [RADII[g] for g in case.kernel_order]
     return {
-        "positions": max(np.abs(x - y).max() / R
-                         for x, y, R in zip(found.positions, expected.positions, radii)),
-        "velocities": max(np.abs(v - w).max() / SPEED
-                          for v, w in zip(found.velocities, expected.velocities)),
+        "positions": max(
+            np.abs(x - y).max() / R for x, y, R in zip(found.positions, expected.positions, radii)
+        ),
+        "velocities": max(
+            np.abs(v - w).max() / SPEED for v, w in zip(found.velocities, expected.velocities)
+        ),
         "impulses": impulse_deviation(found.impulses, expected.impulses),
         "overlap": abs(found.overlap - expected.overlap),
         "sweeps": abs(found.sweeps - expected.sweeps),
@@ -277,8 +303,10 @@ def impulse_deviation(found, expected):
     nothing = np.zeros(2)
     largest = max([np.abs(r).max() for r in expected.values()], default=0) or 1.0
     return max(
-        [np.abs(found.get(k, nothing) - expected.get(k, nothing)).max() / largest
-         for k in found.keys() | expected.keys()],
+        [
+            np.abs(found.get(k, nothing) - expected.get(k, nothing)).max() / largest
+            for k in found.keys() | expected.keys()
+        ],
         default=0.0,
     )
 
@@ -355,8 +383,14 @@ def walls_in_reverse(system):
 
 
 CHANGES = (
-    stiffer, rougher, faster_walls, more_relaxation, higher_overlap_speed, smaller_tolerance,
-    cold_start, walls_in_reverse,
+    stiffer,
+    rougher,
+    faster_walls,
+    more_relaxation,
+    higher_overlap_speed,
+    smaller_tolerance,
+    cold_start,
+    walls_in_reverse,
 )
 
 

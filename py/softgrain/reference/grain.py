@@ -80,9 +80,7 @@ class Grain:
 
     def internal_force(self):
         """f_I = - sum_p Vp0 P_p G_I(Xp) [N per metre of thickness], shape (nodes, 2)."""
-        P = self.material.first_piola(
-            self.deformation_gradient(), self.template.volume_projection
-        )
+        P = self.material.first_piola(self.deformation_gradient(), self.template.volume_projection)
         G = self.template.point_gradient / self.radius
         volume = self.template.point_volume * self.radius**DIM
         return -np.einsum("p,pab,pIb->Ia", volume, P, G)

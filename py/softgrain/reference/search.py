@@ -54,9 +54,7 @@ def contacts_with_plane(grain, point, normal, reach):
     g = (x_s - point) . normal - node radius.
     """
     gaps = (grain.contact_positions() - point) @ normal - grain.contact_radius
-    return [
-        Contact(0, s, -1, {}, normal, gap) for s, gap in enumerate(gaps) if gap < reach
-    ]
+    return [Contact(0, s, -1, {}, normal, gap) for s, gap in enumerate(gaps) if gap < reach]
 
 
 def disks_on_disks(first, second, reach):

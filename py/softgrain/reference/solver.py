@@ -80,9 +80,9 @@ def residual(delassus, free_velocity, normal, bias, friction, impulse):
     """
     W = delassus.diagonal()
     u = free_velocity + delassus @ impulse
-    solved = np.array([
-        solved_impulse(*contact) for contact in zip(impulse, u, normal, bias, friction, W)
-    ]).reshape(impulse.shape)
+    solved = np.array(
+        [solved_impulse(*contact) for contact in zip(impulse, u, normal, bias, friction, W)]
+    ).reshape(impulse.shape)
 
     def energy(r):
         return np.sum(W[:, None] * r**2)

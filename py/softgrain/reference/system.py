@@ -63,7 +63,7 @@ class System:
                 reach = _reach(speed, dt, grain.point_spacing)
                 normal = wall.normal_towards(grain.centre)
                 self._list((g, -1 - w), contacts_with_plane(grain, wall.position, normal, reach))
-            for h, other in enumerate(self.grains[g + 1:], g + 1):
+            for h, other in enumerate(self.grains[g + 1 :], g + 1):
                 spacing = min(grain.point_spacing, other.point_spacing)
                 reach = _reach(grain.fastest() + other.fastest(), dt, spacing)
                 self._list((g, h), contacts_of_grains(grain, other, reach))
@@ -116,9 +116,9 @@ class System:
         H = np.zeros((len(self.contacts), begins[-1]))
         for row, (pair, contact) in zip(H, self.contacts):
             g, h = pair if contact.side == 0 else pair[::-1]
-            row[begins[g]:begins[g + 1]] += self.grains[g].contact_shape[contact.node]
+            row[begins[g] : begins[g + 1]] += self.grains[g].contact_shape[contact.node]
             for node, share in contact.partners.items():
-                row[begins[h]:begins[h + 1]] -= share * self.grains[h].contact_shape[node]
+                row[begins[h] : begins[h + 1]] -= share * self.grains[h].contact_shape[node]
         return H
 
     def deepest_overlap(self):

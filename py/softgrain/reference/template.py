@@ -125,8 +125,9 @@ def surface_nodes(spacing):
     60 or 90 degrees then meet the nodes at different phases.
     """
     ideal = max(11.0, 2 * np.pi / spacing)
-    count = min((n for n in range(11, int(ideal) + 6) if n % 2 and n % 3),
-                key=lambda n: abs(n - ideal))
+    count = min(
+        (n for n in range(11, int(ideal) + 6) if n % 2 and n % 3), key=lambda n: abs(n - ideal)
+    )
     angle = 2 * np.pi * np.arange(count) / count
     return np.column_stack([np.cos(angle), np.sin(angle)])
 
@@ -151,8 +152,10 @@ def material_points(rule, spacing):
     for cell, whole in occupied_cells(rule, spacing).items():
         centre = (np.array(cell) + 0.5) * spacing
         if rule == "cutCell" and np.linalg.norm(centre) - 1 > -RIM_DEPTH * spacing:
-            parts = (moments_inside(c, 0.5 * spacing, CUT_DEPTH - 1)
-                     for c in quarter_centres(centre, spacing))
+            parts = (
+                moments_inside(c, 0.5 * spacing, CUT_DEPTH - 1)
+                for c in quarter_centres(centre, spacing)
+            )
             held += [part for part in parts if part[0] > NEGLIGIBLE_SHARE * spacing**DIM]
         else:
             held.append(whole)
@@ -163,8 +166,9 @@ def material_points(rule, spacing):
 def boundary_points(rule, spacing):
     """Centroids of the cells with an empty neighbour, one a cell, shape (cells, 2)."""
     held = occupied_cells(rule, spacing)
-    return np.array([moment / area for cell, (area, moment) in held.items()
-                     if _has_empty_neighbour(cell, held)])
+    return np.array(
+        [moment / area for cell, (area, moment) in held.items() if _has_empty_neighbour(cell, held)]
+    )
 
 
 def occupied_cells(rule, spacing):
