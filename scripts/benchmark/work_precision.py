@@ -186,6 +186,8 @@ def draw(path, problem, rows):
     for k, formulation in enumerate(FORMULATIONS):
         for (contact, marker), order in itertools.product(CONTACTS.items(), ORDERS):
             line = [r for r in rows if r[:3] == (formulation, contact, order)]
+            if not line:
+                continue
             axes.plot(
                 [r[4] for r in line],
                 [r[6] for r in line],
