@@ -16,6 +16,9 @@ from softgrain import command_line
         (command_line.non_negative, ("0", "0.3"), ("-1e-9", "nan", "x")),
         (command_line.fraction, ("0.5", "1e-3"), ("0", "1", "-1", "nan", "x")),
         (command_line.angle, ("0", "-30", "400"), ("nan", "x")),
+        (command_line.node_spacing, ("1.25", "4"), ("1.24", "4.1", "nan", "x")),
+        (command_line.surface_spacing, ("0.5", "4"), ("0.49", "4.1", "nan", "x")),
+        (command_line.step_fraction, ("1e-3", "1"), ("0", "1.01", "nan", "x")),
     ],
 )
 def test_number_types(check, good, bad):
