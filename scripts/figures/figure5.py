@@ -3,7 +3,8 @@
 Displacements of the grains' centres are counted from the start of the compaction; their mean along
 y (that of the loading) over that along x is plotted against the packing fraction. As in the paper,
 its first peak is taken as random loose packing (RLP) and the first trough after it as random close
-packing (RCP).
+packing (RCP). Both scatter much from packing to packing; the packing fractions at which stress and
+coordination number take off are given beside them.
 """
 
 import numpy as np
@@ -13,7 +14,11 @@ from softgrain.runs import new_figure, run_folder, write_table
 
 #: Standard deviation in phi of the Gaussian that smooths the ratio before extrema are sought.
 SMOOTHING = 0.005
-#: Packing fractions at which the ratio is evaluated. Before, hardly any grain has moved.
+#: Stress over E that tells a jammed packing from one that flows, which carries half of it.
+JAMMED_STRESS = 0.005
+#: Coordination number of a jammed packing with friction.
+ISOSTATIC = 3
+#: Packing fractions at which curves are evaluated. Before, hardly any grain has moved.
 GRID = np.arange(0.73, 0.98, 0.001)
 
 
@@ -30,11 +35,11 @@ def displacement_ratio(position):
     return moved[:, 1] / np.maximum(moved[:, 0], 1e-9 * moved[:, 1])
 
 
-def smooth(phi, ratio):
-    """Ratio smoothed by a Gaussian in phi, on the part of the grid that the run reached."""
+def smooth(phi, values):
+    """Values smoothed by a Gaussian in phi, on the part of the grid that the run reached."""
     grid = GRID[GRID < phi[-1] - SMOOTHING]
     weight = np.exp(-0.5 * ((grid[:, None] - phi[None, :]) / SMOOTHING) ** 2)
-    return grid, weight @ ratio / weight.sum(axis=1)
+    return grid, weight @ values / weight.sum(axis=1)
 
 
 def loose_and_close(phi, ratio):
@@ -56,6 +61,14 @@ def loose_and_close(phi, ratio):
     return phi[peaks[0]], phi[troughs[0]] if len(troughs) else np.nan
 
 
+def takes_off(phi, values, level):
+    """Packing fraction from which on the smoothed values stay above a level; nan if they do not."""
+    grid, smoothed = smooth(phi, np.asarray(values))
+    below = np.flatnonzero(smoothed <= level)
+    last = below[-1] if len(below) else -1
+    return grid[last + 1] if last + 1 < len(grid) else np.nan
+
+
 def main():
     options = compaction_options(
         __doc__,
@@ -70,9 +83,10 @@ def main():
     }
     results = iter(compact_all(sum(settings.values(), []), options))
     found = []
-    for k, (mu, chosen) in enumerate(settings.items()):
-        curves = [curve(each, next(results), options) for each in chosen]
-        found.append(np.array([loose_and_close(*each) for each in curves]))
+    for k, chosen in enumerate(settings.values()):
+        runs = [next(results) for _ in chosen]
+        curves = [curve(*pair, options) for pair in zip(chosen, runs)]
+        found.append(np.array([marks(*pair) for pair in zip(curves, runs)]))
         for n, (phi, ratio) in enumerate(curves):
             label = rf"$\mu$ = {mu:g}" if n == 0 else None
             axes.plot(phi, ratio, color=f"C{k}", lw=0.4 if n else 1.2, label=label)
@@ -82,13 +96,23 @@ def main():
     figure.savefig(options.out / "figure5.png", dpi=200)
 
     rows = []
-    for mu, extrema in zip(FRICTIONS, found):
-        mean, spread = np.nanmean(extrema, axis=0), np.nanstd(extrema, axis=0)
+    for mu, values in zip(FRICTIONS, found):
+        mean, spread = np.nanmean(values, axis=0), np.nanstd(values, axis=0)
         paper = "about 0.84" if mu == 0 else "falls with mu"
         cells = [f"{m:.3f} ± {s:.3f}" for m, s in zip(mean, spread)]
         rows.append([f"{mu:g}", *cells, paper])
-    head = ["mu", "RLP (mean ± standard deviation)", "RCP", "RCP of the paper"]
+    stress, number = f"stress/E above {JAMMED_STRESS:g}", f"coordination above {ISOSTATIC}"
+    head = ["mu", "RLP (mean ± standard deviation)", "RCP", stress, number, "RCP of the paper"]
     write_table(options.out / "figure5.md", head, rows)
+
+
+def marks(displacements, result):
+    """RLP, RCP, and where stress and coordination number take off, of one run."""
+    return (
+        *loose_and_close(*displacements),
+        takes_off(np.array(result["phi"]), result["stress_over_E"], JAMMED_STRESS),
+        takes_off(np.array(result["phi"]), result["coordination"], ISOSTATIC),
+    )
 
 
 def curve(chosen, result, options):
@@ -98,7 +122,7 @@ def curve(chosen, result, options):
 
 
 def draw_fractions(inset, found):
-    for column, (name, marker) in enumerate((("RLP", "o"), ("RCP", "s"))):
+    for column, (name, marker) in enumerate((("RLP", "o"), ("RCP", "s"), ("stress", "^"))):
         mean = [np.nanmean(extrema[:, column]) for extrema in found]
         spread = [np.nanstd(extrema[:, column]) for extrema in found]
         inset.errorbar(FRICTIONS, mean, spread, fmt=marker + "-", ms=3, lw=0.8, label=name)
