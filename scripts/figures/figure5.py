@@ -83,7 +83,7 @@ def main():
     }
     results = iter(compact_all(sum(settings.values(), []), options))
     found = []
-    for k, chosen in enumerate(settings.values()):
+    for k, (mu, chosen) in enumerate(settings.items()):
         runs = [next(results) for _ in chosen]
         curves = [curve(*pair, options) for pair in zip(chosen, runs)]
         found.append(np.array([marks(*pair) for pair in zip(curves, runs)]))
