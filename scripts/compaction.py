@@ -53,12 +53,7 @@ def parse_options(arguments=None):
     add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
     add("--poisson", type=command_line.poisson, default=0.45, help="Poisson's ratio [-]")
     add("--speed", type=command_line.positive, default=0.5, help="of the top wall [m/s]")
-    add(
-        "--until-phi",
-        type=command_line.fraction,
-        default=0.98,
-        help="packing fraction to stop at [-]",
-    )
+    command_line.add_until_phi(parser, start=f"{START_PHI}")
     command_line.add_method_options(parser)
     add("--seed", type=int, default=1, help="of the packing generator, at least 1 [-]")
     add(
@@ -75,10 +70,7 @@ def parse_options(arguments=None):
         )
     if options.seed < 1:
         parser.error(f"argument --seed: {options.seed} is outside the admissible range [1, inf)")
-    if options.until_phi <= START_PHI:
-        parser.error(
-            f"argument --until-phi: {options.until_phi} is not above the start at {START_PHI}"
-        )
+    command_line.check_until_phi(parser, options, START_PHI, f"{START_PHI}")
     return options
 
 

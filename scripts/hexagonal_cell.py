@@ -32,27 +32,18 @@ def parse_options(arguments=None):
         out="hexagonal_cell",
         tolerance=TOLERANCE,
     )
-    add = parser.add_argument
-    add(
+    parser.add_argument(
         "--rings",
         type=int,
         default=2,
         help="rings of disks about the central one, the outermost moved; at least 2 [-]",
     )
-    add(
-        "--until-phi",
-        type=command_line.fraction,
-        default=0.98,
-        help="packing fraction of the central cell to stop at, above pi/sqrt(12) [-]",
-    )
+    command_line.add_until_phi(parser, start="pi/sqrt(12)", of=" of the central cell")
     options = parser.parse_args(arguments)
     command_line.check_method(parser, options)
     if options.rings < 2:
         parser.error(f"argument --rings: {options.rings} is outside the admissible range [2, inf)")
-    if options.until_phi <= START_PHI:
-        parser.error(
-            f"argument --until-phi: {options.until_phi} is not above the start at pi/sqrt(12)"
-        )
+    command_line.check_until_phi(parser, options, START_PHI, "pi/sqrt(12)")
     return options
 
 

@@ -23,16 +23,10 @@ def parse_options(arguments=None):
     cases.add_grain_options(
         parser, speed=0.01, speed_help="of each of the four walls [m/s]", out="square_cell"
     )
-    parser.add_argument(
-        "--until-phi",
-        type=command_line.fraction,
-        default=0.98,
-        help="packing fraction to stop at, above pi/4 [-]",
-    )
+    command_line.add_until_phi(parser, start="pi/4")
     options = parser.parse_args(arguments)
     command_line.check_method(parser, options)
-    if options.until_phi <= np.pi / 4:
-        parser.error(f"argument --until-phi: {options.until_phi} is not above the start at pi/4")
+    command_line.check_until_phi(parser, options, np.pi / 4, "pi/4")
     return options
 
 

@@ -146,6 +146,30 @@ def check_method(parser, options):
         )
 
 
+def add_until_phi(parser, start, of=""):
+    """Option ``--until-phi``, the packing fraction to stop at.
+
+    Args:
+        parser (argparse.ArgumentParser): takes it.
+        start (str): name of the packing fraction at the start, for the help.
+        of (str): what is packed, for the help; e.g. " of the central cell".
+
+    See :func:`check_until_phi`.
+    """
+    parser.add_argument(
+        "--until-phi",
+        type=fraction,
+        default=0.98,  # where the paper stops
+        help=f"packing fraction{of} to stop at, above {start} [-]",
+    )
+
+
+def check_until_phi(parser, options, start, name):
+    """Refuse ``--until-phi`` at or below the packing fraction ``start``, called ``name``."""
+    if options.until_phi <= start:
+        parser.error(f"argument --until-phi: {options.until_phi} is not above the start at {name}")
+
+
 def output_folder(text):
     """Argument type: a folder, made if missing."""
     folder = Path(text)

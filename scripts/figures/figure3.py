@@ -8,18 +8,15 @@ from compactions import COMPACTION, compact_all, compaction_options, setting
 from softgrain.runs import new_figure, run_folder
 
 STATES = ("start", "jammed", "end")
-JAMMING_PHI = 0.84  # of the picture "jammed"
 
 
 def main():
     options = compaction_options(__doc__)
-    if options.until_phi <= JAMMING_PHI:
-        sys.exit(
-            f"--until-phi: {options.until_phi} is outside the admissible range ({JAMMING_PHI}, 1)"
-        )
     chosen = setting(options)
     compact_all([chosen], options)
     folder = run_folder(COMPACTION, chosen, options.out)
+    if not (folder / "packing_jammed.png").exists():
+        sys.exit(f"--until-phi: {options.until_phi} ends before the packing jams; choose more")
     figure, axes = new_figure("", "", width=13)
     axes.set_axis_off()
     for k, state in enumerate(STATES):
