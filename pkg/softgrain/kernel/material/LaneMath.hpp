@@ -18,7 +18,7 @@ namespace softgrain {
 	inline Lanes name(const Lanes& x)                                                          \
 	{                                                                                          \
 		Lanes y;                                                                           \
-		_Pragma("omp simd simdlen(8)") for (int l = 0; l < laneWidth; ++l) y[l] =          \
+		_Pragma("omp simd simdlen(laneWidth)") for (int l = 0; l < laneWidth; ++l) y[l] =  \
 			function(x[l]);                                                            \
 		return y;                                                                          \
 	}
