@@ -504,7 +504,7 @@ def write_markdown(out, studies):
 
 def draw(out, studies):
     """A mark for each case: one line a study."""
-    figure = matplotlib.figure.Figure(figsize=(9, 0.42 * len(studies) + 1), layout="constrained")
+    figure = matplotlib.figure.Figure(figsize=(9, 0.42 * len(studies) + 1.2), layout="constrained")
     axes = figure.add_subplot()
     colours = {"runs": "tab:green", "stops": "tab:orange", "wrong": "tab:red"}
     for line, (study, rows) in enumerate(studies.items()):
@@ -512,7 +512,8 @@ def draw(out, studies):
             axes.plot(place, -line, "s", ms=14, color=colours[row["outcome"]])
             axes.text(place, -line - 0.42, f"{row['value']:g}", ha="center", fontsize=6)
     axes.set_yticks([-k for k in range(len(studies))], list(studies), fontsize=8)
-    axes.set(xticks=[], title="runs (green), stops with a message (orange), wrong (red)")
+    axes.set(xticks=[], ylim=(-len(studies) + 0.2, 0.8))
+    axes.set(title="runs (green), stops with a message (orange), wrong (red)")
     figure.savefig(out / "stability.png", dpi=150)
 
 
