@@ -435,16 +435,14 @@ def make_study(name, options):
 
 def make_in_child(name, options):
     """The same in a process of its own: what stopped may have left a scene that is of no use."""
-    command = ["yade", "-n", "-x", "-j1", __file__, f"--only={name}", f"--out={options.out}"]
+    (options.out / f"{name}.json").unlink(missing_ok=True)  # no rows of an earlier run
+    script = sys.argv[0]  # in YADE, __file__ is YADE's own start script
+    command = ["yade", "-n", "-x", "-j1", script, f"--only={name}", f"--out={options.out}"]
     subprocess.run(command + ["--quick"] * options.quick, check=True)
 
 
-def read_rows(out):
-    return {
-        name: json.loads((out / f"{name}.json").read_text())
-        for name in STUDIES
-        if (out / f"{name}.json").exists()
-    }
+def read_rows(out, names):
+    return {name: json.loads((out / f"{name}.json").read_text()) for name in names}
 
 
 def write_csv(out, studies):
@@ -519,7 +517,9 @@ def draw(out, studies):
 
 def parse_options(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--only", choices=STUDIES, metavar="NAME", help=", ".join(STUDIES))
+    parser.add_argument(
+        "--only", choices=STUDIES, metavar="NAME", nargs="+", help=", ".join(STUDIES)
+    )
     parser.add_argument("--quick", action="store_true", help="few values and small scenes")
     parser.add_argument(
         "--out", type=command_line.output_folder, default=Path("stability"), help="for results"
@@ -529,12 +529,13 @@ def parse_options(arguments=None):
 
 def main():
     options = parse_options()
-    if options.only:
-        make_study(options.only, options)
+    names = options.only or list(STUDIES)
+    if len(names) == 1:
+        make_study(names[0], options)
     else:
-        for name in STUDIES:
+        for name in names:
             make_in_child(name, options)
-    studies = read_rows(options.out)
+    studies = read_rows(options.out, names)
     write_csv(options.out, studies)
     write_markdown(options.out, studies)
     draw(options.out, studies)
