@@ -67,6 +67,7 @@ class System:
                 spacing = min(grain.point_spacing, other.point_spacing)
                 reach = _reach(grain.fastest() + other.fastest(), dt, spacing)
                 self._list((g, h), contacts_of_grains(grain, other, reach))
+        self.contacts = in_sweep_order(self.contacts)
         for pair, contact in self.contacts:
             contact.impulse = last.get((pair, contact.key), contact.impulse)
 
@@ -154,6 +155,28 @@ class System:
             grain.move(dt)
         for wall in self.walls:
             wall.position = wall.position + dt * np.asarray(wall.velocity)
+
+
+def in_sweep_order(contacts):
+    """Sort contacts by colour: each pair of bodies has the first that none of its bodies has yet.
+
+    Args:
+        contacts (list): of (pair, contact), the contacts of a pair side by side; a pair is (grain,
+            grain), or (grain, negative) with a wall.
+
+    Returns:
+        list: the same; within a colour in the given order.
+    """
+    colour, taken = {}, {}
+    for pair, _ in contacts:
+        if pair in colour:
+            continue
+        used = set().union(*(taken.setdefault(g, set()) for g in pair if g >= 0))
+        colour[pair] = next(k for k in range(len(used) + 1) if k not in used)
+        for g in pair:
+            if g >= 0:
+                taken[g].add(colour[pair])
+    return sorted(contacts, key=lambda item: colour[item[0]])
 
 
 def _reach(speed, dt, point_spacing):

@@ -67,8 +67,8 @@ TEST_CASE("Residual: no unit, 0 for nothing, 1 for impulses that are missing", "
 	missing.add<2>(Vec<2>::Zero(), Vec<2>(1e-30, 0), 3);
 	CHECK(missing.value() == 1);
 	ResidualSum wrong;
-	wrong.add<2>(Vec<2>(1, 0), Vec<2>(1.01, 0), 3);
-	wrong.add<2>(Vec<2>(0, 2), Vec<2>(0, 2), 5);
+	wrong.add<2>(Vec<2>(1, 0), Vec<2>(1.01, 0), 1. / 3);
+	wrong.add<2>(Vec<2>(0, 2), Vec<2>(0, 2), 1. / 5);
 	CHECK(std::abs(wrong.value() - 0.01 / std::sqrt(3.) / std::sqrt(1.01 * 1.01 / 3 + 4. / 5)) <
 	      1e-15);
 

@@ -470,11 +470,8 @@ TEMPLATE_TEST_CASE_SIG("Contact body: normals, box and mobilities", "[contact]",
 	}
 	CHECK(((body.box.high - body.box.low).array() <= 4 + 1e-12).all());
 	CHECK(((body.box.high - body.box.low).array() > 3.8).all());
-	// push(s, J) moves every node by W_ss' J.
 	const int s = random.index(body.nodes());
-	const Vec<dim> J = random.vector<dim>();
-	body.push(s, J);
 	for (int t = 0; t < body.nodes(); ++t)
-		CHECK((body.velocity[t] - body.mobility(s, t) * J).norm() == 0);
-	CHECK(body.mobility(s, s) > 0);
+		CHECK(std::abs(body.mobility(s, t) - body.mobility(t, s)) <
+		      1e-15 * body.mobility(s, s));
 }

@@ -83,12 +83,6 @@ template <int dim> struct ContactBody {
 
 	/// Renews normals and box after `position` was set.
 	void updateGeometry();
-	/// Adds W_ss' J to the velocities of all nodes s that feel an impulse J on node s'.
-	void push(int node, const Vec<dim>& J)
-	{
-		for (int k = delassus->begin(node); k < delassus->end(node); ++k)
-			velocity[delassus->column[k]] += delassusScale * delassus->value[k] * J;
-	}
 	/// W_ss', 1/kg; 0 for nodes that do not feel each other.
 	double mobility(int node, int other) const;
 };

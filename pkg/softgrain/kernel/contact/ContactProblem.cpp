@@ -28,11 +28,11 @@ template <int dim> double ContactProblem<dim>::residual() const
 	const std::vector<Vec<dim>> u = velocity();
 	ResidualSum sum;
 	for (int k = 0; k < contacts(); ++k) {
-		const double inverseW = 1 / mobility(k);
+		const double W = mobility(k);
 		sum.add<dim>(impulse[k],
-			     solvedContact<dim>(impulse[k], u[k], normal[k], bias[k], inverseW,
+			     solvedContact<dim>(impulse[k], u[k], normal[k], bias[k], 1 / W,
 						friction[k]),
-			     inverseW);
+			     W);
 	}
 	return sum.value();
 }

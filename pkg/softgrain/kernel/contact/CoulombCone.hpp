@@ -3,6 +3,8 @@
 
 #include "Vector.hpp"
 
+#include <cmath>
+
 namespace softgrain {
 
 /// proj_C: normal part first, max(0, r_n); then the tangential part is cut to mu r_n. This is not
@@ -12,8 +14,10 @@ template <int dim> Vec<dim> onCone(const Vec<dim>& r, const Vec<dim>& n, double 
 {
 	const double normal = r.dot(n);
 	if (normal <= 0) return Vec<dim>::Zero();
+	if (friction == 0) return normal * n;
 	const Vec<dim> tangential = r - normal * n;
-	const double size = tangential.norm(), bound = friction * normal;
+	const double bound = friction * normal;
+	const double size = dim == 2 ? std::abs(n[0] * r[1] - n[1] * r[0]) : tangential.norm();
 	if (size <= bound) return r;
 	return normal * n + (bound / size) * tangential;
 }

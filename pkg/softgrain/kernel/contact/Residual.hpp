@@ -14,13 +14,19 @@ namespace softgrain {
 /// where impulses are still missing (r = 0); where no contact has or needs one the residual is 0.
 class ResidualSum {
 public:
-	/// One contact: its impulse, the one that would solve it (`solvedContact`), its mobility.
-	template <int dim>
-	void add(const Vec<dim>& impulse, const Vec<dim>& solved, double inverseW)
+	/// One contact: its impulse, the one that would solve it (`solvedContact`), its mobility W.
+	template <int dim> void add(const Vec<dim>& impulse, const Vec<dim>& solved, double W)
 	{
-		violation_ += (solved - impulse).squaredNorm() / inverseW;
-		present_ += impulse.squaredNorm() / inverseW;
-		wanted_ += solved.squaredNorm() / inverseW;
+		violation_ += W * (solved - impulse).squaredNorm();
+		present_ += W * impulse.squaredNorm();
+		wanted_ += W * solved.squaredNorm();
+	}
+	ResidualSum& operator+=(const ResidualSum& other)
+	{
+		violation_ += other.violation_;
+		present_ += other.present_;
+		wanted_ += other.wanted_;
+		return *this;
 	}
 	double value() const
 	{

@@ -239,7 +239,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	if (gridSpacing_ > 0) useGridNodes(lists);
 	predictVelocities(settings);
 	gatherContacts(touched, settings);
-	solver_.prepare(bodies_, lists, settings.dt, settings.solver);
+	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads);
 	solver_.warmStart();
 	report.solver = solver_.solve();
 	solver_.collectImpulses();

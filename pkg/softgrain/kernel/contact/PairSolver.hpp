@@ -1,0 +1,132 @@
+// The contacts of one pair of bodies as the sweeps see them: little memory for each, in one piece.
+// What it does changes the velocities of these two bodies only, so pairs without a common body can
+// be worked on at the same time.
+#pragma once
+
+#include "contact/Contact.hpp"
+#include "contact/ContactBody.hpp"
+#include "contact/Residual.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+struct SolverSettings {
+	/// Residual (ResidualSum) at which sweeps end: doc/decisions/0002-sweep-tolerance.md.
+	double tolerance = 1e-2;
+	int maxSweeps = 100; ///< cap; steps that hit it are counted
+	/// Share of an overlap that is worked off per step. All at once would throw the grains
+	/// apart.
+	double overlapRelaxation = 0.1;
+	/// Cap on the speed at which overlaps are worked off, m/s.
+	double overlapSpeed = 1e300;
+};
+
+/// Work of the contact impulses of one step, J (2D: J/m), split into the halves done at the
+/// velocities before and after the impulse; their sum is exact for the kinetic energy.
+struct ContactWork {
+	struct Halves {
+		double before = 0, after = 0;
+
+		Halves& operator+=(const Halves& other)
+		{
+			before += other.before;
+			after += other.after;
+			return *this;
+		}
+	};
+	Halves impact;   ///< lost by normal impulses (gained where an overlap is pushed out)
+	Halves friction; ///< lost by friction
+	Halves planes;   ///< done by moving planes on the grains
+
+	ContactWork& operator+=(const ContactWork& other)
+	{
+		impact += other.impact;
+		friction += other.friction;
+		planes += other.planes;
+		return *this;
+	}
+};
+
+/// What a sweep did, in the residual's norm, kg m^2/s^2.
+struct SweepChange {
+	double changed = 0; ///< sum W |dr|^2
+	double total = 0;   ///< sum W |r|^2
+
+	SweepChange& operator+=(const SweepChange& other)
+	{
+		changed += other.changed;
+		total += other.total;
+		return *this;
+	}
+};
+
+enum class SweepOrder { forwards, backwards };
+
+template <int dim> class PairSolver {
+public:
+	/// Takes the contacts of `list`, whose bodies are in `bodies`.
+	void prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
+		     const SolverSettings& settings);
+	/// Applies the impulses left by the last step, made admissible for the present normals.
+	void warmStart();
+	/// Solves each contact once, the others held.
+	SweepChange sweep(SweepOrder order);
+	/// How far the present impulses are from a solution.
+	ResidualSum residual() const;
+	/// Gives the list its impulses; returns how many are not zero.
+	int finish();
+	/// Sums the impulses on every contact node into ContactBody::impulse.
+	void collectImpulses();
+	ContactWork work() const;
+
+	int contacts() const { return static_cast<int>(constraints_.size()); }
+
+	struct Constraint {
+		Vec<dim> normal, impulse;
+		double bias;       ///< b, m/s
+		double W;          ///< 1/kg
+		double inverseW;   ///< kg
+		int node;          ///< of the body on which the impulse acts
+		bool onFirst;      ///< which body that is
+		int partners;      ///< nodes of the other body that bear it
+		int partnerRow;    ///< of `partnerMobility_`
+		std::array<int, mostPartners<dim>> partner;
+		std::array<double, mostPartners<dim>> weight;
+	};
+	const std::vector<Constraint>& constraints() const { return constraints_; }
+	double friction() const { return friction_; }
+	/// u without impulses, and the impulses before the first sweep, contact by contact.
+	const std::vector<Vec<dim>>& freeVelocity() const { return freeVelocity_; }
+	const std::vector<Vec<dim>>& start() const { return start_; }
+	/// Calls with each body, node and share of the node in the contact's relative velocity.
+	template <class Visit> void forEachShare(const Constraint& c, Visit&& visit) const
+	{
+		visit(static_cast<const ContactBody<dim>*>(own(c)), c.node, 1.);
+		for (int i = 0; i < c.partners; ++i)
+			visit(static_cast<const ContactBody<dim>*>(other(c)), c.partner[i],
+			      -c.weight[i]);
+	}
+
+private:
+	ContactBody<dim>* own(const Constraint& c) const { return c.onFirst ? first_ : second_; }
+	ContactBody<dim>* other(const Constraint& c) const { return c.onFirst ? second_ : first_; }
+	Vec<dim> relativeVelocity(const Constraint& c,
+				  std::vector<Vec<dim>> ContactBody<dim>::* field) const;
+	Vec<dim> solvedImpulse(const Constraint& c) const;
+	void applyImpulse(const Constraint& c, const Vec<dim>& J);
+	double appendPartnerMobility(const Contact<dim>& contact, const ContactBody<dim>& partner);
+
+	ContactBody<dim>* first_ = nullptr;
+	ContactBody<dim>* second_ = nullptr; ///< null for a plane
+	ContactList<dim>* list_ = nullptr;   ///< valid up to `finish`
+	Vec<dim> planeVelocity_;             ///< zero between grains
+	double friction_ = 0;
+	std::vector<Constraint> constraints_;
+	std::vector<Vec<dim>> freeVelocity_, start_;
+	/// sum_i w_i W_is of all nodes s of the partner that an impulse on a contact moves, 1/kg; a
+	/// row for each contact with partners.
+	SparseRows<double> partnerMobility_;
+};
+
+} // namespace softgrain
