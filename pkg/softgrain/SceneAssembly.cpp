@@ -83,8 +83,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 	const auto assembly = softgrain::GrainAssembly::create(grains);
 	assembly->continueFrom(continuation);
 	for (int g = 0; g < assembly->grains(); ++g) {
-		SoftGrain& grain =
-			static_cast<SoftGrain&>(*(*scene.bodies)[assembly->idOf(g)]->shape);
+		SoftGrain& grain = grainOf(scene, assembly->idOf(g));
 		const Body& body = *(*scene.bodies)[assembly->idOf(g)];
 		const auto d = grain.describe(body);
 		grain.assembly = assembly;
@@ -103,6 +102,11 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
 {
 	const std::lock_guard<std::mutex> lock(assemblyMutex);
 	return assembleLocked(scene);
+}
+
+SoftGrain& grainOf(const Scene& scene, int id)
+{
+	return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape);
 }
 
 double defaultTimeStep()

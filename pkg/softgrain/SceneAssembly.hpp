@@ -20,6 +20,9 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene);
 /// SoftGrainIntegrator reports why.
 std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene) noexcept;
 
+/// Shape of a body that is a soft grain.
+SoftGrain& grainOf(const Scene& scene, int id);
+
 /// O.dt of a scene in which nobody has set it, s.
 double defaultTimeStep();
 

@@ -1,11 +1,9 @@
 #include "SoftGrainIntegrator.hpp"
-#include "PythonContactProblem.hpp"
 #include "Require.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
+#include "SoftGrain.hpp"
 
-#include <array>
-#include <cctype>
 #include <sstream>
 
 namespace yade {
@@ -21,11 +19,6 @@ namespace {
 /// Relative rounding of the critical time step: how much a grain stiffens comes from the root of a
 /// difference of large numbers, 1e-8 in an undeformed grain.
 constexpr double timeStepRounding = 1e-6;
-
-SoftGrain& grainOf(const Scene& scene, int id)
-{
-	return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape);
-}
 
 } // namespace
 
@@ -103,13 +96,6 @@ void SoftGrainIntegrator::continueSavedRun()
 	state.sums.planes = workSums[2];
 	state.sums.loads = workSums[3];
 	assembly_->continueFrom(state);
-}
-
-void SoftGrainIntegrator::saveContinuation()
-{
-	const auto state = assembly_->continuation();
-	lastStep = state.lastStep;
-	workSums = { state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads };
 }
 
 void SoftGrainIntegrator::checkEngines() const
@@ -293,123 +279,6 @@ softgrain::StepSettings SoftGrainIntegrator::settings() const
 	s.trackEnergy = scene->trackEnergy;
 	s.threads = threads();
 	return s;
-}
-
-void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interactions, Real kick)
-{
-	for (Interaction* I : interactions) {
-		SoftGeom& geom = static_cast<SoftGeom&>(*I->geom);
-		SoftPhys& phys = static_cast<SoftPhys&>(*I->phys);
-		// records act on the first grain of the pair if side == 0; is that body #2 of the
-		// interaction?
-		const auto soft1 =
-			YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId1()]->shape);
-		const auto soft2 =
-			YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId2()]->shape);
-		const bool firstIsBody2 = !soft1 || (soft2 && soft2->index < soft1->index);
-		Vec3 normalImpulse = Vec3::Zero(), shearImpulse = Vec3::Zero(),
-		     sumOfPoints = Vec3::Zero();
-		phys.contacts = phys.activeContacts = 0;
-		for (const softgrain::ContactRecord& c : geom.pair->records()) {
-			const double sign = (c.key.side == 0) == firstIsBody2 ? 1 : -1;
-			const Vec3 normalPart = c.impulse.dot(c.normal) * c.normal;
-			normalImpulse += sign * normalPart;
-			shearImpulse += sign * (c.impulse - normalPart);
-			sumOfPoints += c.point;
-			++phys.contacts;
-			phys.activeContacts += !c.impulse.isZero(0);
-		}
-		if (phys.contacts > 0) geom.contactPoint = sumOfPoints / phys.contacts;
-		phys.normalForce = normalImpulse / kick;
-		phys.shearForce = shearImpulse / kick;
-		const Vector3r force = phys.normalForce + phys.shearForce;
-		scene->forces.addForce(I->getId2(), force);
-		scene->forces.addForce(I->getId1(), -force);
-	}
-}
-
-/// NewtonIntegrator, next, adds vel dt to pos and turns ori by angVel dt; it lands on the grain.
-void SoftGrainIntegrator::publishMotions()
-{
-	const Real dt = scene->dt;
-	for (int g = 0; g < assembly_->grains(); ++g) {
-		State& state = *(*scene->bodies)[assembly_->idOf(g)]->state;
-		softgrain::GrainMotion& written = grainOf(*scene, assembly_->idOf(g)).written;
-		written = assembly_->motion(g);
-		state.vel = written.velocity;
-		state.angVel = written.angularVelocity;
-		state.mass = written.mass;
-		state.inertia = Vector3r::Constant(written.inertia);
-		state.pos = written.position - dt * written.velocity;
-		const Real rate = written.angularVelocity.norm();
-		const Rotation turn =
-			rate > 0 ? Rotation(Eigen::AngleAxisd(-rate * dt,
-							      written.angularVelocity / rate))
-				 : Rotation(Rotation::Identity());
-		state.ori = turn * written.orientation;
-	}
-}
-
-void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
-{
-	contacts = report.solver.contacts;
-	activeContacts = report.solver.active;
-	sweeps = report.solver.sweeps;
-	residual = report.solver.residual;
-	largestResidual = std::max(largestResidual, residual);
-	overlap = report.deepest;
-	largestOverlap = std::max(largestOverlap, overlap);
-	steps += 1;
-	totalSweeps += sweeps;
-	if (!report.solver.converged) cappedSteps += 1;
-}
-
-namespace {
-
-constexpr std::array<const char*, 6> energyNames { "kinetic", "elastic", "friction",
-						   "impact",  "walls",   "loads" };
-
-} // namespace
-
-void SoftGrainIntegrator::publishEnergy()
-{
-	const auto e = assembly_->energy();
-	energies = { e.kinetic, e.elastic, e.friction, e.impact, e.planes, e.loads };
-	for (std::size_t k = 0; k < energies.size(); ++k) {
-		string name = string("soft") + energyNames[k];
-		name[4] = static_cast<char>(std::toupper(name[4]));
-		scene->energy->set(energies[k], name, energyIds_[k]);
-	}
-}
-
-py::dict SoftGrainIntegrator::energyDict() const
-{
-	py::dict d;
-	for (std::size_t k = 0; k < energyNames.size(); ++k)
-		d[energyNames[k]] = k < energies.size() ? energies[k] : 0.;
-	return d;
-}
-
-py::dict SoftGrainIntegrator::contactProblem() const
-{
-	return softgrain::toDict(assembly_ ? assembly_->contactProblem()
-					   : softgrain::ContactProblemArrays());
-}
-
-/// The collider watches State.pos only; outlines that leave their boxes are watched here.
-void SoftGrainIntegrator::callColliderIfNeeded() const
-{
-	for (int g = 0; g < assembly_->grains(); ++g) {
-		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
-		if (!body.bound) continue;
-		const auto box = assembly_->box(g).grown(
-			0.1 * assembly_->pointSpacing(g)); // contacts start before touch
-		if ((box.low.array() < body.bound->min.array()).any() ||
-		    (box.high.array() > body.bound->max.array()).any()) {
-			scene->doSort = true;
-			return;
-		}
-	}
 }
 
 Real criticalTimeStep(Scene& scene)
