@@ -1,6 +1,7 @@
 #include "GrainAssembly.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -159,6 +160,7 @@ public:
 		list.second = second;
 		findContacts(system_.body(first), system_.body(second),
 			     system_.reach(first, second, dt), list);
+		countSearch(list);
 	}
 
 	void search(PairContacts& pair, int g, const WallDescription& wall,
@@ -170,6 +172,7 @@ public:
 		list.plane = { toKernel<dim>(wall.point), toKernel<dim>(wall.normal),
 			       toKernel<dim>(wall.velocity) };
 		findContacts(system_.body(g), system_.reach(g, list.plane, dt), list);
+		countSearch(list);
 	}
 
 	StepReport step(const StepSettings& settings,
@@ -178,7 +181,10 @@ public:
 		std::vector<ContactList<dim>*> lists;
 		for (PairContacts* pair : pairs)
 			lists.push_back(&listOf(*pair));
-		return system_.step(settings, lists);
+		StepReport report = system_.step(settings, lists);
+		report.work.pairs = searchedPairs_.exchange(0);
+		report.work.candidates = testedCandidates_.exchange(0);
+		return report;
 	}
 	ContactProblemArrays contactProblem() const override
 	{
@@ -286,6 +292,13 @@ private:
 		return static_cast<PairContactsOf<dim>&>(pair).list;
 	}
 
+	/// Searches run in parallel.
+	void countSearch(const ContactList<dim>& list) const
+	{
+		searchedPairs_.fetch_add(1, std::memory_order_relaxed);
+		testedCandidates_.fetch_add(list.candidates, std::memory_order_relaxed);
+	}
+
 	const GrainParameters<dim>& parameters(int g) const
 	{
 		return system_.setOf(g).parameters(system_.indexInSet(g));
@@ -333,6 +346,8 @@ private:
 		}
 	}
 
+	mutable std::atomic<long> searchedPairs_ = 0,
+				  testedCandidates_ = 0; ///< since the last step
 	System<dim> system_;
 	std::vector<int> id_; ///< of the YADE body by index in the system
 	double z_;

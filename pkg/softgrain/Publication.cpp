@@ -4,6 +4,7 @@
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 #include "SoftGrainIntegrator.hpp"
+#include "Timing.hpp"
 
 #include <array>
 #include <cctype>
@@ -79,7 +80,17 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 	largestOverlap = std::max(largestOverlap, overlap);
 	steps += 1;
 	totalSweeps += sweeps;
+	pointsUpdated += report.work.points;
+	pairsSearched += report.work.pairs;
+	candidatesTested += report.work.candidates;
+	contactsSwept += report.work.visits;
 	if (!report.solver.converged) cappedSteps += 1;
+}
+
+void SoftGrainIntegrator::publishTimes()
+{
+	for (const auto& entry : clock_.take())
+		addTime(*timingDeltas, string(entry.phase), entry.nanoseconds, entry.count);
 }
 
 namespace {

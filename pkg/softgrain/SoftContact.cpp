@@ -1,6 +1,9 @@
 #include "SoftContact.hpp"
 #include "PythonArrays.hpp"
 #include "SceneAssembly.hpp"
+#include "Timing.hpp"
+
+#include <mutex>
 
 namespace yade {
 
@@ -85,6 +88,28 @@ shared_ptr<SoftGeom> geometryOf(const Interaction& I,
 	return geom;
 }
 
+/// Books its lifetime as a search on a functor, which several threads may call at a time.
+class SearchTimer {
+public:
+	explicit SearchTimer(const IGeomFunctor& functor)
+		: functor_(functor)
+		, start_(TimingInfo::getNow())
+	{
+	}
+	~SearchTimer()
+	{
+		if (!TimingInfo::enabled) return;
+		static std::mutex mutex;
+		const auto now = TimingInfo::getNow();
+		const std::lock_guard<std::mutex> lock(mutex);
+		addTime(*functor_.timingDeltas, "findContacts", now - start_, 1);
+	}
+
+private:
+	const IGeomFunctor& functor_;
+	TimingInfo::delta start_;
+};
+
 /// Length of the coming step for the reach of the search. In the first step O.dt may still be
 /// YADE's default, which SoftGrainIntegrator replaces by half the critical step or more.
 Real searchStep(const Scene& scene, const SoftGrain& grain)
@@ -112,6 +137,7 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
 	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
 	if (!grain1.assembly || grain1.assembly != grain2.assembly) return I->isReal();
+	const SearchTimer timer(*this);
 	const auto geom = geometryOf(*I, grain1.assembly);
 	grain1.assembly->search(*geom->pair, std::min(grain1.index, grain2.index),
 				std::max(grain1.index, grain2.index), searchStep(*scene, grain1));
@@ -138,6 +164,7 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	const Wall& wall = static_cast<Wall&>(*shape1);
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
 	if (!grain.assembly) return I->isReal();
+	const SearchTimer timer(*this);
 	const auto geom = geometryOf(*I, grain.assembly);
 	softgrain::WallDescription plane { I->getId1(), state1.pos, Vec3::Zero(), state1.vel };
 	const double side = state2.pos[wall.axis] > state1.pos[wall.axis] ? 1 : -1;

@@ -58,8 +58,10 @@ public:
 		       const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(SoftGrain, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(SoftGrain, SoftGrain);
-	YADE_CLASS_BASE_DOC(Ig2_SoftGrain_SoftGrain_SoftGeom, IGeomFunctor,
-			    "Finds the contact points of two :yref:`SoftGrains<SoftGrain>`.");
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(
+		Ig2_SoftGrain_SoftGrain_SoftGeom, IGeomFunctor,
+		"Finds the contact points of two :yref:`SoftGrains<SoftGrain>`.", ,
+		timingDeltas.reset(new TimingDeltas););
 };
 REGISTER_SERIALIZABLE(Ig2_SoftGrain_SoftGrain_SoftGeom);
 
@@ -72,9 +74,11 @@ public:
 		       const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(Wall, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(Wall, SoftGrain);
-	YADE_CLASS_BASE_DOC(Ig2_Wall_SoftGrain_SoftGeom, IGeomFunctor,
-			    "Finds the contact points of a :yref:`SoftGrain` on a :yref:`Wall`, "
-			    "which moves as its :yref:`State.vel` says.");
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(
+		Ig2_Wall_SoftGrain_SoftGeom, IGeomFunctor,
+		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Wall`, "
+		"which moves as its :yref:`State.vel` says.",
+		, timingDeltas.reset(new TimingDeltas););
 };
 REGISTER_SERIALIZABLE(Ig2_Wall_SoftGrain_SoftGeom);
 

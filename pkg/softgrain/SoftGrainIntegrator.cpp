@@ -59,17 +59,24 @@ void SoftGrainIntegrator::action()
 /// One step. Whatever may be wrong is found before anything is changed.
 void SoftGrainIntegrator::advance()
 {
+	clock_.start(TimingInfo::enabled);
 	assembly_ = assembleScene(*scene);
 	if (!assembly_) return;
 	checkEngines();
 	if (loaded_) continueSavedRun();
+	clock_.end("assembleScene");
 	applyUserMotions();
+	clock_.end("applyUserMotions");
 	assembly_->updateForces(threads());
+	clock_.end("updateForces");
 	chooseTimeStep(assembly_->stiffening());
+	clock_.end("chooseTimeStep");
 	const auto interactions = softInteractions();
 	renewContacts(interactions);
 	stopOnOverlap(interactions);
+	clock_.end("softInteractions");
 	applyLoads();
+	clock_.end("applyLoads");
 
 	std::vector<softgrain::PairContacts*> pairs;
 	for (const Interaction* I : interactions)
@@ -77,11 +84,19 @@ void SoftGrainIntegrator::advance()
 	const auto report = assembly_->step(settings(), pairs);
 
 	publishForces(interactions, report.kick);
+	clock_.end("publishForces");
 	publishMotions();
+	clock_.end("publishMotions");
 	publishReport(report);
 	saveContinuation();
-	if (scene->trackEnergy) publishEnergy();
+	clock_.end("publishReport");
+	if (scene->trackEnergy) {
+		publishEnergy();
+		clock_.end("publishEnergy");
+	}
 	callColliderIfNeeded();
+	clock_.end("callColliderIfNeeded");
+	publishTimes();
 }
 
 /// A run that was loaded goes on with the sums and the step that were saved.
@@ -268,7 +283,7 @@ void SoftGrainIntegrator::stopOnOverlap(const std::vector<Interaction*>& interac
 	}
 }
 
-softgrain::StepSettings SoftGrainIntegrator::settings() const
+softgrain::StepSettings SoftGrainIntegrator::settings()
 {
 	softgrain::StepSettings s;
 	s.dt = scene->dt;
@@ -278,6 +293,7 @@ softgrain::StepSettings SoftGrainIntegrator::settings() const
 	s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
 	s.trackEnergy = scene->trackEnergy;
 	s.threads = threads();
+	s.clock = &clock_;
 	return s;
 }
 

@@ -35,13 +35,17 @@ public:
 		((Real, largestOverlap, 0, Attr::readonly, "Largest overlap so far over the spacing of material points [-]. |yupdate|"))
 		((Real, steps, 0, Attr::readonly, "Steps so far. |yupdate|"))
 		((Real, totalSweeps, 0, Attr::readonly, "Sweeps so far. |yupdate|"))
+		((Real, pointsUpdated, 0, Attr::readonly, "Material points whose stress was computed, summed over the steps so far. |yupdate|"))
+		((Real, pairsSearched, 0, Attr::readonly, "Pairs of bodies searched for contact points, summed over the steps so far. |yupdate|"))
+		((Real, candidatesTested, 0, Attr::readonly, "Contact nodes that these searches tested against the other body. |yupdate|"))
+		((Real, contactsSwept, 0, Attr::readonly, "Contact points visited by sweeps: their number in each sweep, summed over all sweeps so far. |yupdate|"))
 		((Real, cappedSteps, 0, Attr::readonly, "Steps so far whose *residual* was still above *tolerance* after *maxSweeps* sweeps. |yupdate|"))
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
 		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
 		((vector<Real>, energies, , Attr::hidden, "Energy balance of the last step [J]."))
 		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads [J].")),
-		/*ctor*/,
+		timingDeltas.reset(new TimingDeltas);,
 		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), loads (work of body loads) [J, 2D J/m]. kinetic + elastic + friction + impact − walls − loads stays constant.")
 		.def("contactProblem", &SoftGrainIntegrator::contactProblem, "Contact problem of the last step as a dict of numpy arrays, with n contacts in dim dimensions, ready for ``numpy.savez``. Find impulses r with u = u_free + W r that satisfy 0 ≤ u_n + b ⊥ r_n ≥ 0, \\|r_t\\| ≤ mu r_n, sliding opposite to u_t at the bound. Keys: *normal* (n, dim), unit; *free_velocity* (n, dim), u_free [m/s]; *bias* (n), b [m/s]; *friction* (n), mu; *delassus_offset*, *delassus_column*, *delassus_value*, W [1/kg] in compressed sparse rows, n x n, each entry standing for itself times the identity of dim dimensions; *start* (n, dim), impulses the sweeps started from [N s]; *impulse* (n, dim), those they found [N s]. In 2D everything is per metre of thickness. Empty arrays before the first step.")
 	);
@@ -58,16 +62,18 @@ private:
 	std::vector<Interaction*> softInteractions() const;
 	void renewContacts(const std::vector<Interaction*>& interactions) const;
 	void stopOnOverlap(const std::vector<Interaction*>& interactions) const;
-	softgrain::StepSettings settings() const;
+	softgrain::StepSettings settings();
 	void publishForces(const std::vector<Interaction*>& interactions, Real kick);
 	void publishMotions();
 	void publishReport(const softgrain::StepReport& report);
 	void publishEnergy();
+	void publishTimes();
 	void callColliderIfNeeded() const;
 	Vector3r gravity() const;
 	int threads() const;
 
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
+	softgrain::PhaseClock clock_;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
 	int energyIds_[6] = { -1, -1, -1, -1, -1, -1 };
 };

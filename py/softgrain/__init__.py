@@ -41,6 +41,7 @@ from softgrain.observe import (  # noqa: E402
 )
 from softgrain.picture import draw_packing  # noqa: E402
 from softgrain.profile import contact_halfwidth, contact_profile  # noqa: E402
+from softgrain.timing import phase_times, reset_times  # noqa: E402
 
 __all__ = sorted(_classes) + [
     "Balance",
@@ -53,6 +54,8 @@ __all__ = sorted(_classes) + [
     "grain_area",
     "integrator",
     "packing_fraction",
+    "phase_times",
+    "reset_times",
     "set_time_step",
     "soft_block",
     "soft_bodies",

@@ -53,6 +53,7 @@ template <int dim> struct ContactList {
 	double friction = 0; ///< coefficient mu
 	double deepest =
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
+	int candidates = 0; ///< nodes that the search tested against the other body
 	std::vector<Contact<dim>> contacts;
 
 	/// By first body; its planes in the order of their names, then its grains.

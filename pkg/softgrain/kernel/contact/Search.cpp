@@ -211,6 +211,7 @@ void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& o
 	const double margin = std::max(reach, deep);
 	const auto nodes = nodesNear(body, other, reach, margin);
 	if (nodes.empty()) return;
+	list.candidates += static_cast<int>(nodes.size());
 	const auto facets = facetsIn(other, body.box.grown(margin));
 	if (facets.empty()) return;
 	// Near a corner the nearest facet need not be the one that a node lies against: there only
@@ -246,7 +247,9 @@ void disksAgainstDisks(const ContactBody<dim>& first, const ContactBody<dim>& se
 	// out
 	const auto others = nodesIn(second, first.box.grown(reach + second.nodeRadius));
 	if (others.empty()) return;
-	for (int s : nodesIn(first, second.box.grown(reach + first.nodeRadius)))
+	const auto nodes = nodesIn(first, second.box.grown(reach + first.nodeRadius));
+	list.candidates += static_cast<int>(nodes.size());
+	for (int s : nodes)
 		for (int t : others) {
 			const Vec<dim> apart = first.position[s] - second.position[t];
 			if (apart.squaredNorm() >= (touch + reach) * (touch + reach)) continue;
@@ -268,6 +271,7 @@ template <int dim>
 void nodesOnCommonGrid(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
 		       ContactList<dim>& list)
 {
+	list.candidates += static_cast<int>(first.gridNode.size());
 	auto other = second.gridNode.begin();
 	for (auto node = first.gridNode.begin(); node != first.gridNode.end(); ++node) {
 		while (other != second.gridNode.end() && other->index < node->index)
@@ -292,6 +296,7 @@ void nodesOnCommonGrid(const ContactBody<dim>& first, const ContactBody<dim>& se
 template <int dim>
 void nodesOnCommonGrid(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
 {
+	list.candidates += static_cast<int>(body.gridNode.size());
 	for (std::size_t J = 0; J < body.gridNode.size(); ++J) {
 		const GridNode<dim>& node = body.gridNode[J];
 		Vec<dim> x;
@@ -355,6 +360,7 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 	std::vector<Contact<dim>> last;
 	last.swap(list.contacts);
 	list.deepest = 0;
+	list.candidates = 0;
 	const double margin =
 		first.isSurface() ? std::max(reach, contactDepth(first, second)) : reach;
 	if (!first.box.grown(margin).overlaps(second.box)) return;
@@ -378,11 +384,13 @@ void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& 
 	std::vector<Contact<dim>> last;
 	last.swap(list.contacts);
 	list.deepest = 0;
+	list.candidates = 0;
 	if (body.isOnGrid()) {
 		nodesOnCommonGrid(body, reach, list);
 		carryImpulsesByName(last, list.contacts);
 		return;
 	}
+	list.candidates += body.nodes();
 	for (int s = 0; s < body.nodes(); ++s) {
 		Contact<dim> contact;
 		contact.gap = (body.position[s] - list.plane.point).dot(list.plane.normal) -

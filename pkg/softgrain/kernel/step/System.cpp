@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace softgrain {
 
@@ -105,8 +106,10 @@ template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 
 template <int dim> void System<dim>::updateForces(int threads)
 {
-	for (const auto& set : sets_)
+	for (const auto& set : sets_) {
 		set->updateForces(threads);
+		updatedPoints_ += static_cast<long>(set->grains()) * set->reference().points();
+	}
 	for (int g = 0; g < grains(); ++g) {
 		const int point = setOf(g).report(indexInSet(g)).invertedPoint;
 		if (point >= 0) throw StepError(g, point, whatStopped(setOf(g), indexInSet(g)));
@@ -218,6 +221,8 @@ template <int dim>
 StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactList<dim>*> lists)
 {
 	StepReport report;
+	PhaseClock silent;
+	PhaseClock& clock = settings.clock ? *settings.clock : silent;
 	if (!forcesFresh_) updateForces(settings.threads);
 	report.stiffening = stiffening();
 	report.kick = lastKick_ = kickTime(settings.dt);
@@ -237,19 +242,35 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	}
 
 	if (gridSpacing_ > 0) useGridNodes(lists);
+	clock.end("sortLists");
 	predictVelocities(settings);
+	clock.end("predictVelocities");
 	gatherContacts(touched, settings);
+	clock.end("gatherContacts");
 	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads);
+	clock.end("prepare");
 	solver_.warmStart();
+	clock.end("warmStart");
 	report.solver = solver_.solve();
+	clock.end("solve");
 	solver_.collectImpulses();
+	clock.end("collectImpulses");
 	applyContactImpulses(touched, settings);
+	clock.end("applyContactImpulses");
 	checkVelocities();
-	if (settings.trackEnergy) balanceEnergy(solver_.work(), kickTime(settings.dt));
+	clock.end("checkVelocities");
+	if (settings.trackEnergy) {
+		balanceEnergy(solver_.work(), kickTime(settings.dt));
+		clock.end("balanceEnergy");
+	}
 	for (const auto& set : sets_)
 		set->move(settings.dt, settings.threads);
+	clock.end("move");
 	continuation_.lastStep = settings.dt;
 	updateSurfaces(settings.threads);
+	clock.end("updateSurfaces");
+	report.work.points = std::exchange(updatedPoints_, 0);
+	report.work.visits = static_cast<long>(report.solver.contacts) * report.solver.sweeps;
 	return report;
 }
 

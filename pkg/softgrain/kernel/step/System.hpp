@@ -4,6 +4,7 @@
 #include "contact/ContactSolver.hpp"
 #include "contact/Search.hpp"
 #include "grain/GrainSet.hpp"
+#include "step/PhaseClock.hpp"
 
 #include <memory>
 #include <stdexcept>
@@ -35,8 +36,18 @@ struct EnergyBalance {
 	double loads = 0;    ///< work of body loads since the start
 };
 
+/// Work done since the end of the last step, in counts: a change can be judged by them on a busy
+/// machine, where times scatter.
+struct WorkCounts {
+	long points = 0;     ///< material points whose stress was computed
+	long pairs = 0;      ///< pairs of bodies searched for contacts
+	long candidates = 0; ///< contact nodes tested against another body
+	long visits = 0;     ///< of contacts by sweeps: their number, summed over the sweeps
+};
+
 struct StepReport {
 	SolverReport solver;
+	WorkCounts work;
 	double deepest = 0;    ///< largest overlap of the step, in dr
 	double stiffening = 1; ///< largest over all grains
 	double kick = 0; ///< time over which the forces at t_n acted; impulse / kick is a force, s
@@ -47,6 +58,7 @@ struct StepSettings {
 	SolverSettings solver;
 	bool trackEnergy = false;
 	int threads = 1;
+	PhaseClock* clock = nullptr; ///< gets the times of the phases
 };
 
 /// What a run needs besides the nodal state and the impulses to go on from where another stopped.
@@ -125,6 +137,7 @@ private:
 	double lastKick_ = 0;
 	double gridSpacing_ = 0; ///< ContactGeometry::nodes: the largest h of all grains, m
 	bool forcesFresh_ = false;
+	long updatedPoints_ = 0; ///< since the end of the last step
 };
 
 } // namespace softgrain

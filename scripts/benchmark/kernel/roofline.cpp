@@ -1,0 +1,133 @@
+// The limits of this machine in double precision: fused multiply-adds from registers, and streaming
+// from memory and from the second cache. Prints one JSON object.
+//
+//     softgrain_benchmark_roofline THREADS
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <omp.h>
+#include <vector>
+
+namespace {
+
+constexpr int repetitions = 7;
+constexpr int laneWidth = 8; // as Lanes of the kernel
+using Vector = double __attribute__((vector_size(8 * laneWidth)));
+
+/// The versions of material/Lanes.hpp: what the kernel is compiled for.
+#define SOFTGRAIN_VERSIONS                                                                         \
+	__attribute__((noinline, target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+
+const char* instructionSet()
+{
+	__builtin_cpu_init();
+	if (__builtin_cpu_supports("x86-64-v4")) return "x86-64-v4 (AVX-512)";
+	if (__builtin_cpu_supports("x86-64-v3")) return "x86-64-v3 (AVX2)";
+	return "x86-64 (SSE2)";
+}
+
+double secondsOf(const std::function<void()>& work)
+{
+	const auto start = std::chrono::steady_clock::now();
+	work();
+	return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The fastest of some runs: a limit, not a typical figure.
+double shortest(const std::function<void()>& work)
+{
+	double best = secondsOf(work);
+	for (int k = 1; k < repetitions; ++k)
+		best = std::min(best, secondsOf(work));
+	return best;
+}
+
+/// Independent chains of multiply-adds, enough to hide their latency; the compiler fuses them where
+/// the instruction set can. Returns a sum that depends on all of them.
+SOFTGRAIN_VERSIONS double multiplyAdd(long rounds, double start)
+{
+	constexpr int chains = 12;
+	Vector x[chains];
+	for (int c = 0; c < chains; ++c)
+		x[c] = Vector {} + (start + c);
+	const Vector a = Vector {} + 0.999999, b = Vector {} + 1e-6;
+	for (long k = 0; k < rounds; ++k)
+#pragma GCC unroll 12
+		for (int c = 0; c < chains; ++c)
+			x[c] = x[c] * a + b;
+	Vector sum {};
+	for (int c = 0; c < chains; ++c)
+		sum += x[c];
+	double total = 0;
+	for (int lane = 0; lane < laneWidth; ++lane)
+		total += sum[lane];
+	return total;
+}
+
+double sink = 0; // what keeps the work from being left out
+
+/// Floating-point operations per second, a multiply-add counted as two.
+double peakFlops(int threads)
+{
+	constexpr long rounds = 4000000;
+	const double seconds = shortest([&] {
+		double sum = 0;
+#pragma omp parallel num_threads(threads) reduction(+ : sum)
+		sum += multiplyAdd(rounds, 1.);
+		sink = sink + sum;
+	});
+	return 2. * 12 * laneWidth * rounds * threads / seconds;
+}
+
+SOFTGRAIN_VERSIONS void triad(double* a, const double* b, const double* c, long n)
+{
+	for (long i = 0; i < n; ++i)
+		a[i] = b[i] + 0.5 * c[i];
+}
+
+/// Bytes per second of a = b + s c over arrays of n numbers for each thread (24 bytes a number;
+/// what the machine reads of `a` before it writes is not counted).
+double bandwidth(int threads, long n, int passes)
+{
+	std::vector<std::vector<double>> a(threads), b(threads), c(threads);
+#pragma omp parallel num_threads(threads)
+	{
+		const int t = omp_get_thread_num();
+		a[t].assign(n, 0.);
+		b[t].assign(n, 1.);
+		c[t].assign(n, 2.);
+	}
+	const double seconds = shortest([&] {
+#pragma omp parallel num_threads(threads)
+		{
+			const int t = omp_get_thread_num();
+			for (int k = 0; k < passes; ++k)
+				triad(a[t].data(), b[t].data(), c[t].data(), n);
+		}
+	});
+	for (const auto& numbers : a)
+		sink = sink + numbers[n / 2];
+	return 24. * n * passes * threads / seconds;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+	const int threads = argc > 1 ? std::atoi(argv[1]) : 1;
+	if (threads < 1) {
+		std::fprintf(stderr, "THREADS = %s is outside the admissible range 1, 2, ...\n",
+			     argv[1]);
+		return 1;
+	}
+	constexpr long inMemory = 8000000, inCache = 20000; // 3 arrays: 192 MB, 480 kB a thread
+	const double flops = peakFlops(threads);
+	const double memory = bandwidth(threads, inMemory, 2);
+	const double cache = bandwidth(threads, inCache, 400);
+	std::printf("{\"instruction_set\": \"%s\", \"threads\": %d, \"peak_gflops\": %.4g, "
+		    "\"memory_gb_per_s\": %.4g, \"cache_gb_per_s\": %.4g}\n",
+		    instructionSet(), threads, flops / 1e9, memory / 1e9, cache / 1e9);
+	return sink == 0.5; // never: keeps `sink` alive
+}

@@ -1,0 +1,280 @@
+"""Where the time goes: cost of each kernel, phase by phase, beside the work done and the limits of the machine.
+
+Run it on the platform: ``scripts/yade --version && scripts/platform/shell python3
+scripts/benchmark/run.py --out doc/benchmarks``. Every case (``scenes.py``) runs in a process of its
+own; ``NAME.md`` and ``NAME.csv`` hold all of them, NAME being that of the machine.
+"""
+
+import argparse
+import csv
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from softgrain import _softgrain
+
+SCENES = Path(__file__).resolve().with_name("scenes.py")
+BUILD = Path(_softgrain.__file__).resolve().parents[2]
+ROOFLINE = "softgrain_benchmark_roofline"
+
+#: Floating-point operations counted for a contact visited by a sweep in 2D: its impulse changes the
+#: velocities of some 15 nodes on either side, two operations for each component.
+FLOPS_PER_VISIT = 2 * 15 * 2 * 2
+YADE_ENGINES = ("ForceResetter", "InsertionSortCollider", "InteractionLoop", "NewtonIntegrator")
+
+
+class Case:
+    """A column of the table: a scene with its settings, those of ``--quick`` on top."""
+
+    def __init__(self, name, scene, quick=None, **settings):
+        self.name, self.scene = name, scene
+        self.full, self.quick = settings, {**settings, **(quick or {})}
+
+
+def cases():
+    bulk = {"grains": 400, "steps": 100, "repeat": 9}
+    packing = {"grains": 400, "steps": 40}
+    small = {"grains": 100, "zeta": 0.15}
+    many = {"zeta": 0.1025, "steps": 5}
+    fewer = {"grains": 1000}
+    balls = {"dim": 3, "zeta": 0.2, "node_spacing": 2, "grains": 64, "steps": 10}
+    fewer_balls = {"grains": 16, "steps": 5}
+    return [
+        Case("bulk, h = 2 dr", "bulk", {"steps": 20}, **bulk, node_spacing=2),
+        Case("bulk, h = 1.25 dr", "bulk", {"steps": 20}, **bulk),
+        Case("bulk, 3D quadratic", "bulk", fewer_balls, **balls, order=2),
+        Case("bulk, 3D cubic", "bulk", fewer_balls, **balls, order=3),
+        Case("dense", "dense", small, **packing),
+        Case("rigid", "rigid", {"grains": 100, "steps": 200}, **{**packing, "steps": 1000}),
+        Case("compaction", "paper", {"grains": 25, "zeta": 0.2, "until_phi": 0.9}, grains=400),
+        Case("scale, few", "scale", {}, **many, grains=400),
+        Case("scale, many", "scale", fewer, **many, grains=10000),
+        Case("at rest, all computed", "sleeping", fewer, grains=10000, steps=5),
+        Case("at rest, skipped", "sleeping", fewer, grains=10000, steps=5, skip=True),
+        Case("mixed", "mixed", small, **packing),
+        Case("save and load", "saving", {**small, "repeat": 3}, grains=400),
+    ]
+
+
+def run_case(case, threads, options):
+    """Figures of a case; None, and a line on stderr, if it failed."""
+    settings = case.quick if options.quick else case.full
+    with tempfile.TemporaryDirectory() as folder:
+        result, log = Path(folder) / "result.json", Path(folder) / "log.txt"
+        command = ["yade", "-n", "-x", f"-j{threads}", str(SCENES), case.scene]
+        command.append(f"--result={result}")
+        for name, value in settings.items():
+            flag = "--" + name.replace("_", "-")
+            command += [flag] if value is True else [f"{flag}={value}"]
+        print(f"running {case.name}, {threads} thread(s)", file=sys.stderr)
+        with open(log, "w") as file:
+            subprocess.run(command, stdout=file, stderr=file, cwd=folder)
+        if result.exists():
+            return json.loads(result.read_text())
+        print(f"failed: {case.name}\n{log.read_text()[-2000:]}", file=sys.stderr)
+        return None
+
+
+# --- the machine ---------------------------------------------------------------------------------
+
+
+def machine_name():
+    for line in Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.split(":", 1)[1].strip()
+    return "unknown processor"
+
+
+def limits(threads):
+    """Peak and bandwidth of this machine: what ``roofline.cpp`` prints."""
+    if not (BUILD / "build.ninja").exists():
+        sys.exit(f"{BUILD} is no build folder: this program needs a plugin built, not installed")
+    subprocess.run(["ninja", "-C", str(BUILD), ROOFLINE], check=True, stdout=subprocess.DEVNULL)
+    program = BUILD / "scripts/benchmark/kernel" / ROOFLINE
+    return json.loads(subprocess.check_output([str(program), str(threads)]))
+
+
+# --- figures -------------------------------------------------------------------------------------
+
+
+def flops_per_point(settings):
+    """Floating-point operations that a material point needs with a plain stencil: dim^2
+    multiply-adds for each of its (order + 1)^dim nodes, once for F and once for the forces. The
+    law is not counted."""
+    dim, order = settings.get("dim", 2), settings.get("order", 3)
+    return 2 * 2 * dim**2 * (order + 1) ** dim
+
+
+def costs(figures, settings, limit):
+    """Rows (name, value) of what follows from times and counts."""
+    phases, counts, wall = figures["phases"], figures["counts"], figures["wall"]
+    peak = 1e9 * limit["peak_gflops"]
+    rows = {}
+    if counts.get("pointsUpdated"):
+        bulk = phases["updateForces"] / counts["pointsUpdated"]
+        rows["updateForces, ns a point"] = 1e9 * bulk
+        rows["of it peak multiply-adds, %"] = 100 * flops_per_point(settings) / bulk / peak
+        rows["all phases, ns a point"] = 1e9 * wall / counts["pointsUpdated"]
+    if counts.get("contactsSwept"):
+        visit = phases["solve"] / counts["contactsSwept"]
+        rows["solve, ns a contact and sweep"] = 1e9 * visit
+        rows["of it peak multiply-adds, % "] = 100 * FLOPS_PER_VISIT / visit / peak
+        rows["sweeps a step"] = counts["totalSweeps"]
+    if counts.get("pairsSearched"):
+        search = phases.get("findContacts", 0.0)
+        rows["findContacts, ns a pair"] = 1e9 * search / counts["pairsSearched"]
+        rows["findContacts, % of the step"] = 100 * search / wall
+    if counts:
+        own = sum(phases.get(name, 0.0) for name in YADE_ENGINES)
+        rows["YADE's own engines, % of the step"] = 100 * own / wall
+    rows["us a grain and step"] = 1e6 * wall / figures["grains"]
+    if "dt" in figures:
+        rows["s a simulated second and grain"] = wall / figures["dt"] / figures["grains"]
+    return rows
+
+
+#: Figures that some cases have: name in the table, factor.
+EXTRAS = {
+    "seconds": ("whole run, s", 1),
+    "setup": ("set-up, s", 1),
+    "bytes_per_point": ("memory, bytes a point", 1),
+    "save": ("save, s", 1),
+    "load": ("load and first step, s", 1),
+    "bytes": ("file, MB", 1e-6),
+}
+
+
+def column(case, figures, options, limit):
+    """The column of a case: section to {row: value}."""
+    settings = case.quick if options.quick else case.full
+    general = {name: figures[name] for name in ("threads", "grains", "points") if name in figures}
+    general["peak memory, MB"] = 1e-6 * figures["peak_memory"]
+    if "steps" in figures:
+        general["steps"] = figures["steps"]
+    if "wall" in figures:
+        general["a step, ms"] = 1e3 * figures["wall"]
+        general["a step, processor ms"] = 1e3 * figures["processor"]
+    found = {label: factor * figures[k] for k, (label, factor) in EXTRAS.items() if k in figures}
+    sections = {"case": general, "figures": found}
+    if "wall" in figures:
+        sections["figures"].update(costs(figures, settings, limit))
+        sections["phases, ms a step"] = {k: 1e3 * v for k, v in figures["phases"].items()}
+        sections["work a step"] = figures["counts"]
+    return sections
+
+
+def compare(columns):
+    """Figures that take two cases: (what, value)."""
+    cost = {key: {**sections["case"], **sections["figures"]} for key, sections in columns.items()}
+    found = []
+
+    def ratio(text, row, over, under, threads):
+        a, b = cost.get((over, threads), {}), cost.get((under, threads), {})
+        if row in a and b.get(row):
+            found.append((f"{text}, {threads} thread(s)", a[row] / b[row]))
+
+    for threads in sorted({threads for _, threads in columns}):
+        step, each = "a step, ms", "us a grain and step"
+        ratio("soft over rigid, a grain and step", each, "dense", "rigid", threads)
+        simulated = "s a simulated second and grain"
+        ratio("soft over rigid, a simulated second", simulated, "dense", "rigid", threads)
+        point = "all phases, ns a point"
+        ratio("many over few grains, a point and step", point, "scale, many", "scale, few", threads)
+        ratio("skipped over computed", step, "at rest, skipped", "at rest, all computed", threads)
+        for name in dict.fromkeys(name for name, _ in columns):
+            one, more = cost.get((name, 1), {}), cost.get((name, threads), {})
+            if threads > 1 and step in one and step in more:
+                found.append((f"speed-up, {name}, {threads} threads", one[step] / more[step]))
+    return found
+
+
+# --- tables --------------------------------------------------------------------------------------
+
+
+def number(value):
+    if value is None:
+        return ""
+    return f"{value:.0f}" if value == int(value) or abs(value) >= 1e4 else f"{value:.3g}"
+
+
+def table(columns):
+    """Lines of the Markdown table: a row for each quantity, a column for each case."""
+    names = [f"{name} ({threads})" for name, threads in columns]
+    lines = ["| | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
+    for section in ("case", "figures", "phases, ms a step", "work a step"):
+        rows = dict.fromkeys(row for c in columns.values() for row in c.get(section, {}))
+        lines.append(f"| **{section}** |" + " |" * len(names))
+        for row in rows:
+            cells = [number(c.get(section, {}).get(row)) for c in columns.values()]
+            lines.append(f"| {row} | " + " | ".join(cells) + " |")
+    return lines
+
+
+def write_markdown(path, columns, machine, options):
+    lines = [f"# {machine_name()}", "", f"Made by `run.py {' '.join(sys.argv[1:])}`.", ""]
+    lines += ["| threads | instruction set | peak, GFLOP/s | memory, GB/s | cache, GB/s |"]
+    lines += ["|---|---|---|---|---|"]
+    for threads, limit in machine.items():
+        speeds = [limit[k] for k in ("peak_gflops", "memory_gb_per_s", "cache_gb_per_s")]
+        cells = [threads, limit["instruction_set"], *[number(v) for v in speeds]]
+        lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
+    lines += ["", "| compared | |", "|---|---|"]
+    lines += [f"| {what} | {number(value)} |" for what, value in compare(columns)]
+    lines += ["", *table(columns)]
+    path.write_text("\n".join(lines) + "\n")
+    print("\n".join(lines))
+
+
+def write_csv(path, columns, machine):
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(("case", "threads", "section", "quantity", "value"))
+        for threads, limit in machine.items():
+            for quantity, value in limit.items():
+                writer.writerow(("machine", threads, "limits", quantity, value))
+        for what, value in compare(columns):
+            writer.writerow(("compared", "", "", what, f"{value:.6g}"))
+        for (name, threads), sections in columns.items():
+            for section, rows in sections.items():
+                for row, value in rows.items():
+                    writer.writerow((name, threads, section, row.strip(), f"{value:.6g}"))
+
+
+def parse_options():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--quick", action="store_true", help="smaller scenes, under two minutes")
+    add("--threads", type=int, nargs="+", default=[1], help="numbers of threads [-]")
+    names = [case.name for case in cases()]
+    add("--only", nargs="+", choices=names, default=names, help="cases", metavar="CASE")
+    add("--out", type=Path, default=Path("benchmark"), help="folder for the tables")
+    add("--name", default=re.sub(r"\W+", "_", machine_name().lower()), help="of the tables")
+    options = parser.parse_args()
+    if min(options.threads) < 1:
+        parser.error(f"argument --threads: {min(options.threads)} is outside [1, inf)")
+    options.out.mkdir(parents=True, exist_ok=True)
+    return options
+
+
+def main():
+    options = parse_options()
+    machine = {threads: limits(threads) for threads in options.threads}
+    columns, failures = {}, 0
+    for case in cases():
+        for threads in options.threads if case.name in options.only else ():
+            figures = run_case(case, threads, options)
+            if figures:
+                columns[case.name, threads] = column(case, figures, options, machine[threads])
+            else:
+                failures += 1
+    write_csv(options.out / f"{options.name}.csv", columns, machine)
+    write_markdown(options.out / f"{options.name}.md", columns, machine, options)
+    if failures:
+        sys.exit(f"{failures} cases failed")
+
+
+if __name__ == "__main__":
+    main()

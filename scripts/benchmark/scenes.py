@@ -1,0 +1,343 @@
+"""The scenes of ``run.py``, one in each run: ``yade -n -x scenes.py CASE --result FILE [SETTINGS]``.
+
+Each case builds a scene, runs ``repeat`` times ``steps`` steps, and writes what it measured as
+JSON: medians over the repetitions of the wall and processor time of a step, of the time of each
+phase of it (``sg.phase_times``) and of the work that it counted, and the peak memory of the
+process. In 2D, disks of radius 10 mm, E = 1 MPa, nu = 0.45, unless said otherwise.
+"""
+
+import argparse
+import json
+import math
+import resource
+import statistics
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import yade.utils
+from yade import (
+    FrictMat,
+    Ig2_Sphere_Sphere_ScGeom,
+    InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys,
+    Law2_ScGeom_FrictPhys_CundallStrack,
+    O,
+)
+
+import softgrain as sg
+
+sys.path.append(str(Path(sys.argv[0]).resolve().parents[1]))  # scripts/
+
+import compaction  # noqa: E402
+
+RADIUS = compaction.MEAN_RADIUS
+SPREAD = compaction.RADIUS_SPREAD
+RIGID_PHI = 0.83  # of the packing made by rigid DEM: its overlaps are small still
+DENSE_PHI = 0.855  # of the dense packing: jammed, at a stress of about 0.02 E
+PRESSING_SPEED = 2.0  # m/s, up to these; then that of the paper
+SETTLING_STEPS = 200  # at that speed, before measuring
+#: Attributes of SoftGrainIntegrator that skip grains at rest or in free flight, where it has them.
+SKIPPING = ("rigidMotion", "sleep")
+COUNTS = ("totalSweeps", "pointsUpdated", "pairsSearched", "candidatesTested", "contactsSwept")
+
+
+# --- measuring -----------------------------------------------------------------------------------
+
+
+def measure(options):
+    """Figures of a step: medians over the repetitions."""
+    O.timingEnabled = True
+    return medians([_repetition(options.steps) for _ in range(options.repeat)])
+
+
+def _repetition(steps):
+    sg.reset_times()
+    before, first = counted_work(), O.iter
+    wall, processor = time.perf_counter(), time.process_time()
+    O.run(steps, True)
+    wall, processor = time.perf_counter() - wall, time.process_time() - processor
+    if O.iter != first + steps:
+        raise RuntimeError(f"stopped after {O.iter - first} of {steps} steps")
+    return figures_of(steps, wall, processor, before)
+
+
+def figures_of(steps, wall, processor, before):
+    """Figures of each of the steps since the books were reset and ``before`` was counted."""
+    after = counted_work()
+    return {
+        "wall": wall / steps,
+        "processor": processor / steps,
+        "phases": {name: seconds / steps for name, (seconds, _) in sg.phase_times().items()},
+        "counts": {name: (after[name] - before[name]) / steps for name in after},
+    }
+
+
+def counted_work():
+    try:
+        engine = sg.integrator()
+    except ValueError:
+        return {}
+    return {name: getattr(engine, name) for name in COUNTS}
+
+
+def medians(rows):
+    """Medians of nested dicts of numbers, key by key; a phase that a row lacks took no time."""
+    first = rows[0]
+    if not isinstance(first, dict):
+        return statistics.median(rows)
+    keys = {key: None for row in rows for key in row}  # a set in order
+    empty = {} if any(isinstance(v, dict) for v in first.values()) else 0.0
+    return {key: medians([row.get(key, empty) for row in rows]) for key in keys}
+
+
+def peak_memory():
+    """Of this process so far [bytes]."""
+    return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def skip(allowed):
+    """Allow or forbid the integrator to skip grains; whether it can."""
+    engine = sg.integrator()
+    known = [name for name in SKIPPING if hasattr(engine, name)]
+    for name in known:
+        setattr(engine, name, allowed)
+    return bool(known)
+
+
+# --- scenes --------------------------------------------------------------------------------------
+
+
+def material(mu=0.3):
+    return sg.SoftMat(
+        young=compaction.YOUNG,
+        poisson=0.45,
+        density=compaction.DENSITY,
+        frictionAngle=math.atan(mu),
+    )
+
+
+def lattice(count, spacing, dim=2):
+    """Corners of the cells of a square (cubic) lattice, the first ``count`` of them."""
+    side = math.ceil(count ** (1 / dim) - 1e-9)
+    cells = np.indices((side,) * dim).reshape(dim, -1).T[:count]
+    return np.pad(spacing * cells.astype(float), ((0, 0), (0, 3 - dim)))
+
+
+def radii(count):
+    return RADIUS * np.random.default_rng(1).uniform(1 - SPREAD, 1 + SPREAD, count)
+
+
+def fill(centers, sizes, options):
+    """Soft grains at these places."""
+    soft = material()
+    make = {2: sg.soft_disk, 3: sg.soft_sphere}[options.dim]
+    shape = {"zeta": options.zeta, "order": options.order, "nodeSpacing": options.node_spacing}
+    O.bodies.append([make(tuple(x), r, soft, **shape) for x, r in zip(centers, sizes)])
+
+
+def start(**engines):
+    """Engines, time step, first step; returns the seconds of that step, in which the grains are
+    assembled."""
+    O.engines = sg.engines(**engines)
+    sg.set_time_step()
+    began = time.perf_counter()
+    O.step()
+    return time.perf_counter() - began
+
+
+def points_per_grain():
+    return len(sg.soft_bodies()[0].shape.points()["volume"])
+
+
+def soft_figures(options):
+    return {"grains": len(sg.soft_bodies()), "points": points_per_grain(), **measure(options)}
+
+
+# --- cases ---------------------------------------------------------------------------------------
+
+
+def bulk(options):
+    """Grains of different radii, spinning far apart: internal forces and motion only."""
+    fill(lattice(options.grains, 3 * RADIUS, options.dim), radii(options.grains), options)
+    for body in sg.soft_bodies():
+        body.state.angVel = (0, 0, 30)
+    start()
+    skip(False)
+    return soft_figures(options)
+
+
+def rigid_packing(options):
+    """Rigid disks pressed to RIGID_PHI, in the box of the compaction; its options and box."""
+    case = compaction.parse_options(
+        [f"--grains={options.grains}", f"--zeta={options.zeta}", f"--out={tempfile.mkdtemp()}"]
+    )
+    box = compaction.prepare_rigid(case)
+    press(box, RIGID_PHI, compaction.START_PHI * box.area)
+    box.close(0)
+    O.run(2000, True)
+    return case, box
+
+
+def press(box, phi, solid):
+    """Move the top wall until grains of the area ``solid`` fill the share ``phi`` of the box."""
+    box.close(PRESSING_SPEED)
+    while solid / box.area < phi:
+        O.step()
+
+
+def dense_scene(options):
+    """The dense frictional packing, under compression at the speed of the paper."""
+    case, box = rigid_packing(options)
+    compaction.make_soft(case)
+    O.trackEnergy = False
+    press(box, DENSE_PHI, sg.packing_fraction(1.0, nominal=True))
+    box.close(case.speed)
+    O.run(SETTLING_STEPS, True)
+
+
+def dense(options):
+    """Contact and search: the dense frictional packing."""
+    dense_scene(options)
+    return {**soft_figures(options), "dt": O.dt}
+
+
+def rigid(options):
+    """Rigid DEM of the same packing, with the time step of disks as stiff as the soft grains."""
+    rigid_packing(options)
+    measured = measure(options)
+    O.materials["walls"].young = compaction.YOUNG
+    return {"grains": options.grains, **measured, "dt": 0.5 * yade.utils.PWaveTimeStep()}
+
+
+def paper(options):
+    """The compaction of the paper from loose to ``until_phi``, with its energy balance."""
+    out = tempfile.mkdtemp()
+    case = compaction.parse_options(
+        [
+            f"--grains={options.grains}",
+            f"--zeta={options.zeta}",
+            f"--until-phi={options.until_phi}",
+            f"--out={out}",
+        ]
+    )
+    box = compaction.prepare_rigid(case)
+    compaction.make_soft(case)
+    O.timingEnabled = True
+    sg.reset_times()
+    before, processor = counted_work(), time.process_time()
+    _, seconds = compaction.compact(case, box)
+    steps = int(sg.integrator().steps)
+    figures = figures_of(steps, seconds, time.process_time() - processor, before)
+    return {
+        "grains": options.grains,
+        "points": points_per_grain(),
+        **figures,
+        "seconds": seconds,
+        "steps": steps,
+    }
+
+
+def scale(options):
+    """Many grains that touch their four neighbours: memory and set-up."""
+    fill_start = time.perf_counter()
+    before = peak_memory()
+    centers = lattice(options.grains, 2 * RADIUS * (1 - 1e-3))
+    fill(centers, np.full(options.grains, RADIUS), options)
+    making = time.perf_counter() - fill_start
+    assembling = start()
+    figures = soft_figures(options)
+    bytes_per_point = (peak_memory() - before) / (options.grains * figures["points"])
+    return {**figures, "setup": making + assembling, "bytes_per_point": bytes_per_point}
+
+
+def sleeping(options):
+    """Grains at rest apart from each other, one in a hundred pressed on a neighbour. ``skipping``:
+    whether the integrator can leave out the others; it does with ``--skip``."""
+    centers = lattice(options.grains, 2.2 * RADIUS)
+    active = np.arange(0, options.grains - 1, 200)  # with its neighbour: one in a hundred
+    centers[active, 1] += 0.21 * RADIUS  # overlaps the next one by 0.01 radius
+    fill(centers, np.full(options.grains, RADIUS), options)
+    start()
+    able = skip(options.skip)
+    O.run(SETTLING_STEPS // 10, True)
+    return {**soft_figures(options), "skipping": able}
+
+
+def mixed(options):
+    """Soft grains beside as many rigid spheres, each kind in a square lattice of its own."""
+    centers = lattice(options.grains, 2 * RADIUS * (1 - 1e-3))
+    fill(centers, np.full(options.grains, RADIUS), options)
+    aside, mirror = np.array([-4 * RADIUS, 0, 0]), np.array([-1, 1, 1])
+    stiff = FrictMat(young=compaction.YOUNG, density=compaction.DENSITY)
+    ids = O.bodies.append(
+        [yade.utils.sphere(tuple(x * mirror + aside), RADIUS, material=stiff) for x in centers]
+    )
+    for i in ids:
+        O.bodies[i].state.blockedDOFs = "zXY"
+    O.engines = sg.engines()
+    loop = next(e for e in O.engines if isinstance(e, InteractionLoop))
+    loop.geomDispatcher.functors += [Ig2_Sphere_Sphere_ScGeom()]
+    loop.physDispatcher.functors += [Ip2_FrictMat_FrictMat_FrictPhys()]
+    loop.lawDispatcher.functors += [Law2_ScGeom_FrictPhys_CundallStrack()]
+    sg.set_time_step()
+    O.step()
+    return soft_figures(options)
+
+
+def saving(options):
+    """The dense packing saved and loaded again; *load* includes the first step after it, in which
+    the grains are assembled."""
+    dense_scene(options)
+    file = Path(tempfile.mkdtemp()) / "scene.yade.gz"
+    times = []
+    for _ in range(options.repeat):
+        began = time.perf_counter()
+        O.save(str(file))
+        saved = time.perf_counter()
+        O.load(str(file))
+        O.step()
+        times.append({"save": saved - began, "load": time.perf_counter() - saved})
+    figures = {"grains": options.grains, "points": points_per_grain()}
+    return {**figures, **medians(times), "bytes": file.stat().st_size}
+
+
+def scene(options):
+    """A scene of the user's, saved before."""
+    O.load(str(options.scene))
+    O.run(1, True)
+    return {**soft_figures(options), "dt": O.dt}
+
+
+CASES = (bulk, dense, rigid, paper, scale, sleeping, mixed, saving, scene)
+
+
+def parse_options():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("case", choices=[case.__name__ for case in CASES])
+    add = parser.add_argument
+    add("--result", type=Path, required=True, help="JSON file to write")
+    add("--grains", type=int, default=400, help="number of grains [-]")
+    add("--zeta", type=float, default=0.11, help="relative resolution 2 dr/D [-]")
+    add("--dim", type=int, choices=(2, 3), default=2, help="disks or balls")
+    add("--order", type=int, choices=(1, 2, 3), default=3, help="order of the B-splines")
+    add("--node-spacing", type=float, default=1.25, help="step of the grid over dr [-]")
+    add("--steps", type=int, default=20, help="steps in a repetition [-]")
+    add("--repeat", type=int, default=5, help="repetitions [-]")
+    add("--until-phi", type=float, default=0.98, help="paper: packing fraction to stop at [-]")
+    add("--skip", action="store_true", help="sleeping: let the integrator skip grains")
+    add("--scene", type=Path, help="scene: file to load")
+    return parser.parse_args()
+
+
+def main():
+    options = parse_options()
+    case = next(case for case in CASES if case.__name__ == options.case)
+    figures = {"threads": O.numThreads, **case(options), "peak_memory": peak_memory()}
+    options.result.write_text(json.dumps(figures, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
