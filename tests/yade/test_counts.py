@@ -1,0 +1,144 @@
+"""Work that is counted, and phases that are timed: nothing is done that a scene does not need."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yade.timing
+from scenes import RADIUS, add_disk, add_wall, ready, run
+from yade import O
+
+import softgrain as sg
+
+STEPS = 7
+ARCHITECTURE = Path(__file__).resolve().parents[2] / "doc" / "architecture.md"
+
+
+@pytest.fixture(autouse=True)
+def timing():
+    O.timingEnabled = True
+    yield
+    O.timingEnabled = False
+
+
+def points_of(body):
+    return len(body.shape.points()["volume"])
+
+
+def two_disks(distance):
+    """Two disks of different radius at a distance over the sum of their radii, approaching."""
+    a = add_disk()
+    b = add_disk(center=(distance * 1.8 * RADIUS, 0, 0), radius=0.8 * RADIUS)
+    ready()
+    b.state.vel = (-0.1, 0, 0)
+    return a, b
+
+
+def test_grains_far_apart_are_neither_searched_nor_solved():
+    a, b = two_disks(distance=3)
+    run(STEPS)
+    engine = sg.integrator()
+    assert engine.pairsSearched == engine.candidatesTested == 0
+    assert engine.contactsSwept == engine.totalSweeps == 0
+    assert engine.pointsUpdated == STEPS * (points_of(a) + points_of(b))
+
+
+def test_neighbours_out_of_reach_are_searched_without_a_candidate():
+    two_disks(distance=1.09)  # their boxes with the collider's margin overlap, they do not
+    run(STEPS)
+    engine = sg.integrator()
+    assert engine.pairsSearched == STEPS
+    assert engine.candidatesTested == engine.contactsSwept == engine.totalSweeps == 0
+
+
+def test_only_nodes_near_the_other_grain_are_candidates():
+    a, b = two_disks(distance=1.001)
+    run(STEPS)
+    engine = sg.integrator()
+    assert engine.contacts > 0
+    nodes = len(a.shape.outline()) + len(b.shape.outline())
+    assert STEPS * engine.contacts / 2 < engine.candidatesTested < 0.4 * STEPS * nodes
+
+
+def test_contacts_are_counted_in_every_sweep():
+    two_disks(distance=1.001)
+    engine = sg.integrator()
+    visits = 0
+    for _ in range(STEPS):
+        O.step()
+        visits += engine.contacts * engine.sweeps
+    assert visits > 0
+    assert engine.contactsSwept == visits
+
+
+def test_a_wall_is_tested_against_each_node():
+    body = add_disk()
+    add_wall(-RADIUS, axis=0, sense=1)
+    ready()
+    run(STEPS)
+    engine = sg.integrator()
+    assert engine.pairsSearched == STEPS
+    assert engine.candidatesTested == STEPS * len(body.shape.outline())
+
+
+def test_counts_go_on_after_loading(tmp_path):
+    two_disks(distance=1.001)
+    run(STEPS)
+    counts = ("pointsUpdated", "pairsSearched", "candidatesTested", "contactsSwept")
+    before = [getattr(sg.integrator(), name) for name in counts]
+    O.save(str(tmp_path / "scene.yade.gz"))
+    O.load(str(tmp_path / "scene.yade.gz"))
+    assert [getattr(sg.integrator(), name) for name in counts] == before
+    O.step()
+    assert sg.integrator().pointsUpdated == before[0] * (STEPS + 1) / STEPS
+
+
+@pytest.mark.parametrize("tracked", [False, True])
+def test_energies_are_summed_only_where_asked_for(tracked):
+    two_disks(distance=1.001)
+    O.trackEnergy = tracked
+    sg.reset_times()
+    run(STEPS)
+    times = sg.phase_times()
+    for phase in ("balanceEnergy", "publishEnergy"):
+        assert times.get(phase, (0, 0))[1] == (STEPS if tracked else 0)
+
+
+def test_phases_add_up_to_the_engines():
+    two_disks(distance=1.001)
+    sg.reset_times()
+    run(STEPS)
+    times = sg.phase_times()
+    assert sum(seconds for seconds, _ in times.values()) == pytest.approx(
+        1e-9 * yade.timing.runtime(), rel=1e-6
+    )
+    assert {count for name, (_, count) in times.items() if name != "InsertionSortCollider"} == {
+        STEPS
+    }
+
+
+def test_phases_bear_the_names_of_the_documentation():
+    two_disks(distance=1.001)
+    O.trackEnergy = True
+    run(STEPS)
+    engines = {type(engine).__name__ for engine in O.engines}
+    words = set(re.findall(r"\w+", ARCHITECTURE.read_text()))
+    assert set(sg.phase_times()) - engines <= words
+    assert {"findContacts", "updateForces", "solve", "move"} <= set(sg.phase_times())
+
+
+def test_times_are_forgotten():
+    two_disks(distance=1.001)
+    run(STEPS)
+    sg.reset_times()
+    assert all(seconds == count == 0 for seconds, count in sg.phase_times().values())
+    O.step()
+    assert sg.phase_times()["findContacts"][1] == sg.phase_times()["solve"][1] == 1
+
+
+def test_nothing_is_timed_unless_asked_for():
+    O.timingEnabled = False
+    two_disks(distance=1.001)
+    run(STEPS)
+    assert sg.integrator().timingDeltas.data == []
+    assert "findContacts" not in sg.phase_times()
