@@ -37,13 +37,12 @@ def phase_times():
 
 def _details(engine):
     """(name, nanoseconds, count) of the phases of ours in an engine."""
-    if isinstance(engine, InteractionLoop):
+    searching = _searching(engine)
+    if searching:
         threads = engine.ompThreads if engine.ompThreads > 0 else O.numThreads
-        return [
-            (name, nanoseconds / min(threads, O.numThreads), count)
-            for functor in _searching(engine)
-            for name, nanoseconds, count in functor.timingDeltas.data
-        ]
+        lines = [line for functor in searching for line in functor.timingDeltas.data]
+        nanoseconds = sum(line[1] for line in lines) / min(threads, O.numThreads)
+        return [("findContacts", nanoseconds, sum(line[2] for line in lines))]
     if type(engine).__name__ == "SoftGrainIntegrator":
         return engine.timingDeltas.data
     return []

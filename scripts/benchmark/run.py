@@ -36,15 +36,18 @@ class Case:
 
 def cases():
     bulk = {"grains": 400, "steps": 100, "repeat": 9}
+    apart = {"grains": 20, "steps": 20}
     packing = {"grains": 400, "steps": 40}
     small = {"grains": 100, "zeta": 0.15}
-    many = {"zeta": 0.1025, "steps": 5}
+    many = {"zeta": 0.155, "steps": 10}
     fewer = {"grains": 1000}
     balls = {"dim": 3, "zeta": 0.2, "node_spacing": 2, "grains": 64, "steps": 10}
     fewer_balls = {"grains": 16, "steps": 20}
     return [
         Case("bulk, h = 2 dr", "bulk", {"steps": 20}, **bulk, node_spacing=2),
         Case("bulk, h = 1.25 dr", "bulk", {"steps": 20}, **bulk),
+        Case("bulk, own templates", "bulk", apart, **{**bulk, "grains": 100}, own_templates=True),
+        Case("bulk, updated", "bulk", {"steps": 5}, **{**bulk, "steps": 20}, formulation="updated"),
         Case("bulk, 3D quadratic", "bulk", fewer_balls, **balls, order=2),
         Case("bulk, 3D cubic", "bulk", fewer_balls, **balls, order=3),
         Case("dense", "dense", small, **packing),
@@ -186,6 +189,7 @@ def compare(columns):
         simulated = "s a simulated second and grain"
         ratio("soft over rigid, a simulated second", simulated, "dense", "rigid", threads)
         point = "all phases, ns a point"
+        ratio("updated over total", point, "bulk, updated", "bulk, h = 1.25 dr", threads)
         ratio("many over few grains, a point and step", point, "scale, many", "scale, few", threads)
         ratio("skipped over computed", step, "at rest, skipped", "at rest, all computed", threads)
         for name in dict.fromkeys(name for name, _ in columns):
@@ -217,7 +221,7 @@ def table(columns):
     return lines
 
 
-def write_markdown(path, columns, machine, options):
+def write_markdown(path, columns, machine):
     lines = [f"# {machine_name()}", "", f"Made by `run.py {' '.join(sys.argv[1:])}`.", ""]
     lines += ["| threads | instruction set | peak, GFLOP/s | memory, GB/s | cache, GB/s |"]
     lines += ["|---|---|---|---|---|"]
@@ -229,7 +233,6 @@ def write_markdown(path, columns, machine, options):
     lines += [f"| {what} | {number(value)} |" for what, value in compare(columns)]
     lines += ["", *table(columns)]
     path.write_text("\n".join(lines) + "\n")
-    print("\n".join(lines))
 
 
 def write_csv(path, columns, machine):
@@ -274,8 +277,9 @@ def main():
                 columns[case.name, threads] = column(case, figures, options, machine[threads])
             else:
                 failures += 1
-    write_csv(options.out / f"{options.name}.csv", columns, machine)
-    write_markdown(options.out / f"{options.name}.md", columns, machine, options)
+            write_csv(options.out / f"{options.name}.csv", columns, machine)
+            write_markdown(options.out / f"{options.name}.md", columns, machine)
+    print((options.out / f"{options.name}.md").read_text())
     if failures:
         sys.exit(f"{failures} cases failed")
 

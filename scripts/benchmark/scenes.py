@@ -148,11 +148,19 @@ def radii(count):
 
 
 def fill(centers, sizes, options):
-    """Soft grains at these places."""
+    """Soft grains at these places; all of one template, or each of its own."""
     soft = material()
     make = {2: sg.soft_disk, 3: sg.soft_sphere}[options.dim]
-    shape = {"zeta": options.zeta, "order": options.order, "nodeSpacing": options.node_spacing}
-    O.bodies.append([make(tuple(x), r, soft, **shape) for x, r in zip(centers, sizes)])
+    shape = {
+        "order": options.order,
+        "nodeSpacing": options.node_spacing,
+        "formulation": options.formulation,
+    }
+    spread = 0.02 if options.own_templates else 0.0
+    zetas = options.zeta * np.linspace(1 - spread, 1 + spread, len(centers))
+    O.bodies.append(
+        [make(tuple(x), r, soft, zeta=z, **shape) for x, r, z in zip(centers, sizes, zetas)]
+    )
 
 
 def start(**engines):
@@ -344,6 +352,8 @@ def parse_options():
     add("--dim", type=int, choices=(2, 3), default=2, help="disks or balls")
     add("--order", type=int, choices=(1, 2, 3), default=3, help="order of the B-splines")
     add("--node-spacing", type=float, default=1.25, help="step of the grid over dr [-]")
+    add("--formulation", choices=("total", "updated"), default="total", help="of the grains")
+    add("--own-templates", action="store_true", help="each grain has a resolution of its own")
     add("--steps", type=int, default=20, help="steps in a repetition [-]")
     add("--repeat", type=int, default=5, help="repetitions [-]")
     add("--until-phi", type=float, default=0.98, help="paper: packing fraction to stop at [-]")
