@@ -9,6 +9,7 @@ import argparse
 import csv
 import json
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -205,7 +206,7 @@ def compare(columns):
 def number(value):
     if value is None:
         return ""
-    return f"{value:.0f}" if value == int(value) or abs(value) >= 1e4 else f"{value:.3g}"
+    return f"{value:.0f}" if value == int(value) or abs(value) >= 1000 else f"{value:.3g}"
 
 
 def table(columns):
@@ -222,7 +223,12 @@ def table(columns):
 
 
 def write_markdown(path, columns, machine):
-    lines = [f"# {machine_name()}", "", f"Made by `run.py {' '.join(sys.argv[1:])}`.", ""]
+    lines = [
+        f"# {machine_name()}",
+        "",
+        f"Made by `run.py {shlex.join(sys.argv[1:])}`; numbers of threads in brackets.",
+        "",
+    ]
     lines += ["| threads | instruction set | peak, GFLOP/s | memory, GB/s | cache, GB/s |"]
     lines += ["|---|---|---|---|---|"]
     for threads, limit in machine.items():

@@ -1,9 +1,10 @@
 """The scenes of ``run.py``, one in a run: ``yade -n -x scenes.py CASE --result FILE [SETTINGS]``.
 
 Each case builds a scene, runs ``repeat`` times ``steps`` steps, and writes what it measured as
-JSON: medians over the repetitions of the wall and processor time of a step, of the time of each
-phase of it (``sg.phase_times``) and of the work that it counted, and the peak memory of the
-process. In 2D, disks of radius 10 mm, E = 1 MPa, nu = 0.45, unless said otherwise.
+JSON: medians over the repetitions of the wall time of a step, of the share of it in which the
+process had the processor, of the time of each phase (``sg.phase_times``) and of the work counted,
+and the peak memory of the process. In 2D, disks of radius 10 mm, E = 1 MPa, nu = 0.45, unless said
+otherwise.
 """
 
 import argparse
@@ -80,7 +81,6 @@ def figures_of(steps, wall, processor, before):
     times["outside the engines"] = max(wall - sum(times.values()), 0)
     return {
         "wall": wall / steps,
-        "processor": processor / steps,
         "busy": busy,
         "phases": {name: busy * seconds / steps for name, seconds in times.items()},
         "counts": {name: (after[name] - before[name]) / steps for name in after},
@@ -97,12 +97,10 @@ def counted_work():
 
 def medians(rows):
     """Medians of nested dicts of numbers, key by key; a phase that a row lacks took no time."""
-    first = rows[0]
-    if not isinstance(first, dict):
+    if not isinstance(rows[0], dict):
         return statistics.median(rows)
-    keys = {key: None for row in rows for key in row}  # a set in order
-    empty = {} if any(isinstance(v, dict) for v in first.values()) else 0.0
-    return {key: medians([row.get(key, empty) for row in rows]) for key in keys}
+    keys = dict.fromkeys(key for row in rows for key in row)
+    return {key: medians([row.get(key, 0.0) for row in rows]) for key in keys}
 
 
 def peak_memory():
