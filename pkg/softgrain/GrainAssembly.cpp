@@ -296,7 +296,7 @@ private:
 	void countSearch(const ContactList<dim>& list) const
 	{
 		searchedPairs_.fetch_add(1, std::memory_order_relaxed);
-		testedCandidates_.fetch_add(list.candidates, std::memory_order_relaxed);
+		testedCandidates_.fetch_add(list.tested, std::memory_order_relaxed);
 	}
 
 	const GrainParameters<dim>& parameters(int g) const

@@ -341,6 +341,7 @@ TEMPLATE_TEST_CASE_SIG("Search: impulses follow their contacts", "[contact]", ((
 	for (Vec<dim>& x : balls.body[1].position)
 		x += 0.2 * sideways;
 	balls.body[1].updateGeometry();
+	balls.body[1].travelled += 0.2;
 	findContacts(balls.body[0], balls.body[1], 0.03, list);
 	int kept = 0, fresh = 0;
 	for (const Contact<dim>& c : list.contacts)

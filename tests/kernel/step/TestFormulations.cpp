@@ -239,7 +239,7 @@ TEMPLATE_TEST_CASE_SIG("Formulations: contact velocities answer to impulses as W
 			 Mat<dim>::Zero());
 	set->updateForces(1);
 	set->predictVelocities(0, 1e-5, {});
-	const ContactMobility W = set->contactMobility(0);
+	const ContactMobility<dim> W = set->contactMobility(0);
 	std::vector<Vec<dim>> before, after;
 	set->contactVelocities(0, before);
 	const int nodes = set->reference().contactNodes();
@@ -279,7 +279,7 @@ TEST_CASE("Formulations: mobility of contact nodes stays bounded wherever the gr
 		set->moveRigidly(0, Mat<2>::Identity(), random.vector<2>(0.01), Vec<2>::Zero(),
 				 Mat<2>::Zero());
 		set->updateForces(1);
-		const ContactMobility W = set->contactMobility(0);
+		const ContactMobility<2> W = set->contactMobility(0);
 		for (int s = 0; s < W.table->rows(); ++s)
 			for (int k = W.table->begin(s); k < W.table->end(s); ++k)
 				if (W.table->column[k] == s) {

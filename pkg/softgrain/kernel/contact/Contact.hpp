@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "reference/Outline.hpp"
 
 #include <array>
 #include <cstdlib>
@@ -23,14 +24,11 @@ struct ContactKey {
 	bool operator==(const ContactKey& o) const { return !(*this < o) && !(o < *this); }
 };
 
-/// Most nodes that a place on an outline leans on: the ends of a segment and their neighbours, or
-/// the corners of a triangle.
-template <int dim> constexpr int mostPartners = dim == 2 ? 4 : 3;
-
 /// One contact node of one body against a place on another body.
 template <int dim> struct Contact {
 	ContactKey key;
 	int partners = 0; ///< nodes of the other body it leans on: 0 (plane), 1 or `mostPartners`
+	int facet = -1;   ///< of the other body that it lies against, where that has facets
 	std::array<int, mostPartners<dim>> partner {};   ///< these nodes
 	std::array<double, mostPartners<dim>> weight {}; ///< their shares, sum 1
 	Vec<dim> normal = Vec<dim>::Zero();              ///< unit, from the other body to the node
@@ -45,6 +43,17 @@ template <int dim> struct Plane {
 	Vec<dim> velocity = Vec<dim>::Zero(); ///< m/s
 };
 
+/// Nodes that may come into contact while their bodies have moved little since they were found.
+struct ContactCandidates {
+	struct Node {
+		int side, node; ///< as in ContactKey
+		int facet;      ///< of the other body: the nearest when it was last looked for
+	};
+	std::vector<Node> nodes;
+	double covered = 0;   ///< all nodes with a smaller gap are in it, m
+	double travelled = 0; ///< of both bodies together when it was found, m
+};
+
 /// All contacts of two bodies, sorted by key.
 template <int dim> struct ContactList {
 	int first = -1;  ///< index of the first body
@@ -53,8 +62,9 @@ template <int dim> struct ContactList {
 	double friction = 0; ///< coefficient mu
 	double deepest =
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
-	int candidates = 0; ///< nodes that the search tested against the other body
 	std::vector<Contact<dim>> contacts;
+	ContactCandidates candidates;
+	int tested = 0; ///< nodes that the last search measured against the other body
 
 	/// By first body; its planes in the order of their names, then its grains.
 	std::tuple<int, bool, int> sweepOrder() const

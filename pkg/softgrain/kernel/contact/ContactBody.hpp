@@ -4,6 +4,7 @@
 
 #include "Vector.hpp"
 #include "contact/CommonGrid.hpp"
+#include "reference/FacetMobility.hpp"
 #include "reference/Outline.hpp"
 #include "reference/SparseRows.hpp"
 
@@ -31,6 +32,8 @@ template <int dim> struct ContactBody {
 	const OutlineMesh<dim>* mesh =
 		nullptr; ///< facets; without any the contact nodes are disks (spheres)
 	const SparseRows<double>* delassus = nullptr;
+	const FacetMobility<dim>* facetMobility =
+		nullptr; ///< of `delassus`; null where places are borne node by node
 	const SparseRows<double>* overlap =
 		nullptr;          ///< sum_I N_I(Xs) N_I(Xs'), for averages along the outline
 	double delassusScale = 0; ///< 1/(rho R^dim); table times this is W_ss', 1/kg
@@ -49,6 +52,7 @@ template <int dim> struct ContactBody {
 	double longestEdge = 0;        ///< of a facet, m
 	double circumradius = 0;       ///< of the outline about the centre of its box, m
 	double fastest = 0;            ///< largest speed of a node, m/s
+	double travelled = 0; ///< no node has come further than this since the start, m
 
 	/// Contact on background nodes: step of the common grid, m (0: another geometry), and what
 	/// the body gives to its nodes. These are the contact nodes then: velocity, impulse and

@@ -14,13 +14,9 @@ constexpr int newtonSteps = 2;
 OutlineCurve::OutlineCurve(const ContactBody<2>& body, int facet)
 	: body_(body)
 {
-	const auto& facets = body.mesh->facet;
-	const int count = static_cast<int>(facets.size());
-	const auto& [first, second] = facets[facet];
-	node_ = { facets[(facet + count - 1) % count][0], first, second,
-		  facets[(facet + 1) % count][1] };
-	startsSharp_ = body.isSharp(first);
-	endsSharp_ = body.isSharp(second);
+	node_ = body.mesh->carriers(facet);
+	startsSharp_ = body.isSharp(node_[1]);
+	endsSharp_ = body.isSharp(node_[2]);
 }
 
 /// x_0 = 2 x_1 - x_2 at a sharp first node, x_3 = 2 x_2 - x_1 at a sharp second one.

@@ -2,7 +2,6 @@
 #include "contact/CoulombCone.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace softgrain {
 
@@ -20,19 +19,24 @@ double biasOf(double gap, double pointSpacing, double dt, const SolverSettings& 
 	return std::max(settings.overlapRelaxation * excess / dt, -settings.overlapSpeed);
 }
 
-/// Adds `value[k] J` to the velocity of node `column[k]`. (J is a copy: the compiler cannot know
-/// that no velocity is part of it.)
-template <int dim>
-void addToVelocities(std::vector<Vec<dim>>& velocity, const SparseRows<double>& table, int row,
-		     const Vec<dim> J)
+/// Adds W_k J to the velocity of each node that is moved. (J is a copy: the compiler cannot know that
+/// no velocity is part of it.)
+template <int dim, class Mobility>
+void move(std::vector<Vec<dim>>& velocity, const Mobility& moved, const Vec<dim> J)
 {
-	double* v = velocity.data()->data();
-	for (int k = table.begin(row); k < table.end(row); ++k) {
-		double* at = v + dim * table.column[k];
-		const double W = table.value[k];
-		for (int a = 0; a < dim; ++a)
-			at[a] += W * J[a];
-	}
+	Vec<dim>* v = velocity.data();
+	for (int k = 0; k < moved.count; ++k)
+		v[moved.column[k]] += moved.value[k] * J;
+}
+template <class Mobility>
+void move(std::vector<Vec<2>>& velocity, const Mobility& moved, const Vec<2> J)
+{
+	// Both components in one register.
+	using Pair [[gnu::vector_size(16), gnu::aligned(8), gnu::may_alias]] = double;
+	auto* v = reinterpret_cast<Pair*>(velocity.data());
+	const Pair both { J[0], J[1] };
+	for (int k = 0; k < moved.count; ++k)
+		v[moved.column[k]] += moved.value[k] * both;
 }
 
 } // namespace
@@ -49,7 +53,7 @@ void PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 	constraints_.resize(list.contacts.size());
 	freeVelocity_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
-	partnerMobility_.clear();
+	reservePartnerMobility();
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 		const Contact<dim>& contact = list.contacts[k];
 		Constraint& c = constraints_[k];
@@ -60,43 +64,71 @@ void PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 		c.partners = contact.partners;
 		c.partner = contact.partner;
 		c.weight = contact.weight;
-		c.bias = biasOf(contact.gap, own(c)->pointSpacing, dt, settings);
-		c.W = own(c)->mobility(c.node, c.node);
-		c.partnerRow = partnerMobility_.rows();
-		if (c.partners > 0) c.W += appendPartnerMobility(contact, *other(c));
+		const ContactBody<dim>& body = *own(c);
+		c.bias = biasOf(contact.gap, body.pointSpacing, dt, settings);
+		const SparseRows<double>& table = *body.delassus;
+		const int begin = table.begin(c.node);
+		c.moved = { table.column.data() + begin, table.value.data() + begin,
+			    table.end(c.node) - begin };
+		c.W = body.mobility(c.node, c.node);
+		if (c.partners > 0) c.W += findPartnerMobility(contact, c);
 		c.inverseW = 1 / c.W;
 		freeVelocity_[k] = relativeVelocity(c, &ContactBody<dim>::velocity);
 	}
 }
 
-/// Adds a row to `partnerMobility_`; returns what of it the contact itself feels, the partner's
-/// share of W. Neighbouring partner nodes move almost the same nodes: their rows are added up once,
-/// not in every sweep.
-template <int dim>
-double PairSolver<dim>::appendPartnerMobility(const Contact<dim>& contact,
-					      const ContactBody<dim>& partner)
+/// Room for all rows, since contacts point into them.
+template <int dim> void PairSolver<dim>::reservePartnerMobility()
 {
-	static thread_local std::vector<double> sum; // by node; all 0 between calls
-	const SparseRows<double>& table = *partner.delassus;
-	if (static_cast<int>(sum.size()) < table.rows()) sum.resize(table.rows(), 0.);
-	const int begin = static_cast<int>(partnerMobility_.column.size());
-	for (int i = 0; i < contact.partners; ++i) {
-		if (contact.weight[i] == 0) continue; // at the end of a segment
-		const double share = contact.weight[i] * partner.delassusScale;
-		const int node = contact.partner[i];
-		for (int k = table.begin(node); k < table.end(node); ++k) {
-			double& moved = sum[table.column[k]];
-			// A sum that is 0 again is listed twice, the second time with 0.
-			if (moved == 0) partnerMobility_.append(table.column[k], 0);
-			moved += share * table.value[k];
-		}
+	std::size_t entries = 0;
+	for (const Contact<dim>& contact : list_->contacts) {
+		if (contact.partners == 0) continue;
+		const ContactBody<dim>& partner = contact.key.side == 0 ? *second_ : *first_;
+		if (partner.facetMobility)
+			entries += partner.facetMobility->columns(contact.facet);
+		else
+			for (int i = 0; i < contact.partners; ++i)
+				entries += partner.delassus->end(contact.partner[i]) -
+					   partner.delassus->begin(contact.partner[i]);
+	}
+	partnerValue_.clear();
+	partnerColumn_.clear();
+	partnerValue_.reserve(entries);
+	partnerColumn_.reserve(entries);
+}
+
+/// Finds what the impulse moves of the partner; returns the partner's share of W. Neighbouring
+/// partner nodes move almost the same nodes: over a facet their rows are added up once, not in every
+/// sweep.
+template <int dim>
+double PairSolver<dim>::findPartnerMobility(const Contact<dim>& contact, Constraint& c)
+{
+	const ContactBody<dim>& partner = *other(c);
+	const std::size_t begin = partnerValue_.size();
+	if (partner.facetMobility) {
+		const FacetMobility<dim>& facets = *partner.facetMobility;
+		const int count = facets.columns(contact.facet);
+		partnerValue_.resize(begin + count);
+		c.movedPartner = { facets.column(contact.facet), partnerValue_.data() + begin,
+				   count };
+		return partner.delassusScale * facets.combine(contact.facet, contact.weight,
+							      partnerValue_.data() + begin);
 	}
 	double W = 0;
-	for (int i = 0; i < contact.partners; ++i)
-		W += contact.weight[i] * sum[contact.partner[i]];
-	for (int k = begin; k < static_cast<int>(partnerMobility_.column.size()); ++k)
-		partnerMobility_.value[k] = -std::exchange(sum[partnerMobility_.column[k]], 0.);
-	partnerMobility_.closeRow();
+	const SparseRows<double>& table = *partner.delassus;
+	for (int i = 0; i < contact.partners; ++i) {
+		const int node = contact.partner[i];
+		for (int k = table.begin(node); k < table.end(node); ++k) {
+			partnerColumn_.push_back(table.column[k]);
+			partnerValue_.push_back(contact.weight[i] * table.value[k]);
+		}
+		for (int j = 0; j < contact.partners; ++j)
+			W += contact.weight[i] * contact.weight[j] *
+			     partner.mobility(node, contact.partner[j]);
+	}
+	const std::size_t columns = partnerValue_.size() - begin;
+	c.movedPartner = { partnerColumn_.data() + partnerColumn_.size() - columns,
+			   partnerValue_.data() + begin, static_cast<int>(columns) };
 	return W;
 }
 
@@ -118,10 +150,9 @@ template <int dim> Vec<dim> PairSolver<dim>::solvedImpulse(const Constraint& c) 
 
 template <int dim> void PairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
-	ContactBody<dim>& body = *own(c);
-	addToVelocities<dim>(body.velocity, *body.delassus, c.node, body.delassusScale * J);
+	move(own(c)->velocity, c.moved, Vec<dim>(own(c)->delassusScale * J));
 	if (c.partners > 0)
-		addToVelocities<dim>(other(c)->velocity, partnerMobility_, c.partnerRow, J);
+		move(other(c)->velocity, c.movedPartner, Vec<dim>(-other(c)->delassusScale * J));
 }
 
 template <int dim> void PairSolver<dim>::warmStart()
@@ -133,7 +164,7 @@ template <int dim> void PairSolver<dim>::warmStart()
 	}
 }
 
-template <int dim> SweepChange PairSolver<dim>::sweep(SweepOrder order)
+template <int dim> [[gnu::flatten]] SweepChange PairSolver<dim>::sweep(SweepOrder order)
 {
 	SweepChange sum;
 	auto visit = [&](Constraint& c) {
@@ -152,7 +183,7 @@ template <int dim> SweepChange PairSolver<dim>::sweep(SweepOrder order)
 	return sum;
 }
 
-template <int dim> ResidualSum PairSolver<dim>::residual() const
+template <int dim> [[gnu::flatten]] ResidualSum PairSolver<dim>::residual() const
 {
 	ResidualSum sum;
 	for (const Constraint& c : constraints_)

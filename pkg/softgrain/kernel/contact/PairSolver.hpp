@@ -82,17 +82,23 @@ public:
 
 	int contacts() const { return static_cast<int>(constraints_.size()); }
 
+	/// What an impulse on contact nodes moves: node column[k] by value[k], times a scale.
+	struct Mobility {
+		const int* column;
+		const double* value;
+		int count;
+	};
 	struct Constraint {
 		Vec<dim> normal, impulse;
-		double bias;       ///< b, m/s
-		double W;          ///< 1/kg
-		double inverseW;   ///< kg
-		int node;          ///< of the body on which the impulse acts
-		bool onFirst;      ///< which body that is
-		int partners;      ///< nodes of the other body that bear it
-		int partnerRow;    ///< of `partnerMobility_`
+		double bias;     ///< b, m/s
+		double W;        ///< 1/kg
+		double inverseW; ///< kg
+		int node;        ///< of the body on which the impulse acts
+		bool onFirst;    ///< which body that is
+		int partners;    ///< nodes of the other body that bear it
 		std::array<int, mostPartners<dim>> partner;
 		std::array<double, mostPartners<dim>> weight;
+		Mobility moved, movedPartner; ///< of both bodies
 	};
 	const std::vector<Constraint>& constraints() const { return constraints_; }
 	double friction() const { return friction_; }
@@ -115,7 +121,8 @@ private:
 				  std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	Vec<dim> solvedImpulse(const Constraint& c) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
-	double appendPartnerMobility(const Contact<dim>& contact, const ContactBody<dim>& partner);
+	void reservePartnerMobility();
+	double findPartnerMobility(const Contact<dim>& contact, Constraint& c);
 
 	ContactBody<dim>* first_ = nullptr;
 	ContactBody<dim>* second_ = nullptr; ///< null for a plane
@@ -124,9 +131,10 @@ private:
 	double friction_ = 0;
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> freeVelocity_, start_;
-	/// sum_i w_i W_is of all nodes s of the partner that an impulse on a contact moves, 1/kg; a
-	/// row for each contact with partners.
-	SparseRows<double> partnerMobility_;
+	/// sum_i w_i W_is of all nodes s of the partner that an impulse on a contact moves, contact
+	/// after contact; columns only where they are not those of a facet.
+	std::vector<double> partnerValue_;
+	std::vector<int> partnerColumn_;
 };
 
 } // namespace softgrain

@@ -97,6 +97,7 @@ void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutlin
 	const OutlineCurve curve(body, place.facet);
 	const OutlineCurve::Place foot = curve.nearest(x, place.weight[1]);
 	contact.partners = mostPartners<2>;
+	contact.facet = place.facet;
 	contact.partner = curve.nodes();
 	contact.weight = foot.weight;
 	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
@@ -122,6 +123,7 @@ void measureGap(const Vec<3>& x, const ContactBody<3>& body, const PlaceOnOutlin
 					 .dot(body.position[vertex[j]] - body.position[vertex[i]]);
 	}
 	contact.partners = mostPartners<3>;
+	contact.facet = place.facet;
 	contact.partner = vertex;
 	contact.weight = place.weight;
 	contact.normal = normal.normalized();
@@ -200,9 +202,20 @@ void keepDeepest(double gap, const ContactBody<dim>& a, const ContactBody<dim>& 
 	list.deepest = std::max(list.deepest, -2 * gap / (a.pointSpacing + b.pointSpacing));
 }
 
-/// Nodes of `body` against the outline of `other`.
+/// A contact; what lies deeper is none, but is known by its depth.
 template <int dim>
-void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
+void append(const ContactKey& key, Contact<dim>& contact, const ContactBody<dim>& body,
+	    const ContactBody<dim>& other, ContactList<dim>& list)
+{
+	keepDeepest(contact.gap, body, other, list);
+	if (contact.gap < -contactDepth(body, other)) return;
+	contact.key = key;
+	list.contacts.push_back(contact);
+}
+
+/// Nodes of `body` against the outline of `other`, where one of them has corners.
+template <int dim>
+void nodesAgainstCorners(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
 			 double reach, ContactList<dim>& list)
 {
 	const double deep = contactDepth(body, other);
@@ -211,30 +224,159 @@ void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& o
 	const double margin = std::max(reach, deep);
 	const auto nodes = nodesNear(body, other, reach, margin);
 	if (nodes.empty()) return;
-	list.candidates += static_cast<int>(nodes.size());
+	list.tested += static_cast<int>(nodes.size());
 	const auto facets = facetsIn(other, body.box.grown(margin));
 	if (facets.empty()) return;
 	// Near a corner the nearest facet need not be the one that a node lies against: there only
 	// facets count that the node faces.
-	const bool corners = !body.mesh->sharp.empty() || !other.mesh->sharp.empty();
 	for (int s : nodes) {
 		const Vec<dim>& x = body.position[s];
 		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, [&](int f) {
-			return !corners || body.facesAgainst(s, other.areaOfFacet(f).normalized());
+			return body.facesAgainst(s, other.areaOfFacet(f).normalized());
 		});
 		// None near: the node lies against no side of the grain, but it may be inside.
-		const bool faces = !corners || place.squaredDistance <= deep * deep;
+		const bool faces = place.squaredDistance <= deep * deep;
 		if (!faces) place = nearestPlace(x, other, facets, [](int) { return true; });
 		Contact<dim> contact;
 		measureGap(x, other, place, contact);
-		if (corners && isBeyondEdge(x, other, place, contact) &&
+		if (isBeyondEdge(x, other, place, contact) &&
 		    !body.facesAgainst(s, contact.normal))
 			continue;
-		if (contact.gap >= (faces ? reach : -deep)) continue;
-		keepDeepest(contact.gap, body, other, list);
-		if (contact.gap < -deep) continue;
-		contact.key = { side, s, -1 };
-		list.contacts.push_back(contact);
+		if (contact.gap < (faces ? reach : -deep))
+			append({ side, s, -1 }, contact, body, other, list);
+	}
+}
+
+/// Calls `use(node, place)` for the nodes of `body` that may be within reach of the smooth outline of
+/// `other`, with the nearest place on it.
+template <int dim, class Use>
+void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach,
+		  Use&& use)
+{
+	// The outline bulges out of the box of its vertices, and the facet nearest to a node that
+	// overlaps may lie outside the common region: both by less than a contact depth.
+	const double margin = std::max(reach, contactDepth(body, other));
+	const auto nodes = nodesNear(body, other, reach, margin);
+	if (nodes.empty()) return;
+	const auto facets = facetsIn(other, body.box.grown(margin));
+	if (facets.empty()) return;
+	for (int s : nodes)
+		use(s, nearestPlace(body.position[s], other, facets, [](int) { return true; }));
+}
+
+/// The contact of a node with a place on a smooth outline.
+template <int dim>
+Contact<dim> contactAt(const Vec<dim>& x, const ContactBody<dim>& other,
+		       const PlaceOnOutline<dim>& place, ContactList<dim>& list)
+{
+	++list.tested;
+	Contact<dim> contact;
+	measureGap(x, other, place, contact);
+	return contact;
+}
+
+template <int dim>
+void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
+			 double reach, ContactList<dim>& list)
+{
+	forNodesNear(body, other, reach, [&](int s, const PlaceOnOutline<dim>& place) {
+		Contact<dim> contact = contactAt(body.position[s], other, place, list);
+		if (contact.gap < reach) append({ side, s, -1 }, contact, body, other, list);
+	});
+}
+
+template <int dim>
+void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
+		    ContactList<dim>& list)
+{
+	ContactCandidates& candidates = list.candidates;
+	forNodesNear(body, other, candidates.covered, [&](int s, const auto& place) {
+		if (contactAt(body.position[s], other, place, list).gap < candidates.covered)
+			candidates.nodes.push_back({ side, s, place.facet });
+	});
+}
+
+/// Candidates are looked for this far beyond the reach, in dr: much less makes them short-lived,
+/// much more makes too many.
+constexpr double candidateMargin = 0.3;
+
+/// A place on the outline between nodes moves by no more than 1.25 times the most that a node does
+/// (sum of the sizes of the weights of OutlineCurve).
+constexpr double outlinePerNode = 1.25;
+
+template <int dim>
+void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
+		     ContactList<dim>& list)
+{
+	ContactCandidates& candidates = list.candidates;
+	const double travelled = first.travelled + second.travelled;
+	if (reach + outlinePerNode * (travelled - candidates.travelled) <= candidates.covered)
+		return;
+	candidates.nodes.clear();
+	candidates.covered =
+		reach + candidateMargin * std::min(first.pointSpacing, second.pointSpacing);
+	candidates.travelled = travelled;
+	findCandidates(first, second, 0, list);
+	findCandidates(second, first, 1, list);
+}
+
+PlaceOnOutline<2> placeOnFacet(const Vec<2>& x, const ContactBody<2>& body, int facet)
+{
+	const auto& [begin, end] = body.mesh->facet[facet];
+	const auto weight = nearestOnFacet(x, { body.position[begin], body.position[end] });
+	const Vec<2> nearest =
+		weight[0] * body.position[begin] + weight[1] * body.position[end];
+	return { facet, weight, (x - nearest).squaredNorm() };
+}
+
+/// Nearest place to `x`, from facet to facet as long as the next is nearer (of two as near, as at a
+/// common end, the first in order).
+PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int facet)
+{
+	const int count = static_cast<int>(body.mesh->facet.size());
+	PlaceOnOutline<2> best = placeOnFacet(x, body, facet);
+	for (int step : { 1, count - 1 })
+		while (true) {
+			const auto next = placeOnFacet(x, body, (best.facet + step) % count);
+			const bool nearer = next.squaredDistance < best.squaredDistance;
+			const bool first = next.squaredDistance == best.squaredDistance &&
+					   next.facet < best.facet;
+			if (!nearer && !first) break;
+			best = next;
+		}
+	return best;
+}
+
+void contactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
+			  ContactList<2>& list)
+{
+	for (ContactCandidates::Node& node : list.candidates.nodes) {
+		const ContactBody<2>& body = node.side == 0 ? first : second;
+		const ContactBody<2>& other = node.side == 0 ? second : first;
+		const Vec<2>& x = body.position[node.node];
+		const auto place = followOutline(x, other, node.facet);
+		node.facet = place.facet;
+		Contact<2> contact = contactAt(x, other, place, list);
+		if (contact.gap < reach)
+			append({ node.side, node.node, -1 }, contact, body, other, list);
+	}
+}
+
+/// Nodes of each against the outline of the other.
+template <int dim>
+void nodesAgainstOutlines(const ContactBody<dim>& first, const ContactBody<dim>& second,
+			  double reach, ContactList<dim>& list)
+{
+	const bool corners = !first.mesh->sharp.empty() || !second.mesh->sharp.empty();
+	if (corners) {
+		nodesAgainstCorners(first, second, 0, reach, list);
+		nodesAgainstCorners(second, first, 1, reach, list);
+	} else if constexpr (dim == 2) {
+		renewCandidates(first, second, reach, list);
+		contactsOfCandidates(first, second, reach, list);
+	} else {
+		nodesAgainstOutline(first, second, 0, reach, list);
+		nodesAgainstOutline(second, first, 1, reach, list);
 	}
 }
 
@@ -248,7 +390,7 @@ void disksAgainstDisks(const ContactBody<dim>& first, const ContactBody<dim>& se
 	const auto others = nodesIn(second, first.box.grown(reach + second.nodeRadius));
 	if (others.empty()) return;
 	const auto nodes = nodesIn(first, second.box.grown(reach + first.nodeRadius));
-	list.candidates += static_cast<int>(nodes.size());
+	list.tested += static_cast<int>(nodes.size());
 	for (int s : nodes)
 		for (int t : others) {
 			const Vec<dim> apart = first.position[s] - second.position[t];
@@ -271,7 +413,7 @@ template <int dim>
 void nodesOnCommonGrid(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
 		       ContactList<dim>& list)
 {
-	list.candidates += static_cast<int>(first.gridNode.size());
+	list.tested += static_cast<int>(first.gridNode.size());
 	auto other = second.gridNode.begin();
 	for (auto node = first.gridNode.begin(); node != first.gridNode.end(); ++node) {
 		while (other != second.gridNode.end() && other->index < node->index)
@@ -296,7 +438,7 @@ void nodesOnCommonGrid(const ContactBody<dim>& first, const ContactBody<dim>& se
 template <int dim>
 void nodesOnCommonGrid(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
 {
-	list.candidates += static_cast<int>(body.gridNode.size());
+	list.tested += static_cast<int>(body.gridNode.size());
 	for (std::size_t J = 0; J < body.gridNode.size(); ++J) {
 		const GridNode<dim>& node = body.gridNode[J];
 		Vec<dim> x;
@@ -360,7 +502,7 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 	std::vector<Contact<dim>> last;
 	last.swap(list.contacts);
 	list.deepest = 0;
-	list.candidates = 0;
+	list.tested = 0;
 	const double margin =
 		first.isSurface() ? std::max(reach, contactDepth(first, second)) : reach;
 	if (!first.box.grown(margin).overlaps(second.box)) return;
@@ -370,10 +512,9 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 		carryImpulsesByName(last, list.contacts);
 		return;
 	}
-	if (first.isSurface()) {
-		nodesAgainstOutline(first, second, 0, reach, list);
-		nodesAgainstOutline(second, first, 1, reach, list);
-	} else
+	if (first.isSurface())
+		nodesAgainstOutlines(first, second, reach, list);
+	else
 		disksAgainstDisks(first, second, reach, list);
 	carryImpulses(last, list.contacts);
 }
@@ -384,13 +525,17 @@ void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& 
 	std::vector<Contact<dim>> last;
 	last.swap(list.contacts);
 	list.deepest = 0;
-	list.candidates = 0;
+	list.tested = 0;
 	if (body.isOnGrid()) {
 		nodesOnCommonGrid(body, reach, list);
 		carryImpulsesByName(last, list.contacts);
 		return;
 	}
-	list.candidates += body.nodes();
+	const Vec<dim> halfBox = 0.5 * (body.box.high - body.box.low);
+	const double boxGap = (body.box.centre() - list.plane.point).dot(list.plane.normal) -
+			      halfBox.dot(list.plane.normal.cwiseAbs());
+	if (boxGap >= reach) return;
+	list.tested = body.nodes();
 	for (int s = 0; s < body.nodes(); ++s) {
 		Contact<dim> contact;
 		contact.gap = (body.position[s] - list.plane.point).dot(list.plane.normal) -

@@ -32,9 +32,11 @@ struct GrainState {
 /// Throws std::invalid_argument unless a saved list has the size that the discretisation needs.
 void requireSize(const char* what, const std::vector<double>& numbers, int expected);
 
-/// Mobility of a grain's contact nodes: `scale` times `table` is W_ss', 1/kg.
-struct ContactMobility {
+/// Mobility of a grain's contact nodes: `scale` times `table` is W_ss', 1/kg. The same by facet
+/// where that is known for good.
+template <int dim> struct ContactMobility {
 	const SparseRows<double>* table;
+	const FacetMobility<dim>* facets;
 	double scale;
 };
 
@@ -58,7 +60,7 @@ public:
 	/// v* = v + kick (f/m + load).
 	virtual void predictVelocities(int g, double kick, const BodyLoad<dim>& load) = 0;
 	/// Valid until the grain moves. The table stays where it is for the life of the set.
-	virtual ContactMobility contactMobility(int g) = 0;
+	virtual ContactMobility<dim> contactMobility(int g) = 0;
 	/// Velocities of the contact nodes after the present phase, into `at`.
 	virtual void contactVelocities(int g, std::vector<Vec<dim>>& at) const = 0;
 	/// The same at t_n - dt/2.
@@ -73,8 +75,8 @@ public:
 				 double& after) const = 0;
 	/// The new velocities become the present ones, and all grains move by dt. Parallel.
 	virtual void move(double dt, int threads) = 0;
-	/// Positions of the contact nodes into `at`; returns the speed of the fastest, m/s.
-	virtual double contactPositions(int g, std::vector<Vec<dim>>& at) const = 0;
+	/// Positions of the contact nodes into `at`.
+	virtual void contactPositions(int g, std::vector<Vec<dim>>& at) const = 0;
 
 	// --- contact on a common grid (ContactGeometry::nodes), where Scheme::validate allows it
 

@@ -129,22 +129,11 @@ template <int dim> void TotalLagrangian<dim>::move(double dt, int threads)
 }
 
 template <int dim>
-double TotalLagrangian<dim>::contactPositions(int g, std::vector<Vec<dim>>& at) const
+void TotalLagrangian<dim>::contactPositions(int g, std::vector<Vec<dim>>& at) const
 {
-	const SparseRows<double>& shapes = batch_.reference->contactShapes;
-	const Vec<dim>*x = batch_.x.of(g), *v = batch_.v.of(g);
-	double fastest = 0;
-	at.resize(shapes.rows());
-	for (int s = 0; s < shapes.rows(); ++s) {
-		Vec<dim> xs = Vec<dim>::Zero(), vs = Vec<dim>::Zero();
-		for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
-			xs += shapes.value[k] * x[shapes.column[k]];
-			vs += shapes.value[k] * v[shapes.column[k]];
-		}
-		at[s] = batch_.grain[g].origin + xs;
-		fastest = std::max(fastest, vs.norm());
-	}
-	return fastest;
+	interpolate(batch_.reference->contactShapes, g, batch_.x, at);
+	for (Vec<dim>& x : at)
+		x += batch_.grain[g].origin;
 }
 
 template <int dim>

@@ -28,10 +28,12 @@ public:
 	void updateForces(int threads) override { computeInternalForce(batch_, threads); }
 	const BulkReport& report(int g) const override { return batch_.report[g]; }
 	void predictVelocities(int g, double kick, const BodyLoad<dim>& load) override;
-	ContactMobility contactMobility(int g) override
+	ContactMobility<dim> contactMobility(int g) override
 	{
-		return { usesOwnNodes(g) ? &ownNodes_[g].delassus : &batch_.reference->delassus,
-			 1 / batch_.massScale[g] };
+		const double scale = 1 / batch_.massScale[g];
+		if (usesOwnNodes(g)) return { &ownNodes_[g].delassus, nullptr, scale };
+		const GrainTemplate<dim>& reference = *batch_.reference;
+		return { &reference.delassus, &reference.facetMobility, scale };
 	}
 	void contactVelocities(int g, std::vector<Vec<dim>>& at) const override;
 	void contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const override;
@@ -41,7 +43,7 @@ public:
 	void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 			 double& after) const override;
 	void move(double dt, int threads) override;
-	double contactPositions(int g, std::vector<Vec<dim>>& at) const override;
+	void contactPositions(int g, std::vector<Vec<dim>>& at) const override;
 	void massPoints(int g, std::vector<Vec<dim>>& position,
 			std::vector<double>& mass) const override;
 	void useContactNodes(int g, const SparseRows<double>& pointShares) override;

@@ -150,10 +150,10 @@ void UpdatedLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoa
 	}
 }
 
-template <int dim> ContactMobility UpdatedLagrangian<dim>::contactMobility(int g)
+template <int dim> ContactMobility<dim> UpdatedLagrangian<dim>::contactMobility(int g)
 {
 	grain_[g].findContactMobility(reference_->recipe.order);
-	return { &grain_[g].delassus, 1 };
+	return { &grain_[g].delassus, nullptr, 1 };
 }
 
 namespace {
@@ -246,15 +246,11 @@ template <int dim> void UpdatedLagrangian<dim>::move(double dt, int threads)
 }
 
 template <int dim>
-double UpdatedLagrangian<dim>::contactPositions(int g, std::vector<Vec<dim>>& at) const
+void UpdatedLagrangian<dim>::contactPositions(int g, std::vector<Vec<dim>>& at) const
 {
-	double fastest = 0;
 	at.resize(grain_[g].contactX.size());
-	for (std::size_t s = 0; s < at.size(); ++s) {
+	for (std::size_t s = 0; s < at.size(); ++s)
 		at[s] = parameters_[g].origin + grain_[g].contactX[s];
-		fastest = std::max(fastest, grain_[g].contactV[s].norm());
-	}
-	return fastest;
 }
 
 // --- what others ask and set --------------------------------------------------------------------

@@ -32,7 +32,7 @@ public:
 	void updateForces(int threads) override;
 	const BulkReport& report(int g) const override { return grain_[g].report; }
 	void predictVelocities(int g, double kick, const BodyLoad<dim>& load) override;
-	ContactMobility contactMobility(int g) override;
+	ContactMobility<dim> contactMobility(int g) override;
 	void contactVelocities(int g, std::vector<Vec<dim>>& at) const override;
 	void contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const override;
 	void applyContactImpulses(int g, const std::vector<Vec<dim>>& impulse) override;
@@ -41,7 +41,7 @@ public:
 	void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 			 double& after) const override;
 	void move(double dt, int threads) override;
-	double contactPositions(int g, std::vector<Vec<dim>>& at) const override;
+	void contactPositions(int g, std::vector<Vec<dim>>& at) const override;
 
 	WholeGrain<dim> whole(int g) const override;
 	std::vector<PointResponse<dim>> points(int g) const override;

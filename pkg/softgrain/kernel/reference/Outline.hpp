@@ -10,6 +10,9 @@
 
 namespace softgrain {
 
+/// Most nodes that a place on an outline leans on.
+template <int dim> constexpr int mostPartners = dim == 2 ? 4 : 3;
+
 /// Closed piecewise linear outline: segments in 2D, triangles in 3D, oriented so that the
 /// right-hand (2D: right of the direction of travel, counter-clockwise) normal points outwards.
 template <int dim> struct OutlineMesh {
@@ -18,6 +21,18 @@ template <int dim> struct OutlineMesh {
 	/// Vertices where the outline has no single normal, with the facets that meet there. At any
 	/// other vertex the facets approximate one smooth surface.
 	std::map<int, std::vector<int>> sharp;
+
+	/// The vertices that carry the outline over a facet: in 2D its ends between their
+	/// neighbours (contact/OutlineCurve.hpp), in 3D its corners.
+	std::array<int, mostPartners<dim>> carriers(int f) const
+	{
+		if constexpr (dim == 2) {
+			const int count = static_cast<int>(facet.size());
+			return { facet[(f + count - 1) % count][0], facet[f][0], facet[f][1],
+				 facet[(f + 1) % count][1] };
+		} else
+			return facet[f];
+	}
 };
 
 /// Area (2D) or volume (3D) of a piece of a grain, and its first moment.

@@ -21,6 +21,7 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 		body.inradius = radius * reference.inradius;
 		body.position.resize(reference.contactNodes());
 		body.velocity = body.impulse = body.position;
+		lastPosition_.push_back(body.position);
 		bodies_.push_back(std::move(body));
 		if (reference.recipe.contact == ContactGeometry::nodes)
 			gridSpacing_ =
@@ -48,12 +49,45 @@ template <int dim> double System<dim>::criticalTimeStep() const
 	return smallest;
 }
 
-template <int dim> void System<dim>::updateSurface(int g)
+namespace {
+
+template <int dim>
+double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to)
+{
+	double squared = 0;
+	for (std::size_t s = 0; s < to.size(); ++s)
+		squared = std::max(squared, (to[s] - from[s]).squaredNorm());
+	return std::sqrt(squared);
+}
+
+template <int dim> double largestNorm(const std::vector<Vec<dim>>& vectors)
+{
+	double squared = 0;
+	for (const Vec<dim>& v : vectors)
+		squared = std::max(squared, v.squaredNorm());
+	return std::sqrt(squared);
+}
+
+} // namespace
+
+/// Returns how far the node has come that moved most.
+template <int dim> double System<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
-	body.fastest = setOf(g).contactPositions(indexInSet(g), body.position);
+	lastPosition_[g].swap(body.position);
+	setOf(g).contactPositions(indexInSet(g), body.position);
+	const double way = farthestWay<dim>(lastPosition_[g], body.position);
+	body.travelled += way;
 	body.updateGeometry();
 	if (gridSpacing_ > 0) updateGridNodes(g);
+	return way;
+}
+
+template <int dim> void System<dim>::updateSurface(int g)
+{
+	renewOutline(g);
+	setOf(g).contactVelocitiesBefore(indexInSet(g), bodies_[g].velocity);
+	bodies_[g].fastest = largestNorm<dim>(bodies_[g].velocity);
 }
 
 /// What the grain gives to the common grid at its present place.
@@ -169,8 +203,9 @@ void System<dim>::gatherContacts(const std::vector<char>& touched, const StepSet
 	forEachGrain(settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		if (!touched[g]) return;
 		ContactBody<dim>& body = bodies_[g];
-		const ContactMobility mobility = set.contactMobility(k);
+		const ContactMobility<dim> mobility = set.contactMobility(k);
 		body.delassus = mobility.table;
+		body.facetMobility = mobility.facets;
 		body.delassusScale = mobility.scale;
 		set.contactVelocities(k, body.velocity);
 		if (settings.trackEnergy) set.contactVelocitiesBefore(k, body.velocityBefore);
@@ -267,7 +302,10 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 		set->move(settings.dt, settings.threads);
 	clock.end("move");
 	continuation_.lastStep = settings.dt;
-	updateSurfaces(settings.threads);
+	forEachGrain(settings.threads, [&](int g, auto&&...) {
+		bodies_[g].fastest = renewOutline(g) / settings.dt;
+	});
+	forcesFresh_ = false;
 	clock.end("updateSurfaces");
 	report.work.points = std::exchange(updatedPoints_, 0);
 	report.work.visits = static_cast<long>(report.solver.contacts) * report.solver.sweeps;

@@ -118,6 +118,7 @@ private:
 	/// phase(grain in the system, its set, its index there)
 	template <class Phase> void forEachGrain(int threads, Phase&& phase);
 
+	double renewOutline(int g);
 	double kickTime(double dt) const;
 	void updateGridNodes(int g);
 	void useGridNodes(const std::vector<ContactList<dim>*>& lists);
@@ -130,6 +131,7 @@ private:
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
 	std::vector<Place> place_;
 	std::vector<ContactBody<dim>> bodies_;
+	std::vector<std::vector<Vec<dim>>> lastPosition_; ///< of the contact nodes, m
 	std::vector<BodyLoad<dim>> loads_;
 	ContactSolver<dim> solver_;
 	EnergyBalance energy_; ///< at the last t_n
