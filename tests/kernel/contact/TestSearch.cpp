@@ -357,6 +357,43 @@ TEMPLATE_TEST_CASE_SIG("Search: impulses follow their contacts", "[contact]", ((
 	CHECK(kept < static_cast<int>(before.size()));
 }
 
+TEST_CASE("Search: candidates are kept while they hold, and miss nothing", "[contact]")
+{
+	auto balls = twoBalls<2>(-0.03, 0.1, 6);
+	ContactBody<2>&first = balls.body[0], &second = balls.body[1];
+	auto kept = pairList<2>();
+	Random random(2);
+	int testedKept = 0, testedFresh = 0, most = 0;
+	for (int step = 0; step < 400; ++step) {
+		// Rolls round the other and shakes.
+		const Vec<2> about = first.box.centre();
+		const Mat<2> turn = Eigen::Rotation2Dd(0.004).toRotationMatrix();
+		const Vec<2> shake = random.vector<2>(0.002);
+		double farthest = 0;
+		for (Vec<2>& x : second.position) {
+			const Vec<2> to = about + turn * (x - about) + shake;
+			farthest = std::max(farthest, (to - x).norm());
+			x = to;
+		}
+		second.travelled += farthest;
+		second.updateGeometry();
+		auto fresh = pairList<2>();
+		findContacts(first, second, 0.01, kept);
+		findContacts(first, second, 0.01, fresh);
+		testedKept += kept.tested;
+		testedFresh += fresh.tested;
+		most = std::max(most, static_cast<int>(fresh.contacts.size()));
+		REQUIRE(kept.contacts.size() == fresh.contacts.size());
+		for (std::size_t k = 0; k < kept.contacts.size(); ++k) {
+			CHECK(kept.contacts[k].key == fresh.contacts[k].key);
+			CHECK(kept.contacts[k].facet == fresh.contacts[k].facet);
+			CHECK(kept.contacts[k].gap == fresh.contacts[k].gap);
+		}
+	}
+	CHECK(most >= 8);
+	CHECK(testedKept < 0.8 * testedFresh);
+}
+
 TEMPLATE_TEST_CASE_SIG("Search: disks about points against each other", "[contact]",
 		       ((int dim), dim), 2, 3)
 {

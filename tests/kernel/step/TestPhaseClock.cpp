@@ -70,7 +70,7 @@ TEST_CASE("a step counts its work", "[clock]")
 		const StepReport report = scene.advance();
 		CHECK(report.work.points == points);
 		CHECK(report.work.visits == report.solver.contacts * report.solver.sweeps);
-		CHECK(scene.lists[0].candidates == scene.system.body(0).nodes());
+		CHECK(scene.lists[0].tested == scene.system.body(0).nodes());
 	}
 	scene.system.updateForces(1);
 	CHECK(scene.advance().work.points == 2 * points); // each time that stress is computed

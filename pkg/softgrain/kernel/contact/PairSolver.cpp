@@ -26,17 +26,7 @@ void move(std::vector<Vec<dim>>& velocity, const Mobility& moved, const Vec<dim>
 {
 	Vec<dim>* v = velocity.data();
 	for (int k = 0; k < moved.count; ++k)
-		v[moved.column[k]] += moved.value[k] * J;
-}
-template <class Mobility>
-void move(std::vector<Vec<2>>& velocity, const Mobility& moved, const Vec<2> J)
-{
-	// Both components in one register.
-	using Pair [[gnu::vector_size(16), gnu::aligned(8), gnu::may_alias]] = double;
-	auto* v = reinterpret_cast<Pair*>(velocity.data());
-	const Pair both { J[0], J[1] };
-	for (int k = 0; k < moved.count; ++k)
-		v[moved.column[k]] += moved.value[k] * both;
+		addScaled<dim>(v[moved.column[k]], moved.value[k], J);
 }
 
 } // namespace
@@ -150,9 +140,9 @@ template <int dim> Vec<dim> PairSolver<dim>::solvedImpulse(const Constraint& c) 
 
 template <int dim> void PairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
-	move(own(c)->velocity, c.moved, Vec<dim>(own(c)->delassusScale * J));
+	move<dim>(own(c)->velocity, c.moved, own(c)->delassusScale * J);
 	if (c.partners > 0)
-		move(other(c)->velocity, c.movedPartner, Vec<dim>(-other(c)->delassusScale * J));
+		move<dim>(other(c)->velocity, c.movedPartner, -other(c)->delassusScale * J);
 }
 
 template <int dim> void PairSolver<dim>::warmStart()

@@ -33,13 +33,18 @@ void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<
 {
 	const bool loaded = !load.isZero();
 	const Vec<dim> centre = loaded ? whole(g).centre : Vec<dim>(Vec<dim>::Zero());
+	const std::vector<double>& inverseMass = batch_.reference->inverseNodeMass;
+	const double scale = kick / batch_.massScale[g];
+	const Vec<dim>*v = batch_.v.of(g), *force = batch_.force.of(g);
+	Vec<dim>* vNext = batch_.vNext.of(g);
 	for (int I = 0; I < nodes(); ++I) {
-		Vec<dim> acceleration = batch_.force.get(g, I) / batch_.nodeMass(g, I);
-		if (loaded)
-			acceleration +=
-				load.acceleration + load.angular * (batch_.x.get(g, I) - centre);
-		batch_.vNext.set(g, I, batch_.v.get(g, I) + kick * acceleration);
+		vNext[I] = v[I];
+		addScaled<dim>(vNext[I], scale * inverseMass[I], force[I]);
 	}
+	if (!loaded) return;
+	for (int I = 0; I < nodes(); ++I)
+		vNext[I] += kick * (load.acceleration +
+				    load.angular * (batch_.x.get(g, I) - centre));
 }
 
 namespace {
@@ -53,7 +58,7 @@ void interpolate(const SparseRows<double>& shapes, int g, const NodalField<dim>&
 	for (int s = 0; s < shapes.rows(); ++s) {
 		Vec<dim> sum = Vec<dim>::Zero();
 		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
-			sum += shapes.value[k] * own[shapes.column[k]];
+			addScaled<dim>(sum, shapes.value[k], own[shapes.column[k]]);
 		at[s] = sum;
 	}
 }
@@ -76,23 +81,26 @@ template <int dim>
 void TotalLagrangian<dim>::applyContactImpulses(int g, const std::vector<Vec<dim>>& impulse)
 {
 	const SparseRows<double>& shapes = contactShapes(g);
+	const std::vector<double>& inverseMass = batch_.reference->inverseNodeMass;
+	Vec<dim>* vNext = batch_.vNext.of(g);
 	for (int s = 0; s < shapes.rows(); ++s) {
-		const Vec<dim>& r = impulse[s];
-		if (r.isZero(0)) continue;
+		if (impulse[s].isZero(0)) continue;
+		const Vec<dim> r = impulse[s] / batch_.massScale[g];
 		for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
 			const int I = shapes.column[k];
-			batch_.vNext.set(g, I,
-					 batch_.vNext.get(g, I) +
-						 shapes.value[k] / batch_.nodeMass(g, I) * r);
+			addScaled<dim>(vNext[I], shapes.value[k] * inverseMass[I], r);
 		}
 	}
 }
 
 template <int dim> bool TotalLagrangian<dim>::hasFiniteVelocities(int g) const
 {
+	// What is not finite leaves no zero.
+	const Vec<dim>* v = batch_.vNext.of(g);
+	Vec<dim> sum = Vec<dim>::Zero();
 	for (int I = 0; I < nodes(); ++I)
-		if (!batch_.vNext.get(g, I).allFinite()) return false;
-	return true;
+		addScaled<dim>(sum, 0, v[I]);
+	return sum.isZero(0);
 }
 
 template <int dim> double TotalLagrangian<dim>::kineticEnergy(int g) const
@@ -123,9 +131,12 @@ template <int dim> void TotalLagrangian<dim>::move(double dt, int threads)
 	const NodalField<dim>& v = pointVelocities_ ? batch_.vNext : batch_.v;
 	const int count = grains();
 #pragma omp parallel for schedule(static) num_threads(threads)
-	for (int g = 0; g < count; ++g)
+	for (int g = 0; g < count; ++g) {
+		Vec<dim>* x = batch_.x.of(g);
+		const Vec<dim>* own = v.of(g);
 		for (int I = 0; I < nodes(); ++I)
-			batch_.x.set(g, I, batch_.x.get(g, I) + dt * v.get(g, I));
+			addScaled<dim>(x[I], dt, own[I]);
+	}
 }
 
 template <int dim>

@@ -83,6 +83,8 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 	grain->inradius = outline->inradius();
 	grain->nodePosition = grid.position();
 	grain->nodeMass = grid.mass();
+	for (double mass : grain->nodeMass)
+		grain->inverseNodeMass.push_back(1 / mass);
 	grain->pointPosition = quadrature.point;
 	grain->pointVolume = quadrature.weight;
 	for (const Vec<dim>& X : quadrature.point)
