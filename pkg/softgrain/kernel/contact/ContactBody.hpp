@@ -52,7 +52,7 @@ template <int dim> struct ContactBody {
 	double longestEdge = 0;        ///< of a facet, m
 	double circumradius = 0;       ///< of the outline about the centre of its box, m
 	double fastest = 0;            ///< largest speed of a node, m/s
-	double travelled = 0; ///< no node has come further than this since the start, m
+	double travelled = 0;          ///< no node has come further than this since the start, m
 
 	/// Contact on background nodes: step of the common grid, m (0: another geometry), and what
 	/// the body gives to its nodes. These are the contact nodes then: velocity, impulse and

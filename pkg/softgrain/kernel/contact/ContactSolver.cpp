@@ -95,8 +95,8 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	if (report.contacts == 0) return report;
 	report.converged = false;
 	while (!report.converged && report.sweeps < settings_.maxSweeps) {
-		const double change = sweep(report.sweeps < sweepsEachWay ? SweepOrder::backwards :
-									    SweepOrder::forwards);
+		const double change = sweep(report.sweeps < sweepsEachWay ? SweepOrder::backwards
+									  : SweepOrder::forwards);
 		++report.sweeps;
 		const bool promising = report.sweeps >= 2 * sweepsEachWay &&
 				       change <= changePerResidual * settings_.tolerance;

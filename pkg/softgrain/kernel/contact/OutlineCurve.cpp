@@ -1,6 +1,7 @@
 #include "contact/OutlineCurve.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace softgrain {
 
@@ -12,17 +13,25 @@ constexpr int newtonSteps = 2;
 } // namespace
 
 OutlineCurve::OutlineCurve(const ContactBody<2>& body, int facet)
-	: body_(body)
+	: node_(body.mesh->carriers(facet))
+	, startsSharp_(body.isSharp(node_[1]))
+	, endsSharp_(body.isSharp(node_[2]))
+	, start_(body.position[node_[1]])
+	, edge_(body.position[node_[2]] - start_)
 {
-	node_ = body.mesh->carriers(facet);
-	startsSharp_ = body.isSharp(node_[1]);
-	endsSharp_ = body.isSharp(node_[2]);
+	before_ = startsSharp_ ? edge_ : Vec<2>(start_ - body.position[node_[0]]);
+	next_ = endsSharp_ ? edge_ : Vec<2>(body.position[node_[3]] - body.position[node_[2]]);
+	linear_ = 0.5 * (before_ + edge_);
+	quadratic_ = 1.5 * edge_ - before_ - 0.5 * next_;
+	cubic_ = 0.5 * (before_ + next_) - edge_;
 }
 
 /// x_0 = 2 x_1 - x_2 at a sharp first node, x_3 = 2 x_2 - x_1 at a sharp second one.
-std::array<double, 4> OutlineCurve::withoutBeyond(std::array<double, 4> weight) const
+std::array<double, 4> OutlineCurve::weights(double t) const
 {
-	auto [w0, w1, w2, w3] = weight;
+	const double tt = t * t, ttt = tt * t;
+	double w0 = 0.5 * (-t + 2 * tt - ttt), w1 = 0.5 * (2 - 5 * tt + 3 * ttt),
+	       w2 = 0.5 * (t + 4 * tt - 3 * ttt), w3 = 0.5 * (ttt - tt);
 	if (startsSharp_) {
 		w1 += 2 * w0;
 		w2 -= w0;
@@ -38,17 +47,8 @@ std::array<double, 4> OutlineCurve::withoutBeyond(std::array<double, 4> weight) 
 
 OutlineCurve::Place OutlineCurve::at(double t) const
 {
-	const double tt = t * t, ttt = tt * t;
-	Place place;
-	place.weight = withoutBeyond({ 0.5 * (-t + 2 * tt - ttt), 0.5 * (2 - 5 * tt + 3 * ttt),
-				       0.5 * (t + 4 * tt - 3 * ttt), 0.5 * (ttt - tt) });
-	const auto slope = withoutBeyond({ 0.5 * (-1 + 4 * t - 3 * tt), 0.5 * (-10 * t + 9 * tt),
-					   0.5 * (1 + 8 * t - 9 * tt), 0.5 * (3 * tt - 2 * t) });
-	for (int k = 0; k < 4; ++k) {
-		place.position += place.weight[k] * body_.position[node_[k]];
-		place.tangent += slope[k] * body_.position[node_[k]];
-	}
-	return place;
+	return { t, start_ + t * (linear_ + t * (quadratic_ + t * cubic_)),
+		 linear_ + t * (2 * quadratic_ + 3 * t * cubic_) };
 }
 
 OutlineCurve::Place OutlineCurve::nearest(const Vec<2>& x, double t) const
@@ -56,10 +56,17 @@ OutlineCurve::Place OutlineCurve::nearest(const Vec<2>& x, double t) const
 	Place place = at(t);
 	for (int step = 0; step < newtonSteps; ++step) {
 		const double ahead = (x - place.position).dot(place.tangent);
-		t = std::clamp(t + ahead / place.tangent.squaredNorm(), 0., 1.);
-		place = at(t);
+		place = at(std::clamp(t + ahead / place.tangent.squaredNorm(), 0., 1.));
+		t = place.t;
 	}
 	return place;
+}
+
+/// y - x_1 - t (x_2 - x_1) = t (1 - t) ((1 - t) (before - edge) - t (next - edge)) / 2.
+double OutlineCurve::bulge() const
+{
+	return 0.125 *
+	       std::sqrt(std::max((before_ - edge_).squaredNorm(), (next_ - edge_).squaredNorm()));
 }
 
 } // namespace softgrain

@@ -22,24 +22,26 @@ public:
 	OutlineCurve(const ContactBody<2>& body, int facet);
 
 	struct Place {
-		std::array<double, 4> weight;
-		Vec<2> position = Vec<2>::Zero(); ///< y, m
-		Vec<2> tangent = Vec<2>::Zero();  ///< dy/dt, m
+		double t;
+		Vec<2> position; ///< y, m
+		Vec<2> tangent;  ///< dy/dt, m
 	};
 	Place at(double t) const;
 	/// The place of this piece nearest to `x`, sought from `t`, that of the nearest on the
 	/// facet.
 	Place nearest(const Vec<2>& x, double t) const;
-	/// Those of the weights.
+	/// Shares w_k(t) of its nodes.
+	std::array<double, 4> weights(double t) const;
 	const std::array<int, 4>& nodes() const { return node_; }
+	/// The curve is nowhere further from its facet, m.
+	double bulge() const;
 
 private:
-	/// Weights without the nodes beyond sharp ones.
-	std::array<double, 4> withoutBeyond(std::array<double, 4> weight) const;
-
-	const ContactBody<2>& body_;
 	std::array<int, 4> node_;
 	bool startsSharp_, endsSharp_;
+	Vec<2> start_;                      ///< x_1
+	Vec<2> before_, edge_, next_;       ///< x_1 - x_0, x_2 - x_1, x_3 - x_2
+	Vec<2> linear_, quadratic_, cubic_; ///< y = x_1 + linear t + quadratic t^2 + cubic t^3
 };
 
 } // namespace softgrain

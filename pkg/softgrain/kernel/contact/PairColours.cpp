@@ -14,8 +14,8 @@ constexpr int bits = 64;
 } // namespace
 
 template <int dim>
-std::vector<std::vector<ContactList<dim>*>>
-pairColours(const std::vector<ContactList<dim>*>& lists, int bodies)
+std::vector<std::vector<ContactList<dim>*>> pairColours(const std::vector<ContactList<dim>*>& lists,
+							int bodies)
 {
 	std::vector<std::uint64_t> taken(bodies, 0); // colours of the pairs of a body
 	std::vector<std::vector<ContactList<dim>*>> colours;
@@ -38,9 +38,9 @@ pairColours(const std::vector<ContactList<dim>*>& lists, int bodies)
 	return colours;
 }
 
-template std::vector<std::vector<ContactList<2>*>>
-pairColours(const std::vector<ContactList<2>*>&, int);
-template std::vector<std::vector<ContactList<3>*>>
-pairColours(const std::vector<ContactList<3>*>&, int);
+template std::vector<std::vector<ContactList<2>*>> pairColours(const std::vector<ContactList<2>*>&,
+							       int);
+template std::vector<std::vector<ContactList<3>*>> pairColours(const std::vector<ContactList<3>*>&,
+							       int);
 
 } // namespace softgrain

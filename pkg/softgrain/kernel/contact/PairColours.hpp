@@ -11,7 +11,7 @@ namespace softgrain {
 /// it. Groups follow one another, pairs keep their order in a group: an order of all pairs that
 /// depends on nothing but the pairs, however many threads work on a group.
 template <int dim>
-std::vector<std::vector<ContactList<dim>*>>
-pairColours(const std::vector<ContactList<dim>*>& lists, int bodies);
+std::vector<std::vector<ContactList<dim>*>> pairColours(const std::vector<ContactList<dim>*>& lists,
+							int bodies);
 
 } // namespace softgrain

@@ -19,8 +19,8 @@ double biasOf(double gap, double pointSpacing, double dt, const SolverSettings& 
 	return std::max(settings.overlapRelaxation * excess / dt, -settings.overlapSpeed);
 }
 
-/// Adds W_k J to the velocity of each node that is moved. (J is a copy: the compiler cannot know that
-/// no velocity is part of it.)
+/// Adds W_k J to the velocity of each node that is moved. (J is a copy: the compiler cannot know
+/// that no velocity is part of it.)
 template <int dim, class Mobility>
 void move(std::vector<Vec<dim>>& velocity, const Mobility& moved, const Vec<dim> J)
 {
@@ -75,7 +75,7 @@ template <int dim> void PairSolver<dim>::reservePartnerMobility()
 		if (contact.partners == 0) continue;
 		const ContactBody<dim>& partner = contact.key.side == 0 ? *second_ : *first_;
 		if (partner.facetMobility)
-			entries += partner.facetMobility->columns(contact.facet);
+			entries += partner.facetMobility->mostColumns();
 		else
 			for (int i = 0; i < contact.partners; ++i)
 				entries += partner.delassus->end(contact.partner[i]) -
@@ -88,8 +88,8 @@ template <int dim> void PairSolver<dim>::reservePartnerMobility()
 }
 
 /// Finds what the impulse moves of the partner; returns the partner's share of W. Neighbouring
-/// partner nodes move almost the same nodes: over a facet their rows are added up once, not in every
-/// sweep.
+/// partner nodes move almost the same nodes: over a facet their rows are added up once, not in
+/// every sweep.
 template <int dim>
 double PairSolver<dim>::findPartnerMobility(const Contact<dim>& contact, Constraint& c)
 {
@@ -101,8 +101,8 @@ double PairSolver<dim>::findPartnerMobility(const Contact<dim>& contact, Constra
 		partnerValue_.resize(begin + count);
 		c.movedPartner = { facets.column(contact.facet), partnerValue_.data() + begin,
 				   count };
-		return partner.delassusScale * facets.combine(contact.facet, contact.weight,
-							      partnerValue_.data() + begin);
+		return partner.delassusScale *
+		       facets.combine(contact.facet, contact.weight, partnerValue_.data() + begin);
 	}
 	double W = 0;
 	const SparseRows<double>& table = *partner.delassus;

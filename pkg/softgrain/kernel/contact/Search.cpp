@@ -99,7 +99,7 @@ void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutlin
 	contact.partners = mostPartners<2>;
 	contact.facet = place.facet;
 	contact.partner = curve.nodes();
-	contact.weight = foot.weight;
+	contact.weight = curve.weights(foot.t);
 	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
 	contact.gap = (x - foot.position).dot(contact.normal);
 }
@@ -239,16 +239,15 @@ void nodesAgainstCorners(const ContactBody<dim>& body, const ContactBody<dim>& o
 		if (!faces) place = nearestPlace(x, other, facets, [](int) { return true; });
 		Contact<dim> contact;
 		measureGap(x, other, place, contact);
-		if (isBeyondEdge(x, other, place, contact) &&
-		    !body.facesAgainst(s, contact.normal))
+		if (isBeyondEdge(x, other, place, contact) && !body.facesAgainst(s, contact.normal))
 			continue;
 		if (contact.gap < (faces ? reach : -deep))
 			append({ side, s, -1 }, contact, body, other, list);
 	}
 }
 
-/// Calls `use(node, place)` for the nodes of `body` that may be within reach of the smooth outline of
-/// `other`, with the nearest place on it.
+/// Calls `use(node, place)` for the nodes of `body` that may be within reach of the smooth outline
+/// of `other`, with the nearest place on it.
 template <int dim, class Use>
 void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach,
 		  Use&& use)
@@ -324,8 +323,7 @@ PlaceOnOutline<2> placeOnFacet(const Vec<2>& x, const ContactBody<2>& body, int 
 {
 	const auto& [begin, end] = body.mesh->facet[facet];
 	const auto weight = nearestOnFacet(x, { body.position[begin], body.position[end] });
-	const Vec<2> nearest =
-		weight[0] * body.position[begin] + weight[1] * body.position[end];
+	const Vec<2> nearest = weight[0] * body.position[begin] + weight[1] * body.position[end];
 	return { facet, weight, (x - nearest).squaredNorm() };
 }
 
@@ -347,6 +345,18 @@ PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int
 	return best;
 }
 
+/// Whether a node is so far outside that it need not be measured against the curve: the curve
+/// bulges out of its facet, and at the end of a facet the gap may be a little less than the
+/// distance.
+bool isOutOfReach(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
+		  double reach)
+{
+	const Vec<2>& start = body.position[body.mesh->facet[place.facet][0]];
+	if ((x - start).dot(body.areaOfFacet(place.facet)) <= 0) return false;
+	const double distance = std::sqrt(place.squaredDistance) - 1.5 * reach;
+	return distance > 0 && distance > OutlineCurve(body, place.facet).bulge();
+}
+
 void contactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
 			  ContactList<2>& list)
 {
@@ -356,6 +366,10 @@ void contactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& sec
 		const Vec<2>& x = body.position[node.node];
 		const auto place = followOutline(x, other, node.facet);
 		node.facet = place.facet;
+		if (isOutOfReach(x, other, place, reach)) {
+			++list.tested;
+			continue;
+		}
 		Contact<2> contact = contactAt(x, other, place, list);
 		if (contact.gap < reach)
 			append({ node.side, node.node, -1 }, contact, body, other, list);

@@ -37,6 +37,7 @@ FacetMobility<dim>::FacetMobility(const OutlineMesh<dim>& mesh, const SparseRows
 				columns.begin());
 		column_.insert(column_.end(), columns.begin(), columns.end());
 		offset_.push_back(static_cast<int>(column_.size()));
+		mostColumns_ = std::max(mostColumns_, static_cast<int>(columns.size()));
 	}
 }
 

@@ -13,6 +13,7 @@ public:
 	FacetMobility() = default;
 	FacetMobility(const OutlineMesh<dim>& mesh, const SparseRows<double>& delassus);
 
+	int mostColumns() const { return mostColumns_; } ///< of a facet
 	int columns(int facet) const { return offset_[facet + 1] - offset_[facet]; }
 	/// Nodes that an impulse on the facet moves.
 	const int* column(int facet) const { return column_.data() + offset_[facet]; }
@@ -22,9 +23,10 @@ public:
 
 private:
 	static constexpr int carriers = mostPartners<dim>;
+	int mostColumns_ = 0;
 	std::vector<int> offset_ { 0 };
 	std::vector<int> column_;
-	std::vector<double> value_; ///< [carrier][column] of facet after facet
+	std::vector<double> value_;                    ///< [carrier][column] of facet after facet
 	std::vector<std::array<int, carriers>> place_; ///< of the carriers among the columns
 };
 

@@ -302,9 +302,8 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 		set->move(settings.dt, settings.threads);
 	clock.end("move");
 	continuation_.lastStep = settings.dt;
-	forEachGrain(settings.threads, [&](int g, auto&&...) {
-		bodies_[g].fastest = renewOutline(g) / settings.dt;
-	});
+	forEachGrain(settings.threads,
+		     [&](int g, auto&&...) { bodies_[g].fastest = renewOutline(g) / settings.dt; });
 	forcesFresh_ = false;
 	clock.end("updateSurfaces");
 	report.work.points = std::exchange(updatedPoints_, 0);
