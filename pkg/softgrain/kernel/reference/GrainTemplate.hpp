@@ -4,6 +4,7 @@
 #include "Vector.hpp"
 #include "reference/FacetMobility.hpp"
 #include "reference/Outline.hpp"
+#include "reference/PointLines.hpp"
 #include "reference/PressureSpace.hpp"
 #include "reference/Quadrature.hpp"
 #include "reference/ShapeFunction.hpp"
@@ -66,6 +67,7 @@ template <int dim> struct GrainTemplate {
 	std::vector<Vec<dim>> pointPosition;        ///< Xp, in radii
 	std::vector<double> pointVolume;            ///< Vp0, in radii^dim
 	SparseRows<ShapeFunction<dim>> pointShapes; ///< row p: nodes I with N_I(Xp), G_I(Xp)
+	PointLines<dim> pointLines;                 ///< the same for the bulk pass
 
 	PressureSpace pressureSpace; ///< of the volumetric strain; empty where it is pointwise
 
