@@ -5,6 +5,7 @@
 #include "grain/Batch.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace softgrain {
 
@@ -69,7 +70,10 @@ public:
 	{
 	}
 	/// Component `a` at a place of all grains of the block.
-	Lanes& at(int place, int a) { return data_[static_cast<std::size_t>(place) * dim + a].value; }
+	Lanes& at(int place, int a)
+	{
+		return data_[static_cast<std::size_t>(place) * dim + a].value;
+	}
 	const Lanes& at(int place, int a) const
 	{
 		return const_cast<BlockField*>(this)->at(place, a);
@@ -88,6 +92,12 @@ public:
 		detail::takeSideBySide<dim>(own, place.data(), static_cast<int>(place.size()),
 					    scale, data());
 	}
+	/// All of it, as it is.
+	void load(const NodalField<dim>& field, const Batch<dim>& batch, int block)
+	{
+		load(field, batch, block, inOrder(), Lanes {} + 1);
+	}
+
 	/// The way back, of the lanes with a grain.
 	void store(NodalField<dim>& field, const Batch<dim>& batch, int block,
 		   const std::vector<int>& place, const Lanes& scale) const
@@ -96,11 +106,23 @@ public:
 		double* own[laneWidth] = {};
 		for (int l = 0; l < grains; ++l)
 			own[l] = field.of(batch.grainInLane(block, l))->data();
-		detail::putAsunder<dim>(data(), place.data(), static_cast<int>(place.size()),
-					scale, grains, own);
+		detail::putAsunder<dim>(data(), place.data(), static_cast<int>(place.size()), scale,
+					grains, own);
+	}
+
+	void store(NodalField<dim>& field, const Batch<dim>& batch, int block) const
+	{
+		store(field, batch, block, inOrder(), Lanes {} + 1);
 	}
 
 private:
+	std::vector<int> inOrder() const
+	{
+		std::vector<int> place(data_.size() / dim);
+		std::iota(place.begin(), place.end(), 0);
+		return place;
+	}
+
 	std::vector<LaneSlot> data_; ///< zero at the start
 };
 

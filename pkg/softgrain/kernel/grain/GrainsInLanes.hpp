@@ -14,7 +14,7 @@ template <int dim> using RowSums = Lanes[dim][dim];
 
 /// The rows of a line that one point meets.
 template <int dim, int order> struct Window {
-	RowSums<dim> row[order + 1] = {};
+	RowSums<dim> row[order + 1];
 
 	void shift()
 	{
@@ -67,10 +67,13 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherGrains(const PointLines<dim>& line
 	int group = 0;
 	for (int n = strip.lines.begin; n < strip.lines.end; ++n) {
 		const auto& line = lines.line[n];
-		const double* across = lines.acrossOf(n);
+		const double* across = acrossLine<dim, order>(lines, n);
 		const LaneSlot* first = x + static_cast<std::ptrdiff_t>(line.place) * dim;
 		Window<dim, order> window;
-		int next = 0; // row after the window
+#pragma GCC unroll 4
+		for (int j = 0; j < width; ++j)
+			sumRow<dim, order>(lines, across, first + j * dim, window.row[j]);
+		int next = width; // row after the window
 		for (int i = line.begin; i < line.end; ++i, ++group) {
 			const auto& point = lines.point[i];
 			for (; next < point.row + width; ++next) {
@@ -82,8 +85,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherGrains(const PointLines<dim>& line
 			for (int j = 0; j < width; ++j)
 				for (int a = 0; a < dim; ++a) {
 					for (int q = 1; q < dim; ++q)
-						F[a][q - 1] +=
-							point.value[j] * window.row[j][q][a];
+						F[a][q - 1] += point.value[j] * window.row[j][q][a];
 					F[a][dim - 1] += point.slope[j] * window.row[j][0][a];
 				}
 			for (int a = 0; a < dim; ++a)
@@ -94,16 +96,16 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherGrains(const PointLines<dim>& line
 }
 
 template <int dim, int order>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
-scatterGrains(const PointLines<dim>& lines, const Strip<dim>& strip, LaneSlot* force)
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterGrains(const PointLines<dim>& lines,
+						      const Strip<dim>& strip, LaneSlot* force)
 {
 	constexpr int width = order + 1;
 	int group = 0;
 	for (int n = strip.lines.begin; n < strip.lines.end; ++n) {
 		const auto& line = lines.line[n];
-		const double* across = lines.acrossOf(n);
+		const double* across = acrossLine<dim, order>(lines, n);
 		LaneSlot* first = force + static_cast<std::ptrdiff_t>(line.place) * dim;
-		Window<dim, order> window;
+		Window<dim, order> window = {};
 		int begin = 0; // first row of the window
 		auto leaveRow = [&] {
 			spreadRow<dim, order>(lines, across, window.row[0], first + begin * dim);
@@ -125,8 +127,10 @@ scatterGrains(const PointLines<dim>& lines, const Strip<dim>& strip, LaneSlot* f
 					window.row[j][0][a] += point.slope[j] * P[dim - 1];
 				}
 		}
-		while (begin < line.rows)
-			leaveRow();
+#pragma GCC unroll 4
+		for (int j = 0; j < width; ++j)
+			spreadRow<dim, order>(lines, across, window.row[j],
+					      first + (begin + j) * dim);
 	}
 }
 
@@ -206,7 +210,8 @@ public:
 	void finish(const BulkSums& sums, Batch<dim>& batch)
 	{
 		detail::handTiedForces(lines_, force_);
-		force_.store(batch.force, batch, block_, lines_.nodePlace, volume_ * inverseRadius_);
+		force_.store(batch.force, batch, block_, lines_.nodePlace,
+			     volume_ * inverseRadius_);
 		for (int l = 0; l < laneWidth && batch.hasGrain(block_, l); ++l)
 			batch.report[batch.grainInLane(block_, l)] =
 				sums.report(l, l + 1, volume_[l]);
@@ -216,8 +221,8 @@ private:
 	const PointLines<dim>& lines_;
 	int order_, block_;
 	const LameConstants& lame_;
-	Lanes inverseRadius_, volume_;   ///< volume_: R^dim
-	BlockField<dim> x_, force_;      ///< in the box; x in radii
+	Lanes inverseRadius_, volume_; ///< volume_: R^dim
+	BlockField<dim> x_, force_;    ///< in the box; x in radii
 };
 
 } // namespace softgrain

@@ -3,6 +3,7 @@
 #include "grain/PointsInLanes.hpp"
 #include "material/Dispatch.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <vector>
@@ -39,6 +40,13 @@ template <int dim, class LawEvaluator> struct PointwiseLaw {
 	{
 		LawEvaluator::evaluate(point, lame);
 	}
+	/// The volumetric strain that the stress was computed with, plane strain and 3D.
+	template <class Side>
+	double theta(const Side&, const Strip<dim>&, int, int lane,
+		     const PointLanes<dim>& point) const
+	{
+		return std::log(point.J[lane]);
+	}
 };
 
 /// Stress from F and theta = Pi ln J, the projection over all points of the grain.
@@ -47,9 +55,7 @@ template <int dim, class LawEvaluator> struct ProjectedLaw {
 	{
 		theta_.resize(static_cast<std::size_t>(reference.points()) * Side::fieldWidth);
 		Strip<dim> strip;
-		forEachStrip(side, reference.pointLines, strip, [&] {
-			logarithms(side, strip);
-		});
+		forEachStrip(side, reference.pointLines, strip, [&] { logarithms(side, strip); });
 		project<Side::fieldWidth>(reference.pressureSpace, reference.pointVolume,
 					  theta_.data());
 	}
@@ -62,9 +68,17 @@ template <int dim, class LawEvaluator> struct ProjectedLaw {
 			theta[l] = theta_[side.place(strip, group, l)];
 		LawEvaluator::evaluateProjected(point, lame, theta);
 	}
+	template <class Side>
+	double theta(const Side& side, const Strip<dim>& strip, int group, int lane,
+		     const PointLanes<dim>&) const
+	{
+		return theta_[side.place(strip, group, lane)];
+	}
 
 private:
-	template <class Side> SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void logarithms(const Side& side, const Strip<dim>& strip)
+	template <class Side>
+	SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void logarithms(const Side& side,
+							   const Strip<dim>& strip)
 	{
 		PointLanes<dim> point;
 		for (int group = 0; group < strip.groups; ++group) {
@@ -117,19 +131,66 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void stressesOfStrip(const VolumetricLaw& law
 /// own with its points side by side (doc/decisions/0013-bulk-pass.md).
 constexpr int fullBlock = 4;
 
-template <int dim, class VolumetricLaw, class Side>
-void forceOf(Batch<dim>& batch, Side side)
+template <int dim, class VolumetricLaw, class Side> void forceOf(Batch<dim>& batch, Side side)
 {
-	const GrainTemplate<dim>& reference = *batch.reference;
 	VolumetricLaw law;
-	law.prepare(side, reference);
+	law.prepare(side, *batch.reference);
 	BulkSums sums;
 	Strip<dim> strip;
-	forEachStrip(side, reference.pointLines, strip, [&] {
+	forEachStrip(side, batch.reference->pointLines, strip, [&] {
 		stressesOfStrip(law, side, strip, sums);
 		side.scatter(strip);
 	});
 	side.finish(sums, batch);
+}
+
+/// Calls `use(number of the point, response in lanes, its lane, theta)` for the points of a grain.
+template <int dim, class Use> void visitPoints(const Batch<dim>& batch, int g, Use&& use)
+{
+	withVolumetricLaw(batch, [&]<class VolumetricLaw>(std::type_identity<VolumetricLaw>) {
+		const PointsInLanes<dim> side(batch, g);
+		VolumetricLaw law;
+		law.prepare(side, *batch.reference);
+		Strip<dim> strip;
+		PointLanes<dim> point;
+		forEachStrip(side, batch.reference->pointLines, strip, [&] {
+			const int points = side.points(strip);
+			for (int i = 0; i < points; ++i) {
+				const int group = i / laneWidth, lane = i % laneWidth;
+				if (lane == 0) {
+					copy(strip.tensor[group], point.F);
+					law.evaluate(side, side.lame(), strip, group, point);
+				}
+				use(side.place(strip, group, lane), point, lane,
+				    law.theta(side, strip, group, lane, point));
+			}
+		});
+	});
+}
+
+/// The first point with J <= 0 or not finite, or -1.
+template <int dim> int invertedPoint(const Batch<dim>& batch, int g)
+{
+	const int points = batch.reference->points();
+	int first = points;
+	visitPoints(batch, g, [&](int p, const PointLanes<dim>& point, int lane, double) {
+		const double J = point.J[lane];
+		if (!(J > 0 && std::isnormal(J))) first = std::min(first, p);
+	});
+	return first < points ? first : -1;
+}
+
+template <int dim, class VolumetricLaw> void forceOfBlock(Batch<dim>& batch, int block)
+{
+	const int begin = block * laneWidth, end = std::min(begin + laneWidth, batch.grains());
+	if (end - begin >= fullBlock)
+		forceOf<dim, VolumetricLaw>(batch, GrainsInLanes<dim>(batch, block));
+	else
+		for (int g = begin; g < end; ++g)
+			forceOf<dim, VolumetricLaw>(batch, PointsInLanes<dim>(batch, g));
+	for (int g = begin; g < end; ++g) // where J is out of range ln J is no number
+		if (!std::isfinite(batch.report[g].elasticEnergy))
+			batch.report[g].invertedPoint = invertedPoint(batch, g);
 }
 
 } // namespace
@@ -139,16 +200,8 @@ template <int dim> void computeInternalForce(Batch<dim>& batch, int threads)
 	withVolumetricLaw(batch, [&]<class VolumetricLaw>(std::type_identity<VolumetricLaw>) {
 		const int blocks = batch.blocks();
 #pragma omp parallel for schedule(static) num_threads(threads)
-		for (int b = 0; b < blocks; ++b) {
-			const int begin = b * laneWidth,
-				  end = std::min(begin + laneWidth, batch.grains());
-			if (end - begin >= fullBlock)
-				forceOf<dim, VolumetricLaw>(batch, GrainsInLanes<dim>(batch, b));
-			else
-				for (int g = begin; g < end; ++g)
-					forceOf<dim, VolumetricLaw>(batch,
-								    PointsInLanes<dim>(batch, g));
-		}
+		for (int b = 0; b < blocks; ++b)
+			forceOfBlock<dim, VolumetricLaw>(batch, b);
 	});
 }
 
@@ -175,9 +228,24 @@ PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Conditi
 	return r;
 }
 
-template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>&, int)
+template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>& batch, int g)
 {
-	return {};
+	const GrainTemplate<dim>& reference = *batch.reference;
+	const auto& shapes = reference.pointShapes;
+	const ElasticConstants& c = batch.grain[g].constants;
+	const LameConstants lame { Lanes {} + c.lambda(), Lanes {} + c.mu() };
+	std::vector<PointResponse<dim>> responses(reference.points());
+	visitPoints(batch, g, [&](int p, const PointLanes<dim>& point, int lane, double theta) {
+		PointResponse<dim>& r = responses[p];
+		r = pointResponse(point, lane, batch.condition, lame);
+		r.position = batch.grain[g].origin;
+		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
+			r.position += shapes.value[k].N * batch.x.get(g, shapes.column[k]);
+		r.volume = batch.pointScale[g] * reference.pointVolume[p] * r.J;
+		if (batch.condition == Condition::planeStrain)
+			r.cauchy33 = c.lambda() * theta / r.J;
+	});
+	return responses;
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \

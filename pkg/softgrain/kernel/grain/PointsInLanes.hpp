@@ -17,56 +17,31 @@ using Row [[gnu::vector_size(rowWidth * sizeof(double)), gnu::aligned(alignof(do
 inline const Row& rowAt(const double* first) { return *reinterpret_cast<const Row*>(first); }
 inline Row& rowAt(double* first) { return *reinterpret_cast<Row*>(first); }
 
-/// Sums over the nodes across a line, at its rows side by side; with the products `q` of
-/// PointLines::across, of component `a`. Blocks of rowWidth rows are taken whole, and so is the
-/// stencil of a point of lower order.
-template <int dim> struct LineSums {
-	double at[dim][dim][PointLines<dim>::maxRows + rowWidth];
-};
-
-template <int dim, int order>
-void sumLine(const PointLines<dim>& lines, const typename PointLines<dim>::Line& line,
-	     const double* across, const std::array<const double*, dim>& x, LineSums<dim>& sums)
+/// The sum of the elements of each of four.
+inline Row sums(const Row& x, const Row& y, const Row& z, const Row& w)
 {
-	constexpr int nodes = nodesAcross<dim, order>;
-	for (int row = 0; row < line.rows; row += rowWidth) {
-		Row sum[dim][dim] = {};
-		for (int k = 0; k < nodes; ++k) {
-			const int node = line.place + stepAcross<dim, order>(lines, k) + row;
-			for (int a = 0; a < dim; ++a) {
-				const Row value = rowAt(x[a] + node);
-				for (int q = 0; q < dim; ++q)
-					sum[q][a] += across[q * nodes + k] * value;
-			}
-		}
-		for (int q = 0; q < dim; ++q)
-			for (int a = 0; a < dim; ++a)
-				rowAt(&sums.at[q][a][row]) = sum[q][a];
-	}
+	using Places [[gnu::vector_size(sizeof(Row))]] = long long;
+	auto halves = [](const Row& u, const Row& v) -> Row {
+		return __builtin_shuffle(u, v, Places { 0, 4, 2, 6 }) +
+		       __builtin_shuffle(u, v, Places { 1, 5, 3, 7 });
+	};
+	const Row xy = halves(x, y), zw = halves(z, w);
+	return __builtin_shuffle(xy, zw, Places { 0, 1, 4, 5 }) +
+	       __builtin_shuffle(xy, zw, Places { 2, 3, 6, 7 });
 }
 
-/// The transpose of `sumLine`, subtracted.
-template <int dim, int order>
-void spreadLine(const PointLines<dim>& lines, const typename PointLines<dim>::Line& line,
-		const double* across, const LineSums<dim>& sums,
-		const std::array<double*, dim>& force)
+/// Sums over the nodes across a line: component `a` with the products `q` of PointLines::across.
+template <int dim> using AcrossSums = Row[dim][dim];
+
+/// Place of the first component of a point's tensor in a strip; the others follow laneWidth numbers
+/// apart.
+template <int dim> const double* firstNumber(const Strip<dim>& strip, unsigned point)
 {
-	constexpr int nodes = nodesAcross<dim, order>;
-	for (int row = 0; row < line.rows; row += rowWidth) {
-		Row sum[dim][dim];
-		for (int q = 0; q < dim; ++q)
-			for (int a = 0; a < dim; ++a)
-				sum[q][a] = rowAt(&sums.at[q][a][row]);
-		for (int k = 0; k < nodes; ++k) {
-			const int node = line.place + stepAcross<dim, order>(lines, k) + row;
-			for (int a = 0; a < dim; ++a) {
-				Row value = rowAt(force[a] + node);
-				for (int q = 0; q < dim; ++q)
-					value -= across[q * nodes + k] * sum[q][a];
-				rowAt(force[a] + node) = value;
-			}
-		}
-	}
+	return &strip.tensor[point / laneWidth][0][0][point % laneWidth];
+}
+template <int dim> double* firstNumber(Strip<dim>& strip, unsigned point)
+{
+	return &strip.tensor[point / laneWidth][0][0][point % laneWidth];
 }
 
 template <int dim, int order>
@@ -74,23 +49,36 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& line
 						     const std::array<const double*, dim>& x,
 						     Strip<dim>& strip)
 {
-	LineSums<dim> sums;
-	const int begin = strip.pointsBegin(lines);
-	for (int n = strip.lines.begin; n < strip.lines.end; ++n) {
-		const auto& line = lines.line[n];
-		sumLine<dim, order>(lines, line, lines.acrossOf(n), x, sums);
-		for (int i = line.begin; i < line.end; ++i) {
-			const auto& point = lines.point[i];
-			const Row value = rowAt(point.value), slope = rowAt(point.slope);
-			Lanes(&F)[dim][dim] = strip.tensor[(i - begin) / laneWidth];
-			const int lane = (i - begin) % laneWidth;
-			for (int a = 0; a < dim; ++a)
-				for (int b = 0; b < dim; ++b) {
-					const int q = (b + 1) % dim;
-					const Row part = (q == 0 ? slope : value) *
-							 rowAt(&sums.at[q][a][point.row]);
-					F[a][b][lane] = (part[0] + part[2]) + (part[1] + part[3]);
-				}
+	constexpr int nodes = nodesAcross<dim, order>;
+	const int stripBegin = strip.pointsBegin(lines);
+	const int runs = runsBegin(lines, strip.lines.end);
+	for (int r = runsBegin(lines, strip.lines.begin); r < runs; ++r) {
+		const auto run = lines.run[r];
+		const double* across = acrossLine<dim, order>(lines, run.line);
+		AcrossSums<dim> sum = {};
+		for (int k = 0; k < nodes; ++k)
+			for (int a = 0; a < dim; ++a) {
+				const Row value =
+					rowAt(x[a] + run.place + stepAcross<dim, order>(lines, k));
+				for (int q = 0; q < dim; ++q)
+					sum[q][a] += across[q * nodes + k] * value;
+			}
+		for (int i = run.begin; i < run.end; ++i) {
+			const Row value = rowAt(lines.point[i].value),
+				  slope = rowAt(lines.point[i].slope);
+			Row part[dim * dim + 3] = {}; // of F, component by component
+			for (int a = 0; a < dim; ++a) {
+				for (int q = 1; q < dim; ++q)
+					part[a * dim + q - 1] = value * sum[q][a];
+				part[a * dim + dim - 1] = slope * sum[0][a];
+			}
+			double* F = firstNumber(strip, i - stripBegin);
+			for (int k = 0; k < dim * dim; k += rowWidth) {
+				const Row whole =
+					sums(part[k], part[k + 1], part[k + 2], part[k + 3]);
+				for (int c = 0; c < rowWidth && k + c < dim * dim; ++c)
+					F[(k + c) * laneWidth] = whole[c];
+			}
 		}
 	}
 }
@@ -100,27 +88,32 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lin
 						      const Strip<dim>& strip,
 						      const std::array<double*, dim>& force)
 {
-	LineSums<dim> sums;
-	const int begin = strip.pointsBegin(lines);
-	for (int n = strip.lines.begin; n < strip.lines.end; ++n) {
-		const auto& line = lines.line[n];
-		for (int q = 0; q < dim; ++q)
-			for (int a = 0; a < dim; ++a)
-				for (int row = 0; row < line.rows + rowWidth; row += rowWidth)
-					rowAt(&sums.at[q][a][row]) = Row {};
-		for (int i = line.begin; i < line.end; ++i) {
-			const auto& point = lines.point[i];
-			const Row value = rowAt(point.value), slope = rowAt(point.slope);
-			const Lanes(&P)[dim][dim] = strip.tensor[(i - begin) / laneWidth];
-			const int lane = (i - begin) % laneWidth;
-			for (int a = 0; a < dim; ++a)
-				for (int b = 0; b < dim; ++b) {
-					const int q = (b + 1) % dim;
-					rowAt(&sums.at[q][a][point.row]) +=
-						P[a][b][lane] * (q == 0 ? slope : value);
-				}
+	constexpr int nodes = nodesAcross<dim, order>;
+	const int stripBegin = strip.pointsBegin(lines);
+	const int runs = runsBegin(lines, strip.lines.end);
+	for (int r = runsBegin(lines, strip.lines.begin); r < runs; ++r) {
+		const auto run = lines.run[r];
+		const double* across = acrossLine<dim, order>(lines, run.line);
+		AcrossSums<dim> sum = {};
+		for (int i = run.begin; i < run.end; ++i) {
+			const Row value = rowAt(lines.point[i].value),
+				  slope = rowAt(lines.point[i].slope);
+			const double* P = firstNumber(strip, i - stripBegin);
+			for (int a = 0; a < dim; ++a) {
+				for (int q = 1; q < dim; ++q)
+					sum[q][a] += P[(a * dim + q - 1) * laneWidth] * value;
+				sum[0][a] += P[(a * dim + dim - 1) * laneWidth] * slope;
+			}
 		}
-		spreadLine<dim, order>(lines, line, lines.acrossOf(n), sums, force);
+		for (int k = 0; k < nodes; ++k)
+			for (int a = 0; a < dim; ++a) {
+				double* node =
+					force[a] + run.place + stepAcross<dim, order>(lines, k);
+				Row value = rowAt(node);
+				for (int q = 0; q < dim; ++q)
+					value -= across[q * nodes + k] * sum[q][a];
+				rowAt(node) = value;
+			}
 	}
 }
 
@@ -156,16 +149,20 @@ public:
 
 	const LameConstants& lame() const { return lame_; }
 
+	int points(const Strip<dim>& strip) const
+	{
+		return strip.pointsEnd(lines_) - strip.pointsBegin(lines_);
+	}
 	void gather(Strip<dim>& strip) const
 	{
-		const int points = strip.pointsEnd(lines_) - strip.pointsBegin(lines_);
-		strip.groups = (points + laneWidth - 1) / laneWidth;
+		const int count = points(strip);
+		strip.groups = (count + laneWidth - 1) / laneWidth;
 		withOrder(order_, [&](auto order) {
 			detail::gatherPoints<dim, order>(lines_, components<const double>(x_),
 							 strip);
 		});
 		Lanes(&last)[dim][dim] = strip.tensor[strip.groups - 1];
-		for (int lane = (points - 1) % laneWidth + 1; lane < laneWidth; ++lane)
+		for (int lane = (count - 1) % laneWidth + 1; lane < laneWidth; ++lane)
 			for (int a = 0; a < dim; ++a)
 				for (int b = 0; b < dim; ++b)
 					last[a][b][lane] = last[a][b][lane - 1];

@@ -52,6 +52,12 @@ template <int dim, int order> int stepAcross(const PointLines<dim>& lines, int k
 		return k / (order + 1) * lines.stride[0] + k % (order + 1) * lines.stride[1];
 }
 
+/// The products across line n.
+template <int dim, int order> const double* acrossLine(const PointLines<dim>& lines, int n)
+{
+	return &lines.across[static_cast<std::size_t>(n) * dim * nodesAcross<dim, order>];
+}
+
 /// Calls `use` with the order of the splines as a type.
 template <class Use> void withOrder(int order, Use&& use)
 {

@@ -44,8 +44,8 @@ inline Lanes lnOf(const Lanes& x)
 	const Lanes even = 0x1.5555555555558p-1 +
 			   zz * (0x1.2492492dfd86cp-2 +
 				 zz * (0x1.7462b91b8df65p-3 + zz * 0x1.2b5f68a50d903p-3));
-	const Lanes odd = 0x1.9999999995273p-2 +
-			  zz * (0x1.c71c62d5e53e0p-3 + zz * 0x1.39fdcceb4bb45p-3);
+	const Lanes odd =
+		0x1.9999999995273p-2 + zz * (0x1.c71c62d5e53e0p-3 + zz * 0x1.39fdcceb4bb45p-3);
 	const Lanes y = 0x1.62e42fefa39efp-1 * e + (2 * s + s * (z * (even + z * odd)));
 	// all bits set, not a number, unless x is from the least normal number to the greatest
 	constexpr unsigned long long least = 0x0010000000000000, most = 0x7fefffffffffffff;

@@ -1,6 +1,8 @@
 // The unit of the bulk computation: the same material point of `laneWidth` congruent grains.
 #pragma once
 
+#include <initializer_list>
+
 namespace softgrain {
 
 /// Grains handled side by side, one per SIMD lane. Eight doubles fill an AVX-512 register.

@@ -159,23 +159,22 @@ private:
 		const Lanes &lambda = lame.lambda, &mu = lame.mu;
 		Lanes C[dim][dim];
 		const Lanes inverseJ = 1 / detail::cofactors(point.F, C);
-		const Lanes onInverse = (lambda * theta - mu) * inverseJ;
+		const Lanes pressure = lambda * theta - mu, onInverse = pressure * inverseJ;
 		Lanes squares = dim == 2 ? squareF33 : Lanes {};
 		for (int a = 0; a < dim; ++a)
 			for (int b = 0; b < dim; ++b) {
 				point.P[a][b] = mu * point.F[a][b] + onInverse * C[a][b];
 				squares += point.F[a][b] * point.F[a][b];
 			}
-		point.energy = 0.5 * mu * (squares - 3 - 2 * lnJ) + 0.5 * lambda * lnJ * theta;
+		point.energy = 0.5 * (mu * (squares - 3) + lnJ * (pressure - mu));
 		const Lanes inverseStretch =
-			detail::largestSquaredStretch(C) * inverseJ * inverseJ;
+			detail::largestSquaredStretch(C) * (inverseJ * inverseJ);
 		const Lanes tangentLambda = inPlane(lambda, mu * squareF33);
-		point.stiffening = (mu + (tangentLambda + mu - lambda * theta) * inverseStretch) *
+		point.stiffening = (mu + (tangentLambda - pressure) * inverseStretch) *
 				   (1 / (inPlane(lambda, mu) + 2 * mu)); // the same in all points
 		if constexpr (projected) // the shortest waves may change no projected volume
-			point.stiffening =
-				larger((mu + (mu - lambda * theta) * inverseStretch) / (2 * mu),
-				       point.stiffening);
+			point.stiffening = larger((mu - pressure * inverseStretch) * (1 / (2 * mu)),
+						  point.stiffening);
 	}
 
 	/// First Lame constant that acts in the plane where the thickness is free to follow.

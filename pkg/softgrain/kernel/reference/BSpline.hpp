@@ -13,7 +13,7 @@ constexpr int rowWidth = maxSplineOrder + 1;
 
 /// The `order + 1` B-splines that do not vanish at one coordinate.
 struct SplineStencil {
-	int first = 0;                                      ///< grid index of the first of them
+	int first = 0;                            ///< grid index of the first of them
 	std::array<double, rowWidth> value {};    ///< N(x - i), dimensionless
 	std::array<double, rowWidth> gradient {}; ///< dN/dx, in 1/(grid step)
 };

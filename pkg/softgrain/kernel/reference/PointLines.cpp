@@ -117,50 +117,71 @@ void appendAcross(const Stencil<dim>& stencil, int width, double spacing,
 	}
 }
 
-} // namespace
-
+/// The numbers of the points of each line.
 template <int dim>
-PointLines<dim> makePointLines(const BackgroundGrid<dim>& grid, const Quadrature<dim>& quadrature)
+std::vector<std::vector<int>> pointsOfLines(const BackgroundGrid<dim>& grid,
+					    const Quadrature<dim>& quadrature,
+					    const std::vector<Stencil<dim>>& stencils)
 {
-	const int width = grid.order() + 1;
-	std::vector<Stencil<dim>> stencils;
-	for (const Vec<dim>& X : quadrature.point)
-		stencils.push_back(stencilAt(grid, X));
-	PointLines<dim> lines;
-	Index<dim> low;
-	layBox<dim>(stencils, width, low, lines);
-	numberNodes<dim>(grid, quadrature, low, lines);
-
+	std::vector<std::vector<int>> lines;
 	int last = -1; // point before, if there is one
 	for (int p : lineOrder(grid, quadrature)) {
+		const bool goesOn = last >= 0 &&
+				    onOneLine(grid, quadrature.point[p], quadrature.point[last]) &&
+				    stencils[p][dim - 1].first <=
+					    stencils[last][dim - 1].first + grid.order() &&
+				    lines.back().size() < PointLines<dim>::maxPoints;
+		if (!goesOn) lines.emplace_back();
+		lines.back().push_back(p);
+		last = p;
+	}
+	return lines;
+}
+
+template <int dim>
+void appendLine(const std::vector<int>& points, const std::vector<Stencil<dim>>& stencils,
+		const BackgroundGrid<dim>& grid, const Quadrature<dim>& quadrature,
+		const Index<dim>& low, PointLines<dim>& lines)
+{
+	const int width = grid.order() + 1, begin = static_cast<int>(lines.point.size());
+	Index<dim> first;
+	for (int a = 0; a < dim; ++a)
+		first[a] = stencils[points[0]][a].first;
+	const int place = placeOf(lines, low, first), line = static_cast<int>(lines.line.size());
+	lines.line.push_back({ begin, begin, static_cast<int>(lines.run.size()), place, 0 });
+	for (int p : points) {
 		const SplineStencil& along = stencils[p][dim - 1];
-		const bool goesOn =
-			last >= 0 && onOneLine(grid, quadrature.point[p], quadrature.point[last]) &&
-			along.first < stencils[last][dim - 1].first + width &&
-			lines.line.back().end - lines.line.back().begin <
-				PointLines<dim>::maxPoints;
-		if (!goesOn) {
-			const int begin = static_cast<int>(lines.point.size());
-			Index<dim> first;
-			for (int a = 0; a < dim; ++a)
-				first[a] = stencils[p][a].first;
-			lines.line.push_back({ begin, begin, placeOf(lines, low, first), 0 });
-			appendAcross<dim>(stencils[p], width, grid.spacing(), lines.across);
-		}
-		auto& line = lines.line.back();
-		const int firstRow = line.place % lines.size[dim - 1] + low[dim - 1];
 		typename PointLines<dim>::Point point {
-			p, along.first - firstRow, quadrature.weight[p], {}, {}
+			p, along.first - first[dim - 1], quadrature.weight[p], {}, {}
 		};
 		for (int j = 0; j < width; ++j) {
 			point.value[j] = along.value[j];
 			point.slope[j] = along.gradient[j] / grid.spacing();
 		}
+		int& end = lines.line.back().end;
+		if (end == begin || point.row != lines.point.back().row)
+			lines.run.push_back({ end, end, place + point.row, line });
 		lines.point.push_back(point);
-		++line.end;
-		line.rows = point.row + width;
-		last = p;
+		lines.line.back().rows = point.row + width;
+		lines.run.back().end = ++end;
 	}
+	appendAcross<dim>(stencils[points[0]], width, grid.spacing(), lines.across);
+}
+
+} // namespace
+
+template <int dim>
+PointLines<dim> makePointLines(const BackgroundGrid<dim>& grid, const Quadrature<dim>& quadrature)
+{
+	std::vector<Stencil<dim>> stencils;
+	for (const Vec<dim>& X : quadrature.point)
+		stencils.push_back(stencilAt(grid, X));
+	PointLines<dim> lines;
+	Index<dim> low;
+	layBox<dim>(stencils, grid.order() + 1, low, lines);
+	numberNodes<dim>(grid, quadrature, low, lines);
+	for (const auto& own : pointsOfLines<dim>(grid, quadrature, stencils))
+		appendLine<dim>(own, stencils, grid, quadrature, low, lines);
 	return lines;
 }
 

@@ -20,8 +20,15 @@ template <int dim> struct PointLines {
 
 	struct Line {
 		int begin, end; ///< its points
+		int firstRun;   ///< the others follow
 		int place;      ///< in the box: first node of the first row
 		int rows;       ///< one B-spline along the line each; all are met by points
+	};
+	/// Points of a line that meet the same rows.
+	struct Run {
+		int begin, end; ///< its points
+		int place;      ///< in the box: first node of the first row
+		int line;
 	};
 	struct Point {
 		int number;             ///< as in GrainTemplate::pointPosition
@@ -47,13 +54,8 @@ template <int dim> struct PointLines {
 				use(tiePlace[t], nodePlace[ties.column[k]], ties.value[k]);
 	}
 
-	/// Products across line n; see `across`.
-	const double* acrossOf(int n) const
-	{
-		return across.data() + across.size() / line.size() * static_cast<std::size_t>(n);
-	}
-
 	std::vector<Line> line;
+	std::vector<Run> run;
 	std::vector<Point> point;
 	/// For each line the products of the B-splines across it, at every node of a row: first of
 	/// their values, then with the derivative along axis 0, 1 ... instead. The axis before the
@@ -65,6 +67,11 @@ template <int dim> struct PointLines {
 struct LineRange {
 	int begin, end;
 };
+template <int dim> int runsBegin(const PointLines<dim>& lines, int line)
+{
+	return line < static_cast<int>(lines.line.size()) ? lines.line[line].firstRun
+							  : static_cast<int>(lines.run.size());
+}
 /// The next lines from `begin` on that have at most `points` points together.
 template <int dim> LineRange nextStrip(const PointLines<dim>& lines, int begin, int points)
 {
