@@ -8,130 +8,170 @@ namespace softgrain {
 
 namespace detail {
 
+/// All lanes, or half of them: what the compiler keeps in one register with AVX-512, or with AVX2,
+/// where arrays of wider vectors would stay in memory.
+struct WholeBlock {
+	using Numbers = Lanes;
+	static constexpr int width = laneWidth;
+};
+struct HalfBlock {
+	using Numbers [[gnu::vector_size(laneWidth / 2 * sizeof(double)),
+			gnu::aligned(laneWidth / 2 * sizeof(double)), gnu::may_alias]] = double;
+	static constexpr int width = laneWidth / 2;
+};
+
+/// Some lanes of component `a` at the k-th place after `first`.
+template <class Part, int dim> typename Part::Numbers& lanesAt(double* first, int k, int a)
+{
+	return *reinterpret_cast<typename Part::Numbers*>(first + (k * dim + a) * laneWidth);
+}
+template <class Part, int dim>
+const typename Part::Numbers& lanesAt(const double* first, int k, int a)
+{
+	return *reinterpret_cast<const typename Part::Numbers*>(first + (k * dim + a) * laneWidth);
+}
+
 /// Sums over the nodes across a line in one row: component `a` with the products `q` of
 /// PointLines::across.
-template <int dim> using RowSums = Lanes[dim][dim];
+template <int dim, class Part> struct RowSums {
+	typename Part::Numbers at[dim][dim];
+};
+
+template <int dim, int order, class Part>
+void sumRow(const PointLines<dim>& lines, const double* across, const double* x,
+	    RowSums<dim, Part>& sums)
+{
+	constexpr int nodes = nodesAcross<dim, order>;
+	typename Part::Numbers sum[dim][dim] = {};
+	for (int k = 0; k < nodes; ++k)
+		for (int q = 0; q < dim; ++q)
+			for (int a = 0; a < dim; ++a)
+				sum[q][a] +=
+					across[q * nodes + k] *
+					lanesAt<Part, dim>(x, stepAcross<dim, order>(lines, k), a);
+	for (int q = 0; q < dim; ++q)
+		for (int a = 0; a < dim; ++a)
+			sums.at[q][a] = sum[q][a];
+}
+
+/// The transpose of `sumRow`, subtracted.
+template <int dim, int order, class Part>
+void spreadRow(const PointLines<dim>& lines, const double* across, const RowSums<dim, Part>& sums,
+	       double* force)
+{
+	constexpr int nodes = nodesAcross<dim, order>;
+	for (int k = 0; k < nodes; ++k)
+		for (int a = 0; a < dim; ++a) {
+			auto& node = lanesAt<Part, dim>(force, stepAcross<dim, order>(lines, k), a);
+			typename Part::Numbers sum = node;
+			for (int q = 0; q < dim; ++q)
+				sum -= across[q * nodes + k] * sums.at[q][a];
+			node = sum;
+		}
+}
 
 /// The rows of a line that one point meets.
-template <int dim, int order> struct Window {
-	RowSums<dim> row[order + 1];
+template <int dim, int order, class Part> struct Window {
+	RowSums<dim, Part> row[order + 1];
 
 	void shift()
 	{
 		for (int j = 0; j < order; ++j)
 			for (int q = 0; q < dim; ++q)
 				for (int a = 0; a < dim; ++a)
-					row[j][q][a] = row[j + 1][q][a];
+					row[j].at[q][a] = row[j + 1].at[q][a];
 	}
 };
 
-template <int dim, int order>
-void sumRow(const PointLines<dim>& lines, const double* across, const LaneSlot* x,
-	    RowSums<dim>& sums)
-{
-	constexpr int nodes = nodesAcross<dim, order>;
-	RowSums<dim> sum = {};
-	for (int k = 0; k < nodes; ++k) {
-		const LaneSlot* node = x + stepAcross<dim, order>(lines, k) * dim;
-		for (int q = 0; q < dim; ++q)
-			for (int a = 0; a < dim; ++a)
-				sum[q][a] += across[q * nodes + k] * node[a].value;
-	}
-	for (int q = 0; q < dim; ++q)
-		for (int a = 0; a < dim; ++a)
-			sums[q][a] = sum[q][a];
-}
-
-/// The transpose of `sumRow`.
-template <int dim, int order>
-void spreadRow(const PointLines<dim>& lines, const double* across, const RowSums<dim>& sums,
-	       LaneSlot* force)
-{
-	constexpr int nodes = nodesAcross<dim, order>;
-	for (int k = 0; k < nodes; ++k) {
-		LaneSlot* node = force + stepAcross<dim, order>(lines, k) * dim;
-		for (int a = 0; a < dim; ++a) {
-			Lanes sum = node[a].value;
-			for (int q = 0; q < dim; ++q)
-				sum -= across[q * nodes + k] * sums[q][a];
-			node[a].value = sum;
-		}
-	}
-}
-
-template <int dim, int order>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherGrains(const PointLines<dim>& lines,
-						     const LaneSlot* x, Strip<dim>& strip)
+/// F at the points of a strip in the lanes from `begin` on.
+template <int dim, int order, class Part>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherGrains(const PointLines<dim>& lines, const double* x,
+						     int begin, Strip<dim>& strip)
 {
 	constexpr int width = order + 1;
-	int group = 0;
+	double* tensor = &strip.tensor[0][0][0][begin];
 	for (int n = strip.lines.begin; n < strip.lines.end; ++n) {
 		const auto& line = lines.line[n];
 		const double* across = acrossLine<dim, order>(lines, n);
-		const LaneSlot* first = x + static_cast<std::ptrdiff_t>(line.place) * dim;
-		Window<dim, order> window;
+		const double* first =
+			x + static_cast<std::ptrdiff_t>(line.place) * dim * laneWidth + begin;
+		Window<dim, order, Part> window;
 #pragma GCC unroll 4
 		for (int j = 0; j < width; ++j)
-			sumRow<dim, order>(lines, across, first + j * dim, window.row[j]);
+			sumRow<dim, order, Part>(lines, across, first + j * dim * laneWidth,
+						 window.row[j]);
 		int next = width; // row after the window
-		for (int i = line.begin; i < line.end; ++i, ++group) {
+		for (int i = line.begin; i < line.end; ++i, tensor += dim * dim * laneWidth) {
 			const auto& point = lines.point[i];
 			for (; next < point.row + width; ++next) {
 				window.shift();
-				sumRow<dim, order>(lines, across, first + next * dim,
-						   window.row[order]);
+				sumRow<dim, order, Part>(lines, across,
+							 first + next * dim * laneWidth,
+							 window.row[order]);
 			}
-			Lanes F[dim][dim] = {};
+			typename Part::Numbers F[dim][dim] = {};
 			for (int j = 0; j < width; ++j)
 				for (int a = 0; a < dim; ++a) {
 					for (int q = 1; q < dim; ++q)
-						F[a][q - 1] += point.value[j] * window.row[j][q][a];
-					F[a][dim - 1] += point.slope[j] * window.row[j][0][a];
+						F[a][q - 1] +=
+							point.value[j] * window.row[j].at[q][a];
+					F[a][dim - 1] += point.slope[j] * window.row[j].at[0][a];
 				}
 			for (int a = 0; a < dim; ++a)
 				for (int b = 0; b < dim; ++b)
-					strip.tensor[group][a][b] = F[a][b];
+					lanesAt<Part, dim>(tensor, a, b) = F[a][b];
 		}
 	}
 }
 
-template <int dim, int order>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterGrains(const PointLines<dim>& lines,
-						      const Strip<dim>& strip, LaneSlot* force)
+/// Forces of the stresses of a strip in the lanes from `begin` on.
+template <int dim, int order, class Part>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
+scatterGrains(const PointLines<dim>& lines, const Strip<dim>& strip, int begin, double* force)
 {
 	constexpr int width = order + 1;
-	int group = 0;
+	const double* tensor = &strip.tensor[0][0][0][begin];
 	for (int n = strip.lines.begin; n < strip.lines.end; ++n) {
 		const auto& line = lines.line[n];
 		const double* across = acrossLine<dim, order>(lines, n);
-		LaneSlot* first = force + static_cast<std::ptrdiff_t>(line.place) * dim;
-		Window<dim, order> window = {};
-		int begin = 0; // first row of the window
-		auto leaveRow = [&] {
-			spreadRow<dim, order>(lines, across, window.row[0], first + begin * dim);
-			window.shift();
-			for (int q = 0; q < dim; ++q)
-				for (int a = 0; a < dim; ++a)
-					window.row[order][q][a] = Lanes {};
-			++begin;
-		};
-		for (int i = line.begin; i < line.end; ++i, ++group) {
+		double* first =
+			force + static_cast<std::ptrdiff_t>(line.place) * dim * laneWidth + begin;
+		Window<dim, order, Part> window = {};
+		int row = 0; // first of the window
+		for (int i = line.begin; i < line.end; ++i, tensor += dim * dim * laneWidth) {
 			const auto& point = lines.point[i];
-			while (begin < point.row)
-				leaveRow();
+			for (; row < point.row; ++row) {
+				spreadRow<dim, order, Part>(lines, across, window.row[0],
+							    first + row * dim * laneWidth);
+				window.shift();
+				window.row[order] = {};
+			}
 			for (int j = 0; j < width; ++j)
 				for (int a = 0; a < dim; ++a) {
-					const Lanes(&P)[dim] = strip.tensor[group][a];
 					for (int q = 1; q < dim; ++q)
-						window.row[j][q][a] += point.value[j] * P[q - 1];
-					window.row[j][0][a] += point.slope[j] * P[dim - 1];
+						window.row[j].at[q][a] +=
+							point.value[j] *
+							lanesAt<Part, dim>(tensor, a, q - 1);
+					window.row[j].at[0][a] +=
+						point.slope[j] *
+						lanesAt<Part, dim>(tensor, a, dim - 1);
 				}
 		}
 #pragma GCC unroll 4
 		for (int j = 0; j < width; ++j)
-			spreadRow<dim, order>(lines, across, window.row[j],
-					      first + (begin + j) * dim);
+			spreadRow<dim, order, Part>(lines, across, window.row[j],
+						    first + (row + j) * dim * laneWidth);
 	}
+}
+
+/// Calls `use(type of the part, its first lane)` for all parts of a block.
+template <class Use> void forEachPart(Use&& use)
+{
+	if (__builtin_cpu_supports("x86-64-v4"))
+		use(WholeBlock {}, 0);
+	else
+		for (int begin = 0; begin < laneWidth; begin += HalfBlock::width)
+			use(HalfBlock {}, begin);
 }
 
 /// Tied nodes take their positions from those that they follow.
@@ -187,7 +227,10 @@ public:
 	{
 		strip.groups = strip.pointsEnd(lines_) - strip.pointsBegin(lines_);
 		withOrder(order_, [&](auto order) {
-			detail::gatherGrains<dim, order>(lines_, x_.data(), strip);
+			detail::forEachPart([&]<class Part>(Part, int begin) {
+				detail::gatherGrains<dim, order, Part>(lines_, &x_.at(0, 0)[0],
+								       begin, strip);
+			});
 		});
 	}
 	/// Vp0 in radii^dim.
@@ -204,7 +247,10 @@ public:
 	void scatter(const Strip<dim>& strip)
 	{
 		withOrder(order_, [&](auto order) {
-			detail::scatterGrains<dim, order>(lines_, strip, force_.data());
+			detail::forEachPart([&]<class Part>(Part, int begin) {
+				detail::scatterGrains<dim, order, Part>(lines_, strip, begin,
+									&force_.at(0, 0)[0]);
+			});
 		});
 	}
 	void finish(const BulkSums& sums, Batch<dim>& batch)
