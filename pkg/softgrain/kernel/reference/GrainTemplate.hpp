@@ -61,7 +61,7 @@ template <int dim> struct GrainTemplate {
 	double inradius = 0; ///< of the largest ball inside, in radii
 
 	std::vector<Vec<dim>> nodePosition; ///< XI, in radii
-	std::vector<double> nodeMass; ///< lumped, sum_p V_p N_I(X_p); their sum is the volume
+	std::vector<double> nodeMass;       ///< lumped, sum_p V_p N_I(X_p); their sum is the volume
 	std::vector<double> inverseNodeMass; ///< 1/mI
 
 	std::vector<Vec<dim>> pointPosition;        ///< Xp, in radii
