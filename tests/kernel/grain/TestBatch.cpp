@@ -2,6 +2,7 @@
 #include "grain/Batch.hpp"
 #include "grain/InternalForce.hpp"
 
+#include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <limits>
@@ -27,33 +28,122 @@ template <int dim> std::vector<GrainParameters<dim>> motley(int count)
 
 } // namespace
 
-TEMPLATE_TEST_CASE_SIG("Batch: a grain among others is bitwise the grain alone", "[grain]",
-		       ((int dim), dim), 2, 3)
+namespace {
+
+/// Grains of `motley` that vibrate, with their forces.
+template <int dim> Batch<dim> shakenMotley(int count, int threads)
 {
 	const auto reference = makeGrainTemplate<dim>(recipe(dim == 2 ? 0.2 : 0.35));
-	const auto grains = motley<dim>(19);
-	Batch<dim> together(reference, Law::neoHookean, usualCondition<dim>, grains);
-	REQUIRE(together.blocks() == 3);
+	Batch<dim> batch(reference, Law::neoHookean, usualCondition<dim>, motley<dim>(count));
 	Random random(2);
-	for (int g = 0; g < 19; ++g) {
-		deform<dim>(together, g, random.deformation<dim>(0.2));
-		shake(together, g, 0.01, random);
+	for (int g = 0; g < count; ++g) {
+		deform<dim>(batch, g, random.deformation<dim>(0.2));
+		shake(batch, g, 0.01, random);
 	}
-	computeInternalForce(together, 2);
+	computeInternalForce(batch, threads);
+	return batch;
+}
+
+/// `copies` times grain `g` of a batch in a batch of their own, with their forces.
+template <int dim> Batch<dim> copiesOf(const Batch<dim>& batch, int g, int copies)
+{
+	Batch<dim> own(batch.reference, batch.law, batch.condition,
+		       std::vector(copies, batch.grain[g]));
+	for (int c = 0; c < copies; ++c)
+		for (int I = 0; I < batch.reference->nodes(); ++I)
+			own.x.set(c, I, batch.x.get(g, I));
+	computeInternalForce(own, 1);
+	return own;
+}
+
+template <int dim>
+void checkSameBits(const Batch<dim>& one, int g, const Batch<dim>& other, int otherG)
+{
+	bool same = true;
+	for (int I = 0; I < one.reference->nodes(); ++I)
+		same = same && one.force.get(g, I) == other.force.get(otherG, I);
+	CHECK(same);
+	CHECK(one.report[g].elasticEnergy == other.report[otherG].elasticEnergy);
+	CHECK(one.report[g].stiffening == other.report[otherG].stiffening);
+	CHECK(one.report[g].invertedPoint == other.report[otherG].invertedPoint);
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE_SIG("Batch: other grains and lanes change no bit of a grain", "[grain]",
+		       ((int dim), dim), 2, 3)
+{
+	const Batch<dim> together = shakenMotley<dim>(19, 1);
+	REQUIRE(together.blocks() == 3); // two full ones, and one that is computed grain by grain
 	for (int g = 0; g < 19; ++g) {
 		CAPTURE(g);
-		Batch<dim> alone(reference, Law::neoHookean, usualCondition<dim>, { grains[g] });
-		for (int I = 0; I < reference->nodes(); ++I)
-			alone.x.set(0, I, together.x.get(g, I));
-		computeInternalForce(alone, 1);
-		bool same = true;
-		for (int I = 0; I < reference->nodes(); ++I)
-			same = same && alone.force.get(0, I) == together.force.get(g, I);
-		CHECK(same);
-		CHECK(alone.report[0].elasticEnergy == together.report[g].elasticEnergy);
-		CHECK(alone.report[0].stiffening == together.report[g].stiffening);
-		CHECK(alone.report[0].invertedPoint == -1);
-		CHECK(together.report[g].invertedPoint == -1);
+		const Batch<dim> among = copiesOf(together, g, g < 16 ? 5 : 2);
+		for (int c = 0; c < among.grains(); ++c)
+			checkSameBits(together, g, among, c);
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Batch: grains and points side by side agree up to rounding", "[grain]",
+		       ((int dim), dim), 2, 3)
+{
+	const Batch<dim> together = shakenMotley<dim>(8, 1);
+	for (int g = 0; g < 8; ++g) {
+		CAPTURE(g);
+		const Batch<dim> alone = copiesOf(together, g, 1);
+		double largest = 0, difference = 0;
+		for (int I = 0; I < alone.reference->nodes(); ++I) {
+			largest = std::max(largest, alone.force.get(0, I).norm());
+			difference =
+				std::max(difference,
+					 (alone.force.get(0, I) - together.force.get(g, I)).norm());
+		}
+		CHECK(difference < 1e-12 * largest);
+		CHECK(std::abs(alone.report[0].elasticEnergy / together.report[g].elasticEnergy -
+			       1) < 1e-12);
+		CHECK(std::abs(alone.report[0].stiffening / together.report[g].stiffening - 1) <
+		      1e-12);
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Batch: threads and repetition change no bit", "[grain]", ((int dim), dim),
+		       2, 3)
+{
+	const Batch<dim> once = shakenMotley<dim>(19, 1);
+	for (int threads : { 1, 2, 3 }) {
+		const Batch<dim> again = shakenMotley<dim>(19, threads);
+		for (int g = 0; g < 19; ++g)
+			checkSameBits(once, g, again, g);
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Batch: the first inverted point of each grain is named", "[grain]",
+		       ((int dim), dim), 2, 3)
+{
+	for (int count : { 1, 8 }) { // points and grains side by side
+		const auto reference = makeGrainTemplate<dim>(recipe(dim == 2 ? 0.2 : 0.35));
+		Batch<dim> batch(reference, Law::neoHookean, usualCondition<dim>,
+				 motley<dim>(count));
+		const int bad = count / 2;
+		// mirrors the part of the grain where x0 > 0.3 R
+		const double radius = batch.grain[bad].radius;
+		for (int I = 0; I < reference->nodes(); ++I) {
+			Vec<dim> x = batch.x.get(bad, I);
+			if (x[0] > 0.3 * radius) x[0] = 0.6 * radius - x[0];
+			batch.x.set(bad, I, x);
+		}
+		computeInternalForce(batch, 1);
+		int first = -1;
+		for (int p = reference->points() - 1; p >= 0; --p) {
+			Mat<dim> F = Mat<dim>::Zero();
+			const auto& shapes = reference->pointShapes;
+			for (int k = shapes.begin(p); k < shapes.end(p); ++k)
+				F += batch.x.get(bad, shapes.column[k]) *
+				     shapes.value[k].G.transpose() / radius;
+			if (F.determinant() <= 0) first = p;
+		}
+		REQUIRE(first >= 0);
+		for (int g = 0; g < count; ++g)
+			CHECK(batch.report[g].invertedPoint == (g == bad ? first : -1));
 	}
 }
 

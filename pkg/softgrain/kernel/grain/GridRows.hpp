@@ -9,9 +9,6 @@
 
 namespace softgrain {
 
-/// Columns of a row of nodes that are handled together; shape functions of lower order are zero in
-/// the last.
-constexpr int rowWidth = maxSplineOrder + 1;
 /// Factors of one point: for each axis values, then gradients.
 template <int dim> constexpr int factorCount = 2 * dim * rowWidth;
 

@@ -1,7 +1,9 @@
 #include "grain/InternalForce.hpp"
-#include "grain/BlockField.hpp"
+#include "grain/GrainsInLanes.hpp"
+#include "grain/PointsInLanes.hpp"
 #include "material/Dispatch.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <vector>
@@ -10,101 +12,84 @@ namespace softgrain {
 
 namespace {
 
-template <int dim>
-void gatherGradient(const GrainTemplate<dim>& reference, const BlockField<dim>& x, int p,
-		    const Lanes& inverseRadius, PointLanes<dim>& point)
+template <int dim> void copy(const Lanes (&from)[dim][dim], Lanes (&to)[dim][dim])
 {
-	Lanes sum[dim][dim] = {}; // local, so that it can stay in registers
-	const auto& shapes = reference.pointShapes;
-	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-		for (int a = 0; a < dim; ++a)
-			for (int b = 0; b < dim; ++b)
-				sum[a][b] += x.at(shapes.column[k], a) * shapes.value[k].G[b];
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
-			point.F[a][b] = sum[a][b] * inverseRadius;
+			to[a][b] = from[a][b];
 }
 
-/// f_I -= weight P G_I
-template <int dim>
-void scatterForce(const GrainTemplate<dim>& reference, int p, const PointLanes<dim>& point,
-		  const Lanes& weight, BlockField<dim>& force)
+/// Gathers strip after strip and calls `use` after each.
+template <int dim, class Side, class Use>
+void forEachStrip(const Side& side, const PointLines<dim>& lines, Strip<dim>& strip, Use&& use)
 {
-	Lanes P[dim][dim];
-	for (int a = 0; a < dim; ++a)
-		for (int b = 0; b < dim; ++b)
-			P[a][b] = weight * point.P[a][b];
-	const auto& shapes = reference.pointShapes;
-	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-		for (int a = 0; a < dim; ++a) {
-			Lanes sum = {};
-			for (int b = 0; b < dim; ++b)
-				sum += P[a][b] * shapes.value[k].G[b];
-			force.at(shapes.column[k], a) -= sum;
-		}
-}
-
-/// Scales of a block's lanes: gradients with 1/R, point volumes with R^dim.
-struct BlockScales {
-	Lanes inverseRadius, volume, volumeOverRadius;
-};
-
-template <int dim> BlockScales blockScales(const Batch<dim>& batch, int block)
-{
-	BlockScales s;
-	for (int l = 0; l < laneWidth; ++l) {
-		const int g = batch.grainInLane(block, l);
-		s.inverseRadius[l] = 1 / batch.grain[g].radius;
-		s.volume[l] = batch.pointScale[g];
+	const int count = static_cast<int>(lines.line.size());
+	for (int begin = 0; begin < count; begin = strip.lines.end) {
+		strip.lines = nextStrip(lines, begin, Side::stripPoints);
+		side.gather(strip);
+		use();
 	}
-	s.volumeOverRadius = s.volume * s.inverseRadius;
-	return s;
 }
 
 /// Stress from F, every point on its own.
 template <int dim, class LawEvaluator> struct PointwiseLaw {
-	PointwiseLaw(const Batch<dim>& batch, int block, const BlockField<dim>&)
-		: lame(batch.lame[block])
+	template <class Side> void prepare(const Side&, const GrainTemplate<dim>&) {}
+	template <class Side>
+	void evaluate(const Side&, const LameConstants& lame, const Strip<dim>&, int,
+		      PointLanes<dim>& point) const
 	{
+		LawEvaluator::evaluate(point, lame);
 	}
-	void evaluate(int, PointLanes<dim>& point) const { LawEvaluator::evaluate(point, lame); }
 	/// The volumetric strain that the stress was computed with, plane strain and 3D.
-	double theta(int, const PointLanes<dim>& point, int lane) const
+	template <class Side>
+	double theta(const Side&, const Strip<dim>&, int, int lane,
+		     const PointLanes<dim>& point) const
 	{
 		return std::log(point.J[lane]);
 	}
-
-	const LameConstants& lame;
 };
 
 /// Stress from F and theta = Pi ln J, the projection over all points of the grain.
 template <int dim, class LawEvaluator> struct ProjectedLaw {
-	ProjectedLaw(const Batch<dim>& batch, int block, const BlockField<dim>& x)
-		: lame(batch.lame[block])
-		, theta_(static_cast<std::size_t>(batch.reference->points()) * laneWidth)
+	template <class Side> void prepare(const Side& side, const GrainTemplate<dim>& reference)
 	{
-		const BlockScales scales = blockScales(batch, block);
-		PointLanes<dim> point;
-		for (int p = 0; p < batch.reference->points(); ++p) {
-			gatherGradient(*batch.reference, x, p, scales.inverseRadius, point);
-			storeLanes(&theta_[p * laneWidth], LawEvaluator::volumetricStrain(point));
-		}
-		project<laneWidth>(batch.reference->pressureSpace, batch.reference->pointVolume,
-				   theta_.data());
+		theta_.resize(static_cast<std::size_t>(reference.points()) * Side::fieldWidth);
+		Strip<dim> strip;
+		forEachStrip(side, reference.pointLines, strip, [&] { logarithms(side, strip); });
+		project<Side::fieldWidth>(reference.pressureSpace, reference.pointVolume,
+					  theta_.data());
 	}
-	void evaluate(int p, PointLanes<dim>& point) const
+	template <class Side>
+	void evaluate(const Side& side, const LameConstants& lame, const Strip<dim>& strip,
+		      int group, PointLanes<dim>& point) const
 	{
-		LawEvaluator::evaluateProjected(point, lame, loadLanes(&theta_[p * laneWidth]));
+		Lanes theta;
+		for (int l = 0; l < laneWidth; ++l)
+			theta[l] = theta_[side.place(strip, group, l)];
+		LawEvaluator::evaluateProjected(point, lame, theta);
 	}
-	double theta(int p, const PointLanes<dim>&, int lane) const
+	template <class Side>
+	double theta(const Side& side, const Strip<dim>& strip, int group, int lane,
+		     const PointLanes<dim>&) const
 	{
-		return theta_[p * laneWidth + lane];
+		return theta_[side.place(strip, group, lane)];
 	}
-
-	const LameConstants& lame;
 
 private:
-	std::vector<double> theta_; ///< [point][lane]
+	template <class Side>
+	SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void logarithms(const Side& side,
+							   const Strip<dim>& strip)
+	{
+		PointLanes<dim> point;
+		for (int group = 0; group < strip.groups; ++group) {
+			copy(strip.tensor[group], point.F);
+			const Lanes lnJ = LawEvaluator::volumetricStrain(point);
+			for (int l = 0; l < laneWidth; ++l)
+				theta_[side.place(strip, group, l)] = lnJ[l];
+		}
+	}
+
+	std::vector<double> theta_; ///< at the points; see `place` of the side
 };
 
 /// Calls `use` with the type that evaluates the law over a batch: nothing of the projection is in
@@ -121,42 +106,102 @@ template <int dim, class Use> void withVolumetricLaw(const Batch<dim>& batch, Us
 	});
 }
 
-template <int dim, class VolumetricLaw>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(Batch<dim>& batch, int block,
-						     std::type_identity<VolumetricLaw>)
+/// Turns the deformation gradients of a strip into Vp0 P.
+template <int dim, class VolumetricLaw, class Side>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void stressesOfStrip(const VolumetricLaw& law, const Side& side,
+							Strip<dim>& strip, BulkSums& sums)
 {
-	const GrainTemplate<dim>& reference = *batch.reference;
-	BlockField<dim> x(reference.nodes()), force(reference.nodes());
-	x.load(batch.x, batch, block);
-	const BlockScales scales = blockScales(batch, block);
-	const VolumetricLaw law(batch, block, x);
-	Lanes energy = {}, stiffening = {}, invertedPoint = Lanes {} - 1;
+	const LameConstants lame = side.lame(); // a copy that no store to the strip can change
+	BulkSums all = sums;
 	PointLanes<dim> point;
-	for (int p = 0; p < reference.points(); ++p) {
-		gatherGradient(reference, x, p, scales.inverseRadius, point);
-		law.evaluate(p, point);
-		const double V = reference.pointVolume[p];
-		energy += V * scales.volume * point.energy;
-		stiffening = larger(point.stiffening, stiffening);
-		const Lanes found = invertedPoint < 0 ? Lanes {} + p : invertedPoint;
-		invertedPoint = point.J > 0 ? invertedPoint : found;
-		scatterForce(reference, p, point, V * scales.volumeOverRadius, force);
+	for (int group = 0; group < strip.groups; ++group) {
+		copy(strip.tensor[group], point.F);
+		law.evaluate(side, lame, strip, group, point);
+		const Lanes V = side.volume(strip, group);
+		all.energy += V * point.energy;
+		all.stiffening = larger(point.stiffening, all.stiffening);
+		for (int a = 0; a < dim; ++a)
+			for (int b = 0; b < dim; ++b)
+				strip.tensor[group][a][b] = V * point.P[a][b];
 	}
-	force.store(batch.force, batch, block);
-	for (int l = 0; l < laneWidth && batch.hasGrain(block, l); ++l)
-		batch.report[batch.grainInLane(block, l)] = { energy[l], stiffening[l],
-							      static_cast<int>(invertedPoint[l]) };
+	sums = all;
+}
+
+/// Grains in a block from which on they are computed side by side; in a block of fewer, each on its
+/// own with its points side by side (doc/decisions/0013-bulk-pass.md).
+constexpr int fullBlock = 4;
+
+template <int dim, class VolumetricLaw, class Side> void forceOf(Batch<dim>& batch, Side side)
+{
+	VolumetricLaw law;
+	law.prepare(side, *batch.reference);
+	BulkSums sums;
+	Strip<dim> strip;
+	forEachStrip(side, batch.reference->pointLines, strip, [&] {
+		stressesOfStrip(law, side, strip, sums);
+		side.scatter(strip);
+	});
+	side.finish(sums, batch);
+}
+
+/// Calls `use(number of the point, response in lanes, its lane, theta)` for the points of a grain.
+template <int dim, class Use> void visitPoints(const Batch<dim>& batch, int g, Use&& use)
+{
+	withVolumetricLaw(batch, [&]<class VolumetricLaw>(std::type_identity<VolumetricLaw>) {
+		const PointsInLanes<dim> side(batch, g);
+		VolumetricLaw law;
+		law.prepare(side, *batch.reference);
+		Strip<dim> strip;
+		PointLanes<dim> point;
+		forEachStrip(side, batch.reference->pointLines, strip, [&] {
+			const int points = side.points(strip);
+			for (int i = 0; i < points; ++i) {
+				const int group = i / laneWidth, lane = i % laneWidth;
+				if (lane == 0) {
+					copy(strip.tensor[group], point.F);
+					law.evaluate(side, side.lame(), strip, group, point);
+				}
+				use(side.place(strip, group, lane), point, lane,
+				    law.theta(side, strip, group, lane, point));
+			}
+		});
+	});
+}
+
+/// The first point with J <= 0 or not finite, or -1.
+template <int dim> int invertedPoint(const Batch<dim>& batch, int g)
+{
+	const int points = batch.reference->points();
+	int first = points;
+	visitPoints(batch, g, [&](int p, const PointLanes<dim>& point, int lane, double) {
+		const double J = point.J[lane];
+		if (!(J > 0 && std::isnormal(J))) first = std::min(first, p);
+	});
+	return first < points ? first : -1;
+}
+
+template <int dim, class VolumetricLaw> void forceOfBlock(Batch<dim>& batch, int block)
+{
+	const int begin = block * laneWidth, end = std::min(begin + laneWidth, batch.grains());
+	if (end - begin >= fullBlock)
+		forceOf<dim, VolumetricLaw>(batch, GrainsInLanes<dim>(batch, block));
+	else
+		for (int g = begin; g < end; ++g)
+			forceOf<dim, VolumetricLaw>(batch, PointsInLanes<dim>(batch, g));
+	for (int g = begin; g < end; ++g) // where J is out of range ln J is no number
+		if (!std::isfinite(batch.report[g].elasticEnergy))
+			batch.report[g].invertedPoint = invertedPoint(batch, g);
 }
 
 } // namespace
 
 template <int dim> void computeInternalForce(Batch<dim>& batch, int threads)
 {
-	withVolumetricLaw(batch, [&](auto law) {
+	withVolumetricLaw(batch, [&]<class VolumetricLaw>(std::type_identity<VolumetricLaw>) {
 		const int blocks = batch.blocks();
 #pragma omp parallel for schedule(static) num_threads(threads)
 		for (int b = 0; b < blocks; ++b)
-			forceOfBlock(batch, b, law);
+			forceOfBlock<dim, VolumetricLaw>(batch, b);
 	});
 }
 
@@ -185,29 +230,20 @@ PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Conditi
 
 template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>& batch, int g)
 {
-	const int block = g / laneWidth, lane = g % laneWidth;
-	const BlockScales scales = blockScales(batch, block);
-	const auto& shapes = batch.reference->pointShapes;
-	std::vector<PointResponse<dim>> responses;
-	withVolumetricLaw(batch, [&]<class VolumetricLaw>(std::type_identity<VolumetricLaw>) {
-		BlockField<dim> x(batch.reference->nodes());
-		x.load(batch.x, batch, block);
-		const VolumetricLaw law(batch, block, x);
-		PointLanes<dim> point;
-		for (int p = 0; p < batch.reference->points(); ++p) {
-			gatherGradient(*batch.reference, x, p, scales.inverseRadius, point);
-			law.evaluate(p, point);
-			PointResponse<dim> r =
-				pointResponse(point, lane, batch.condition, batch.lame[block]);
-			r.position = batch.grain[g].origin;
-			for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-				r.position += shapes.value[k].N * batch.x.get(g, shapes.column[k]);
-			r.volume = batch.pointScale[g] * batch.reference->pointVolume[p] * r.J;
-			if (batch.condition == Condition::planeStrain)
-				r.cauchy33 = batch.lame[block].lambda[lane] *
-					     law.theta(p, point, lane) / r.J;
-			responses.push_back(r);
-		}
+	const GrainTemplate<dim>& reference = *batch.reference;
+	const auto& shapes = reference.pointShapes;
+	const ElasticConstants& c = batch.grain[g].constants;
+	const LameConstants lame { Lanes {} + c.lambda(), Lanes {} + c.mu() };
+	std::vector<PointResponse<dim>> responses(reference.points());
+	visitPoints(batch, g, [&](int p, const PointLanes<dim>& point, int lane, double theta) {
+		PointResponse<dim>& r = responses[p];
+		r = pointResponse(point, lane, batch.condition, lame);
+		r.position = batch.grain[g].origin;
+		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
+			r.position += shapes.value[k].N * batch.x.get(g, shapes.column[k]);
+		r.volume = batch.pointScale[g] * reference.pointVolume[p] * r.J;
+		if (batch.condition == Condition::planeStrain)
+			r.cauchy33 = c.lambda() * theta / r.J;
 	});
 	return responses;
 }

@@ -1,6 +1,8 @@
 // The unit of the bulk computation: the same material point of `laneWidth` congruent grains.
 #pragma once
 
+#include <initializer_list>
+
 namespace softgrain {
 
 /// Grains handled side by side, one per SIMD lane. Eight doubles fill an AVX-512 register.
@@ -12,6 +14,9 @@ constexpr int laneWidth = 8;
 using Lanes
 	[[gnu::vector_size(laneWidth * sizeof(double)), gnu::aligned(laneWidth * sizeof(double))]] =
 		double;
+/// The bits of Lanes.
+using LaneBits [[gnu::vector_size(laneWidth * sizeof(double)),
+		 gnu::aligned(laneWidth * sizeof(double)), gnu::may_alias]] = unsigned long long;
 /// An element of containers.
 struct LaneSlot {
 	Lanes value;
@@ -29,6 +34,26 @@ inline Lanes loadLanes(const double* from)
 inline void storeLanes(double* to, const Lanes& lanes)
 {
 	*reinterpret_cast<detail::UnalignedLanes*>(to) = lanes;
+}
+
+/// Lane i of row j becomes lane j of row i.
+inline void transpose(Lanes (&row)[laneWidth])
+{
+	static_assert(laneWidth == 8);
+	auto exchange = [](Lanes& x, Lanes& y, const LaneBits& low, const LaneBits& high) {
+		const Lanes first = __builtin_shuffle(x, y, low);
+		y = __builtin_shuffle(x, y, high);
+		x = first;
+	};
+	for (int r = 0; r < laneWidth; r += 2)
+		exchange(row[r], row[r + 1], LaneBits { 0, 8, 2, 10, 4, 12, 6, 14 },
+			 LaneBits { 1, 9, 3, 11, 5, 13, 7, 15 });
+	for (int r : { 0, 1, 4, 5 })
+		exchange(row[r], row[r + 2], LaneBits { 0, 1, 8, 9, 4, 5, 12, 13 },
+			 LaneBits { 2, 3, 10, 11, 6, 7, 14, 15 });
+	for (int r = 0; r < laneWidth / 2; ++r)
+		exchange(row[r], row[r + 4], LaneBits { 0, 1, 2, 3, 8, 9, 10, 11 },
+			 LaneBits { 4, 5, 6, 7, 12, 13, 14, 15 });
 }
 
 inline Lanes larger(const Lanes& x, const Lanes& y) { return x > y ? x : y; }

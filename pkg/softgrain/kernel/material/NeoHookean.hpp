@@ -33,9 +33,20 @@ inline Lanes cofactors(const Lanes (&F)[3][3], Lanes (&C)[3][3])
 	return F[0][0] * C[0][0] + F[0][1] * C[0][1] + F[0][2] * C[0][2];
 }
 
-/// Largest eigenvalue of A A^T, exact in 2D, an upper bound (exact where A A^T is spherical) in 3D.
-template <int dim> Lanes largestSquaredStretch(const Lanes (&A)[dim][dim])
+/// Largest eigenvalue of A A^T. With s1 >= s2 the singular values of A, the two sums of squares are
+/// (s1 + s2)^2 and (s1 - s2)^2 (or the other way round where det A < 0): no digit cancels.
+inline Lanes largestSquaredStretch(const Lanes (&A)[2][2])
 {
+	const Lanes p = A[0][0] + A[1][1], q = A[0][1] - A[1][0], r = A[0][0] - A[1][1],
+		    t = A[0][1] + A[1][0];
+	const Lanes sum = p * p + q * q, difference = r * r + t * t;
+	return 0.25 * (sum + difference) + 0.5 * sqrtOf(sum * difference);
+}
+
+/// An upper bound in 3D, exact where A A^T is spherical.
+inline Lanes largestSquaredStretch(const Lanes (&A)[3][3])
+{
+	constexpr int dim = 3;
 	Lanes trace = {}, squares = {};
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b) {
@@ -133,7 +144,7 @@ template <int dim, Condition condition> struct NeoHookean {
 			b += point.F[0][a] * point.F[0][a];
 		}
 		const Lanes rest = tau - mu * b; // lambda ln J - mu; with P33 = 0 also -mu F33^2
-		point.stiffening = (mu * detail::largestSquaredStretch<dim>(point.F) +
+		point.stiffening = (mu * detail::largestSquaredStretch(point.F) +
 				    inPlane(lambda, -rest) - rest) /
 				   (inPlane(lambda, mu) + 2 * mu);
 	}
@@ -148,23 +159,22 @@ private:
 		const Lanes &lambda = lame.lambda, &mu = lame.mu;
 		Lanes C[dim][dim];
 		const Lanes inverseJ = 1 / detail::cofactors(point.F, C);
-		const Lanes onInverse = (lambda * theta - mu) * inverseJ;
+		const Lanes pressure = lambda * theta - mu, onInverse = pressure * inverseJ;
 		Lanes squares = dim == 2 ? squareF33 : Lanes {};
 		for (int a = 0; a < dim; ++a)
 			for (int b = 0; b < dim; ++b) {
 				point.P[a][b] = mu * point.F[a][b] + onInverse * C[a][b];
 				squares += point.F[a][b] * point.F[a][b];
 			}
-		point.energy = 0.5 * mu * (squares - 3 - 2 * lnJ) + 0.5 * lambda * lnJ * theta;
+		point.energy = 0.5 * (mu * (squares - 3) + lnJ * (pressure - mu));
 		const Lanes inverseStretch =
-			detail::largestSquaredStretch<dim>(C) * inverseJ * inverseJ;
+			detail::largestSquaredStretch(C) * (inverseJ * inverseJ);
 		const Lanes tangentLambda = inPlane(lambda, mu * squareF33);
-		point.stiffening = (mu + (tangentLambda + mu - lambda * theta) * inverseStretch) /
-				   (inPlane(lambda, mu) + 2 * mu);
+		point.stiffening = (mu + (tangentLambda - pressure) * inverseStretch) *
+				   (1 / (inPlane(lambda, mu) + 2 * mu)); // the same in all points
 		if constexpr (projected) // the shortest waves may change no projected volume
-			point.stiffening =
-				larger((mu + (mu - lambda * theta) * inverseStretch) / (2 * mu),
-				       point.stiffening);
+			point.stiffening = larger((mu - pressure * inverseStretch) * (1 / (2 * mu)),
+						  point.stiffening);
 	}
 
 	/// First Lame constant that acts in the plane where the thickness is free to follow.

@@ -8,16 +8,18 @@ namespace softgrain {
 
 constexpr int minSplineOrder = 1;
 constexpr int maxSplineOrder = 3;
+/// B-splines of one coordinate for which there is room; those of lower order end with zeros.
+constexpr int rowWidth = maxSplineOrder + 1;
 
 /// The `order + 1` B-splines that do not vanish at one coordinate.
 struct SplineStencil {
-	int first = 0;                                      ///< grid index of the first of them
-	std::array<double, maxSplineOrder + 1> value {};    ///< N(x - i), dimensionless
-	std::array<double, maxSplineOrder + 1> gradient {}; ///< dN/dx, in 1/(grid step)
+	int first = 0;                            ///< grid index of the first of them
+	std::array<double, rowWidth> value {};    ///< N(x - i), dimensionless
+	std::array<double, rowWidth> gradient {}; ///< dN/dx, in 1/(grid step)
 };
 
 /// One of the factors for each B-spline that does not vanish.
-using SplineFactors = std::array<double, maxSplineOrder + 1>;
+using SplineFactors = std::array<double, rowWidth>;
 
 /// Grid index of the first B-spline that does not vanish at `x` (grid steps), as a number.
 template <int order> double firstSpline(double x)

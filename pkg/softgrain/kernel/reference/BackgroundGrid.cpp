@@ -16,7 +16,7 @@ BackgroundGrid<dim>::BackgroundGrid(int order, double spacing, const Quadrature<
 {
 	std::map<Index, double> rawMass;
 	for (std::size_t p = 0; p < quadrature.point.size(); ++p)
-		for (const auto& [index, shape] : rawShapes(quadrature.point[p]))
+		for (const auto& [index, shape] : shapesWithTied(quadrature.point[p]))
 			rawMass[index] += quadrature.weight[p] * shape.N;
 
 	double heaviest = 0;
@@ -48,7 +48,7 @@ template <int dim> Vec<dim> BackgroundGrid<dim>::nodeAt(const Index& index) cons
 
 template <int dim>
 std::map<typename BackgroundGrid<dim>::Index, ShapeFunction<dim>>
-BackgroundGrid<dim>::rawShapes(const Vec<dim>& X) const
+BackgroundGrid<dim>::shapesWithTied(const Vec<dim>& X) const
 {
 	std::array<SplineStencil, dim> axis;
 	for (int a = 0; a < dim; ++a)
@@ -127,7 +127,7 @@ void BackgroundGrid<dim>::appendShapes(const Vec<dim>& X,
 		sum.N += weight * shape.N;
 		sum.G += weight * shape.G;
 	};
-	for (const auto& [index, shape] : rawShapes(X)) {
+	for (const auto& [index, shape] : shapesWithTied(X)) {
 		const auto carried = number_.find(index);
 		if (carried != number_.end())
 			add(carried->second, 1, shape);

@@ -25,19 +25,25 @@ public:
 	BackgroundGrid(int order, double spacing, const Quadrature<dim>& quadrature,
 		       double tiedShare = lightNodeShare);
 
+	using Index = std::array<int, dim>;
+	using Weights = std::vector<std::pair<int, double>>;
+
+	int order() const { return order_; }
+	double spacing() const { return spacing_; }
+	/// The nodes that carry unknowns, by their place in the grid.
+	const std::map<Index, int>& number() const { return number_; }
 	const std::vector<Vec<dim>>& position() const { return position_; }
 	const std::vector<double>& mass() const { return mass_; }
 
 	/// Adds the row of shape functions at X, tied nodes resolved.
 	void appendShapes(const Vec<dim>& X, SparseRows<ShapeFunction<dim>>& rows) const;
+	/// The shape functions at X of all nodes, also of those that are tied.
+	std::map<Index, ShapeFunction<dim>> shapesWithTied(const Vec<dim>& X) const;
+	/// The nodes that a tied node follows.
+	Weights extrapolation(const Index& index) const;
 
 private:
-	using Index = std::array<int, dim>;
-	using Weights = std::vector<std::pair<int, double>>;
-
-	std::map<Index, ShapeFunction<dim>> rawShapes(const Vec<dim>& X) const;
 	Vec<dim> nodeAt(const Index& index) const;
-	Weights extrapolation(const Index& index) const;
 
 	int order_;
 	double spacing_;

@@ -89,6 +89,7 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 	grain->pointVolume = quadrature.weight;
 	for (const Vec<dim>& X : quadrature.point)
 		grid.appendShapes(X, grain->pointShapes);
+	grain->pointLines = makePointLines(grid, quadrature);
 	if (recipe.volumetric == VolumetricStrain::projected)
 		grain->pressureSpace =
 			makePressureSpace<dim>(quadrature, 2 * recipe.nodeSpacing * dr);

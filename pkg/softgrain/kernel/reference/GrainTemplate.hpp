@@ -4,6 +4,7 @@
 #include "Vector.hpp"
 #include "reference/FacetMobility.hpp"
 #include "reference/Outline.hpp"
+#include "reference/PointLines.hpp"
 #include "reference/PressureSpace.hpp"
 #include "reference/Quadrature.hpp"
 #include "reference/ShapeFunction.hpp"
@@ -60,12 +61,13 @@ template <int dim> struct GrainTemplate {
 	double inradius = 0; ///< of the largest ball inside, in radii
 
 	std::vector<Vec<dim>> nodePosition; ///< XI, in radii
-	std::vector<double> nodeMass; ///< lumped, sum_p V_p N_I(X_p); their sum is the volume
+	std::vector<double> nodeMass;       ///< lumped, sum_p V_p N_I(X_p); their sum is the volume
 	std::vector<double> inverseNodeMass; ///< 1/mI
 
 	std::vector<Vec<dim>> pointPosition;        ///< Xp, in radii
 	std::vector<double> pointVolume;            ///< Vp0, in radii^dim
 	SparseRows<ShapeFunction<dim>> pointShapes; ///< row p: nodes I with N_I(Xp), G_I(Xp)
+	PointLines<dim> pointLines;                 ///< the same for the bulk pass
 
 	PressureSpace pressureSpace; ///< of the volumetric strain; empty where it is pointwise
 

@@ -1,0 +1,222 @@
+// The bulk pass with laneWidth material points of one grain side by side, for grains with few or no
+// congruent ones. The law sees points in its lanes; sums over nodes take rowWidth nodes of a row at
+// once, which lie side by side in the box.
+#pragma once
+
+#include "grain/Batch.hpp"
+#include "grain/Strip.hpp"
+
+namespace softgrain {
+
+namespace detail {
+
+/// One number at rowWidth neighbours in a row of nodes.
+using Row [[gnu::vector_size(rowWidth * sizeof(double)), gnu::aligned(alignof(double)),
+	    gnu::may_alias]] = double;
+
+inline const Row& rowAt(const double* first) { return *reinterpret_cast<const Row*>(first); }
+inline Row& rowAt(double* first) { return *reinterpret_cast<Row*>(first); }
+
+/// The sum of the elements of each of four.
+inline Row sums(const Row& x, const Row& y, const Row& z, const Row& w)
+{
+	using Places [[gnu::vector_size(sizeof(Row))]] = long long;
+	auto halves = [](const Row& u, const Row& v) -> Row {
+		return __builtin_shuffle(u, v, Places { 0, 4, 2, 6 }) +
+		       __builtin_shuffle(u, v, Places { 1, 5, 3, 7 });
+	};
+	const Row xy = halves(x, y), zw = halves(z, w);
+	return __builtin_shuffle(xy, zw, Places { 0, 1, 4, 5 }) +
+	       __builtin_shuffle(xy, zw, Places { 2, 3, 6, 7 });
+}
+
+/// Sums over the nodes across a line: component `a` with the products `q` of PointLines::across.
+template <int dim> using AcrossSums = Row[dim][dim];
+
+/// Place of the first component of a point's tensor in a strip; the others follow laneWidth numbers
+/// apart.
+template <int dim> const double* firstNumber(const Strip<dim>& strip, unsigned point)
+{
+	return &strip.tensor[point / laneWidth][0][0][point % laneWidth];
+}
+template <int dim> double* firstNumber(Strip<dim>& strip, unsigned point)
+{
+	return &strip.tensor[point / laneWidth][0][0][point % laneWidth];
+}
+
+template <int dim, int order>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& lines,
+						     const std::array<const double*, dim>& x,
+						     Strip<dim>& strip)
+{
+	constexpr int nodes = nodesAcross<dim, order>;
+	const int stripBegin = strip.pointsBegin(lines);
+	const int runs = runsBegin(lines, strip.lines.end);
+	for (int r = runsBegin(lines, strip.lines.begin); r < runs; ++r) {
+		const auto run = lines.run[r];
+		const double* across = acrossLine<dim, order>(lines, run.line);
+		AcrossSums<dim> sum = {};
+		for (int k = 0; k < nodes; ++k)
+			for (int a = 0; a < dim; ++a) {
+				const Row value =
+					rowAt(x[a] + run.place + stepAcross<dim, order>(lines, k));
+				for (int q = 0; q < dim; ++q)
+					sum[q][a] += across[q * nodes + k] * value;
+			}
+		for (int i = run.begin; i < run.end; ++i) {
+			const Row value = rowAt(lines.point[i].value),
+				  slope = rowAt(lines.point[i].slope);
+			Row part[dim * dim + 3] = {}; // of F, component by component
+			for (int a = 0; a < dim; ++a) {
+				for (int q = 1; q < dim; ++q)
+					part[a * dim + q - 1] = value * sum[q][a];
+				part[a * dim + dim - 1] = slope * sum[0][a];
+			}
+			double* F = firstNumber(strip, i - stripBegin);
+			for (int k = 0; k < dim * dim; k += rowWidth) {
+				const Row whole =
+					sums(part[k], part[k + 1], part[k + 2], part[k + 3]);
+				for (int c = 0; c < rowWidth && k + c < dim * dim; ++c)
+					F[(k + c) * laneWidth] = whole[c];
+			}
+		}
+	}
+}
+
+template <int dim, int order>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lines,
+						      const Strip<dim>& strip,
+						      const std::array<double*, dim>& force)
+{
+	constexpr int nodes = nodesAcross<dim, order>;
+	const int stripBegin = strip.pointsBegin(lines);
+	const int runs = runsBegin(lines, strip.lines.end);
+	for (int r = runsBegin(lines, strip.lines.begin); r < runs; ++r) {
+		const auto run = lines.run[r];
+		const double* across = acrossLine<dim, order>(lines, run.line);
+		AcrossSums<dim> sum = {};
+		for (int i = run.begin; i < run.end; ++i) {
+			const Row value = rowAt(lines.point[i].value),
+				  slope = rowAt(lines.point[i].slope);
+			const double* P = firstNumber(strip, i - stripBegin);
+			for (int a = 0; a < dim; ++a) {
+				for (int q = 1; q < dim; ++q)
+					sum[q][a] += P[(a * dim + q - 1) * laneWidth] * value;
+				sum[0][a] += P[(a * dim + dim - 1) * laneWidth] * slope;
+			}
+		}
+		for (int k = 0; k < nodes; ++k)
+			for (int a = 0; a < dim; ++a) {
+				double* node =
+					force[a] + run.place + stepAcross<dim, order>(lines, k);
+				Row value = rowAt(node);
+				for (int q = 0; q < dim; ++q)
+					value -= across[q * nodes + k] * sum[q][a];
+				rowAt(node) = value;
+			}
+	}
+}
+
+} // namespace detail
+
+/// One grain of a batch; lanes of the last group of a strip that have no point repeat the last one,
+/// without volume.
+template <int dim> class PointsInLanes {
+public:
+	static constexpr int stripPoints = 64;
+	static constexpr int fieldWidth = 1;
+
+	PointsInLanes(const Batch<dim>& batch, int g)
+		: lines_(batch.reference->pointLines)
+		, order_(batch.reference->recipe.order)
+		, grain_(g)
+	{
+		const ElasticConstants& c = batch.grain[g].constants;
+		lame_ = { Lanes {} + c.lambda(), Lanes {} + c.mu() };
+		x_.resize(padded() * dim);
+		force_.resize(padded() * dim);
+		const double inverseRadius = 1 / batch.grain[g].radius;
+		const Vec<dim>* own = batch.x.of(g);
+		const auto x = components<double>(x_);
+		for (int I = 0; I < lines_.nodes(); ++I)
+			for (int a = 0; a < dim; ++a)
+				x[a][lines_.nodePlace[I]] = inverseRadius * own[I][a];
+		lines_.forEachTie([&](int tied, int followed, double weight) {
+			for (int a = 0; a < dim; ++a)
+				x[a][tied] += weight * x[a][followed];
+		});
+	}
+
+	const LameConstants& lame() const { return lame_; }
+
+	int points(const Strip<dim>& strip) const
+	{
+		return strip.pointsEnd(lines_) - strip.pointsBegin(lines_);
+	}
+	void gather(Strip<dim>& strip) const
+	{
+		const int count = points(strip);
+		strip.groups = (count + laneWidth - 1) / laneWidth;
+		withOrder(order_, [&](auto order) {
+			detail::gatherPoints<dim, order>(lines_, components<const double>(x_),
+							 strip);
+		});
+		Lanes(&last)[dim][dim] = strip.tensor[strip.groups - 1];
+		for (int lane = (count - 1) % laneWidth + 1; lane < laneWidth; ++lane)
+			for (int a = 0; a < dim; ++a)
+				for (int b = 0; b < dim; ++b)
+					last[a][b][lane] = last[a][b][lane - 1];
+	}
+	Lanes volume(const Strip<dim>& strip, int group) const
+	{
+		const int begin = strip.pointsBegin(lines_) + group * laneWidth;
+		Lanes volume = {};
+		for (int l = 0; l < std::min(laneWidth, strip.pointsEnd(lines_) - begin); ++l)
+			volume[l] = lines_.point[begin + l].volume;
+		return volume;
+	}
+	int place(const Strip<dim>& strip, int group, int lane) const
+	{
+		const int point = strip.pointsBegin(lines_) + group * laneWidth + lane;
+		return lines_.point[std::min(point, strip.pointsEnd(lines_) - 1)].number;
+	}
+	void scatter(const Strip<dim>& strip)
+	{
+		withOrder(order_, [&](auto order) {
+			detail::scatterPoints<dim, order>(lines_, strip,
+							  components<double>(force_));
+		});
+	}
+	void finish(const BulkSums& sums, Batch<dim>& batch)
+	{
+		const auto force = components<double>(force_);
+		lines_.forEachTie([&](int tied, int followed, double weight) {
+			for (int a = 0; a < dim; ++a)
+				force[a][followed] += weight * force[a][tied];
+		});
+		const double scale = batch.pointScale[grain_] / batch.grain[grain_].radius;
+		Vec<dim>* own = batch.force.of(grain_);
+		for (int I = 0; I < lines_.nodes(); ++I)
+			for (int a = 0; a < dim; ++a)
+				own[I][a] = scale * force[a][lines_.nodePlace[I]];
+		batch.report[grain_] = sums.report(0, laneWidth, batch.pointScale[grain_]);
+	}
+
+private:
+	/// Whole rows are read and written past the end of the box.
+	std::size_t padded() const { return static_cast<std::size_t>(lines_.places) + rowWidth; }
+	template <class Number, class Field> std::array<Number*, dim> components(Field& field) const
+	{
+		std::array<Number*, dim> component;
+		for (int a = 0; a < dim; ++a)
+			component[a] = field.data() + a * padded();
+		return component;
+	}
+
+	const PointLines<dim>& lines_;
+	int order_, grain_;
+	LameConstants lame_;
+	std::vector<double> x_, force_; ///< in the box, component after component; x in radii
+};
+
+} // namespace softgrain

@@ -1,0 +1,72 @@
+// Some lines of material points on their way through the bulk pass: the deformation gradients of
+// all of them are gathered, then the law is evaluated for all, then their stresses are scattered,
+// so that no point waits for the logarithm of its own J.
+#pragma once
+
+#include "grain/Batch.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+namespace softgrain {
+
+/// What a lane of a group is, is up to GrainsInLanes and PointsInLanes.
+template <int dim> struct Strip {
+	static constexpr int maxGroups = 2 * PointLines<dim>::maxPoints;
+
+	LineRange lines;
+	int groups;
+	Lanes tensor[maxGroups][dim][dim]; ///< F, then Vp0 P
+
+	int pointsBegin(const PointLines<dim>& all) const { return all.line[lines.begin].begin; }
+	int pointsEnd(const PointLines<dim>& all) const { return all.line[lines.end - 1].end; }
+};
+
+/// What the pass finds in the points of each lane.
+struct BulkSums {
+	Lanes energy = {};     ///< sum of Vp0 W, Vp0 in radii^dim
+	Lanes stiffening = {}; ///< greatest
+
+	/// Of the lanes from `begin` to `end`, which are points of one grain. Inverted points are
+	/// not looked for.
+	BulkReport report(int begin, int end, double pointScale) const
+	{
+		BulkReport all { 0, 0, -1 };
+		for (int l = begin; l < end; ++l) {
+			all.elasticEnergy += pointScale * energy[l];
+			all.stiffening = std::max(all.stiffening, stiffening[l]);
+		}
+		return all;
+	}
+};
+
+/// Steps in the box from the first node of a row to the others across a line.
+template <int dim, int order> constexpr int nodesAcross = (order + 1) * nodesAcross<dim - 1, order>;
+template <int order> constexpr int nodesAcross<1, order> = 1;
+
+template <int dim, int order> int stepAcross(const PointLines<dim>& lines, int k)
+{
+	if constexpr (dim == 2)
+		return k * lines.stride[0];
+	else
+		return k / (order + 1) * lines.stride[0] + k % (order + 1) * lines.stride[1];
+}
+
+/// The products across line n.
+template <int dim, int order> const double* acrossLine(const PointLines<dim>& lines, int n)
+{
+	return &lines.across[static_cast<std::size_t>(n) * dim * nodesAcross<dim, order>];
+}
+
+/// Calls `use` with the order of the splines as a type.
+template <class Use> void withOrder(int order, Use&& use)
+{
+	if (order == 1)
+		use(std::integral_constant<int, 1> {});
+	else if (order == 2)
+		use(std::integral_constant<int, 2> {});
+	else
+		use(std::integral_constant<int, 3> {});
+}
+
+} // namespace softgrain
