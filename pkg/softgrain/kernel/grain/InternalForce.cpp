@@ -153,7 +153,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(Batch<dim>& batch, int bloc
 template <int dim> void computeInternalForce(Batch<dim>& batch, int threads)
 {
 	withVolumetricLaw(batch, [&](auto law) {
-		const int blocks = batch.blocks();
+		const int blocks = batch.activeBlocks();
 #pragma omp parallel for schedule(static) num_threads(threads)
 		for (int b = 0; b < blocks; ++b)
 			forceOfBlock(batch, b, law);
@@ -185,7 +185,7 @@ PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Conditi
 
 template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>& batch, int g)
 {
-	const int block = g / laneWidth, lane = g % laneWidth;
+	const int block = batch.blockOf(g), lane = batch.laneOf(g);
 	const BlockScales scales = blockScales(batch, block);
 	const auto& shapes = batch.reference->pointShapes;
 	std::vector<PointResponse<dim>> responses;
