@@ -42,7 +42,9 @@ public:
 		const double scale = 1 / batch_.massScale[g];
 		if (usesOwnNodes(g)) return { &ownNodes_[g].delassus, nullptr, scale };
 		const GrainTemplate<dim>& reference = *batch_.reference;
-		return { &reference.delassus, &reference.facetMobility, scale };
+		const bool onFacets = !reference.contactMesh.facet.empty();
+		return { &reference.delassus, onFacets ? &reference.facetMobility : nullptr,
+			 scale };
 	}
 	void contactVelocities(int g, std::vector<Vec<dim>>& at) const override;
 	void contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const override;
