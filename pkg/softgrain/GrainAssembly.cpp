@@ -129,24 +129,24 @@ public:
 		}
 		addSets(grains);
 		system_.updateSurfaces(1);
+		slowestWave_ = std::numeric_limits<double>::infinity();
+		for (int g = 0; g < system_.grains(); ++g)
+			slowestWave_ = std::min(
+				slowestWave_,
+				parameters(g).constants.waveSpeed(system_.setOf(g).condition()));
 	}
 
 	int grains() const override { return system_.grains(); }
 	int idOf(int g) const override { return id_[g]; }
 	double criticalTimeStep() const override { return system_.criticalTimeStep(); }
-	double pointSpacing(int g) const override { return system_.body(g).pointSpacing; }
-	double slowestWave() const override
+	double pointSpacing(int g) const override
 	{
-		double slowest = std::numeric_limits<double>::infinity();
-		for (int g = 0; g < grains(); ++g) {
-			const GrainSet<dim>& set = system_.setOf(g);
-			slowest = std::min(slowest,
-					   parameters(g).constants.waveSpeed(set.condition()));
-		}
-		return slowest;
+		return parameters(g).radius * system_.setOf(g).reference().pointSpacing();
 	}
+	double slowestWave() const override { return slowestWave_; }
 	void updateForces(int threads) override { system_.updateForces(threads); }
 	double stiffening() const override { return system_.stiffening(); }
+	bool isRigid(int g) const override { return system_.isRigid(g); }
 
 	std::unique_ptr<PairContacts> newPair() const override
 	{
@@ -158,9 +158,7 @@ public:
 		ContactList<dim>& list = listOf(pair);
 		list.first = first;
 		list.second = second;
-		findContacts(system_.body(first), system_.body(second),
-			     system_.reach(first, second, dt), list);
-		countSearch(list);
+		if (system_.search(list, dt)) countSearch(list);
 	}
 
 	void search(PairContacts& pair, int g, const WallDescription& wall,
@@ -171,8 +169,7 @@ public:
 		list.second = -1 - wall.id;
 		list.plane = { toKernel<dim>(wall.point), toKernel<dim>(wall.normal),
 			       toKernel<dim>(wall.velocity) };
-		findContacts(system_.body(g), system_.reach(g, list.plane, dt), list);
-		countSearch(list);
+		if (system_.search(list, dt)) countSearch(list);
 	}
 
 	StepReport step(const StepSettings& settings,
@@ -237,6 +234,12 @@ public:
 			result.high[2] += R;
 		}
 		return result;
+	}
+
+	bool isInside(int g, const Box<3>& outer, double margin) const override
+	{
+		return system_.isInside(g, { toKernel<dim>(outer.low), toKernel<dim>(outer.high) },
+					margin);
 	}
 
 	std::vector<Vec3> outline(int g) const override
@@ -350,6 +353,7 @@ private:
 				  testedCandidates_ = 0; ///< since the last step
 	System<dim> system_;
 	std::vector<int> id_; ///< of the YADE body by index in the system
+	double slowestWave_;  ///< m/s
 	double z_;
 };
 

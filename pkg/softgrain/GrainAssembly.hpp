@@ -90,6 +90,7 @@ public:
 	virtual double pointSpacing(int g) const = 0; ///< dr, m
 	virtual void updateForces(int threads) = 0;   ///< throws StepError
 	virtual double stiffening() const = 0;        ///< see PointLanes::stiffening
+	virtual bool isRigid(int g) const = 0;        ///< moves as a rigid body
 
 	virtual std::unique_ptr<PairContacts> newPair() const = 0;
 	virtual void search(PairContacts& pair, int first, int second, double dt) const = 0;
@@ -110,6 +111,8 @@ public:
 	virtual void continueFrom(const Continuation& state) = 0;
 
 	virtual Box<3> box(int g) const = 0;
+	/// Whether the box grown by a margin lies within a box, in the dimensions of the scene.
+	virtual bool isInside(int g, const Box<3>& outer, double margin) const = 0;
 	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes
 	virtual PointFields points(int g) const = 0;
 	virtual double undeformedVolume(int g) const = 0; ///< m^2 (m^3)

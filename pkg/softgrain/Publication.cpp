@@ -52,8 +52,9 @@ void SoftGrainIntegrator::publishMotions()
 {
 	const Real dt = scene->dt;
 	for (int g = 0; g < assembly_->grains(); ++g) {
-		State& state = *(*scene->bodies)[assembly_->idOf(g)]->state;
-		softgrain::GrainMotion& written = grainOf(*scene, assembly_->idOf(g)).written;
+		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
+		State& state = *body.state;
+		softgrain::GrainMotion& written = static_cast<SoftGrain&>(*body.shape).written;
 		written = assembly_->motion(g);
 		state.vel = written.velocity;
 		state.angVel = written.angularVelocity;
@@ -61,10 +62,10 @@ void SoftGrainIntegrator::publishMotions()
 		state.inertia = Vector3r::Constant(written.inertia);
 		state.pos = written.position - dt * written.velocity;
 		const Real rate = written.angularVelocity.norm();
-		const Rotation turn =
-			rate > 0 ? Rotation(Eigen::AngleAxisd(-rate * dt,
-							      written.angularVelocity / rate))
-				 : Rotation(Rotation::Identity());
+		const Rotation turn = rate * dt > 1e-16
+					      ? Rotation(Eigen::AngleAxisd(
+							-rate * dt, written.angularVelocity / rate))
+					      : Rotation(Rotation::Identity());
 		state.ori = turn * written.orientation;
 	}
 }
@@ -78,6 +79,8 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 	largestResidual = std::max(largestResidual, residual);
 	overlap = report.deepest;
 	largestOverlap = std::max(largestOverlap, overlap);
+	activeGrains = report.activeGrains;
+	totalGrainSteps += activeGrains;
 	steps += 1;
 	totalSweeps += sweeps;
 	pointsUpdated += report.work.points;
@@ -138,10 +141,9 @@ void SoftGrainIntegrator::callColliderIfNeeded() const
 	for (int g = 0; g < assembly_->grains(); ++g) {
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
 		if (!body.bound) continue;
-		const auto box = assembly_->box(g).grown(
-			0.1 * assembly_->pointSpacing(g)); // contacts start before touch
-		if ((box.low.array() < body.bound->min.array()).any() ||
-		    (box.high.array() > body.bound->max.array()).any()) {
+		const double margin =
+			0.1 * assembly_->pointSpacing(g); // contacts start before touch
+		if (!assembly_->isInside(g, { body.bound->min, body.bound->max }, margin)) {
 			scene->doSort = true;
 			return;
 		}

@@ -3,6 +3,7 @@
 #include "SoftMat.hpp"
 
 #include <mutex>
+#include <typeinfo>
 
 namespace yade {
 
@@ -12,10 +13,16 @@ std::mutex assemblyMutex;
 
 std::string name(const Body& body) { return "body #" + std::to_string(body.getId()); }
 
+/// Nothing derives from the soft classes, and this is asked of every body in every step.
+template <class Soft, class Base> bool isA(const shared_ptr<Base>& object)
+{
+	return object && typeid(*object) == typeid(Soft);
+}
+
 void checkBody(const Body& body)
 {
-	const bool softShape = bool(YADE_PTR_DYN_CAST<SoftGrain>(body.shape));
-	const bool softMaterial = bool(YADE_PTR_DYN_CAST<SoftMat>(body.material));
+	const bool softShape = isA<SoftGrain>(body.shape);
+	const bool softMaterial = isA<SoftMat>(body.material);
 	if (softShape && !softMaterial)
 		throw std::invalid_argument(
 			name(body) + " has the soft shape SoftGrain but the material " +
@@ -31,16 +38,16 @@ void checkBody(const Body& body)
 					    " is a soft grain in a clump, which is not supported");
 }
 
-std::vector<shared_ptr<Body>> softBodies(Scene& scene)
+std::vector<Body*> softBodies(Scene& scene)
 {
 	if (scene.isPeriodic)
 		throw std::invalid_argument(
 			"O.periodic = True: soft grains in a periodic cell are not supported yet");
-	std::vector<shared_ptr<Body>> bodies;
+	std::vector<Body*> bodies;
 	for (const shared_ptr<Body>& body : *scene.bodies) {
 		if (!body || !body->shape) continue;
 		checkBody(*body);
-		if (YADE_PTR_DYN_CAST<SoftGrain>(body->shape)) bodies.push_back(body);
+		if (isA<SoftGrain>(body->shape)) bodies.push_back(body.get());
 	}
 	return bodies;
 }
@@ -50,17 +57,17 @@ bool sameConstants(const softgrain::ElasticConstants& a, const softgrain::Elasti
 	return a.young == b.young && a.poisson == b.poisson && a.density == b.density;
 }
 
-bool isCurrent(const std::vector<shared_ptr<Body>>& bodies)
+bool isCurrent(const std::vector<Body*>& bodies)
 {
 	const auto& assembly = static_cast<SoftGrain&>(*bodies.front()->shape).assembly;
 	if (!assembly || assembly->grains() != static_cast<int>(bodies.size())) return false;
-	for (const shared_ptr<Body>& body : bodies) {
+	for (const Body* body : bodies) {
 		const SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
 		const SoftMat& material = static_cast<SoftMat&>(*body->material);
 		if (grain.assembly != assembly || assembly->idOf(grain.index) != body->getId() ||
 		    !sameConstants(grain.assembledConstants, material.constants()) ||
-		    grain.assembledLaw != material.constitutiveLaw() ||
-		    grain.assembledCondition != grain.condition(material))
+		    grain.assembledLaw != material.law ||
+		    grain.assembledCondition != material.condition)
 			return false;
 	}
 	return true;
@@ -74,7 +81,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 
 	std::vector<softgrain::GrainDescription> grains;
 	softgrain::Continuation continuation;
-	for (const shared_ptr<Body>& body : bodies) {
+	for (const Body* body : bodies) {
 		SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
 		if (grain.assembly) continuation = grain.assembly->continuation();
 		grain.fetchState();
@@ -85,12 +92,12 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 	for (int g = 0; g < assembly->grains(); ++g) {
 		SoftGrain& grain = grainOf(scene, assembly->idOf(g));
 		const Body& body = *(*scene.bodies)[assembly->idOf(g)];
-		const auto d = grain.describe(body);
+		const SoftMat& material = static_cast<SoftMat&>(*body.material);
 		grain.assembly = assembly;
 		grain.index = g;
-		grain.assembledConstants = d.constants;
-		grain.assembledLaw = d.law;
-		grain.assembledCondition = d.condition;
+		grain.assembledConstants = material.constants();
+		grain.assembledLaw = material.law;
+		grain.assembledCondition = material.condition;
 		grain.written = assembly->motion(g);
 	}
 	return assembly;

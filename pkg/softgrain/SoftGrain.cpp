@@ -91,7 +91,7 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.angularVelocity = body.state->angVel;
 	d.orientation = body.state->ori;
 	d.origin = stateOrigin;
-	d.state = { savedPositions, savedVelocities, savedGradients };
+	d.state = { savedPositions, savedVelocities, savedGradients, savedRigidMotion };
 	return d;
 }
 
@@ -102,6 +102,7 @@ void SoftGrain::fetchState()
 	savedPositions = std::move(state.x);
 	savedVelocities = std::move(state.v);
 	savedGradients = std::move(state.F);
+	savedRigidMotion = std::move(state.rigid);
 }
 
 void SoftGrain::postLoad(SoftGrain&)
@@ -148,6 +149,8 @@ py::dict SoftGrain::pointArrays()
 	arrays["volume"] = softgrain::numpyArray(fields.volume, py::make_tuple(-1));
 	return arrays;
 }
+
+bool SoftGrain::movesRigidly() { return assembled().isRigid(index); }
 
 Real SoftGrain::undeformedVolume() { return assembled().undeformedVolume(index); }
 

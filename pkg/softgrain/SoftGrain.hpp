@@ -15,8 +15,7 @@ public:
 	int index = -1;
 	/// What the assembly was built with, to notice changes of the material.
 	softgrain::ElasticConstants assembledConstants;
-	softgrain::Law assembledLaw = softgrain::Law::neoHookean;
-	softgrain::Condition assembledCondition = softgrain::Condition::planeStrain;
+	string assembledLaw, assembledCondition;
 	/// Motion of the whole grain as last written to State, to notice what the user changes.
 	softgrain::GrainMotion written;
 
@@ -34,6 +33,7 @@ public:
 	py::object nodesArray();
 	py::object nodalVelocitiesArray();
 	py::dict pointArrays();
+	bool movesRigidly();
 	Real presentVolume();
 	Real undeformedVolume();
 
@@ -58,12 +58,14 @@ public:
 		((Vector3r, stateOrigin, Vector3r::Zero(), Attr::hidden, "Origin of savedPositions."))
 		((vector<Real>, savedPositions, , Attr::hidden, "Positions of the state (GrainState) relative to stateOrigin as last fetched."))
 		((vector<Real>, savedVelocities, , Attr::hidden, "Velocities of the state as last fetched."))
-		((vector<Real>, savedGradients, , Attr::hidden, "Deformation gradients of the state as last fetched (formulation 'updated').")),
+		((vector<Real>, savedGradients, , Attr::hidden, "Deformation gradients of the state as last fetched (formulation 'updated')."))
+		((vector<Real>, savedRigidMotion, , Attr::hidden, "Motion of a grain that moves rigidly as last fetched; else empty.")),
 		createIndex();,
 		.def("outline", &SoftGrain::outlineArray, "Present positions of the contact nodes, in 2D counter-clockwise: array (n, 3) [m].")
 		.def("nodes", &SoftGrain::nodesArray, "Present positions of the background nodes (formulation 'updated': of the material points, since nodes keep nothing): array (n, dim) [m].")
 		.def("nodeVelocities", &SoftGrain::nodalVelocitiesArray, "Velocities of the background nodes (formulation 'updated': of the material points) half a step ago: array (n, dim) [m/s].")
 		.def("points", &SoftGrain::pointArrays, "Fields at the material points, a dict of arrays: position (n, 3) [m], F (n, 3, 3) deformation gradient [-], cauchy (n, 3, 3) Cauchy stress [Pa], volume (n,) present volume [m³, 2D m²].")
+		.def("isRigid", &SoftGrain::movesRigidly, "Whether the grain moves as a rigid body: undeformed and untouched, so that nothing of it needs to be computed (:yref:`SoftGrainIntegrator.rigidMotion`).")
 		.def("undeformedVolume", &SoftGrain::undeformedVolume, "Volume of the undeformed grain [m³] (2D: area [m²]).")
 		.def("volume", &SoftGrain::presentVolume, "Present volume [m³] (2D: area [m²]), Σ Vp0 J.")
 	);

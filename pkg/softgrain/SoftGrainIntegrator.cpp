@@ -163,21 +163,35 @@ void SoftGrainIntegrator::chooseTimeStep(double stiffening)
 	}
 }
 
+namespace {
+
+/// Up to the rounding of Newton's integrator, which adds vel dt to pos and turns ori: the usual
+/// case, told apart at little cost. False where a value is not finite.
+bool isAsWritten(const State& state, const softgrain::GrainMotion& written, Real radius)
+{
+	return state.vel == written.velocity && state.angVel == written.angularVelocity &&
+	       (state.pos - written.position).squaredNorm() <= 1e-18 * radius * radius &&
+	       (state.ori.coeffs() - written.orientation.coeffs()).squaredNorm() <= 1e-19;
+}
+
+} // namespace
+
 /// Changes of State since this engine wrote it are the user's: they act as rigid motions.
 void SoftGrainIntegrator::applyUserMotions()
 {
 	for (int g = 0; g < assembly_->grains(); ++g) {
-		const State& state = *(*scene->bodies)[assembly_->idOf(g)]->state;
-		const softgrain::GrainMotion& written = grainOf(*scene, assembly_->idOf(g)).written;
-		const Real radius = grainOf(*scene, assembly_->idOf(g)).radius;
+		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
+		const State& state = *body.state;
+		const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+		const softgrain::GrainMotion& written = grain.written;
+		const Real radius = grain.radius;
+		if (isAsWritten(state, written, radius)) continue;
 		for (const Vector3r& v : { state.pos, state.vel, state.angVel })
 			if (!v.allFinite())
 				throw std::runtime_error(
 					"soft grain #" + std::to_string(assembly_->idOf(g)) +
 					": its State (pos, vel, angVel) holds a value "
 					"that is not finite; assign a finite one");
-		// Newton's integrator adds vel dt to pos and turns ori: equal up to rounding,
-		// unless changed
 		const Vec3 shift = state.pos - written.position;
 		const Rotation turn = state.ori * written.orientation.conjugate();
 		const Vec3 velocity = state.vel - written.velocity,
@@ -292,6 +306,7 @@ softgrain::StepSettings SoftGrainIntegrator::settings()
 	s.solver.overlapRelaxation = overlapRelaxation;
 	s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
 	s.trackEnergy = scene->trackEnergy;
+	s.rigidMotion = rigidMotion;
 	s.threads = threads();
 	s.clock = &clock_;
 	return s;

@@ -158,7 +158,8 @@ def build_in_yade(case):
         wall = utils.wall(coordinate, axis=axis, material=material)
         wall.state.vel = padded(velocity)
         O.bodies.append(wall)
-    O.engines = sg.engines(gravity=(0, case.gravity, 0))
+    # the oracle moves nodes, also of grains that could move as rigid bodies
+    O.engines = sg.engines(gravity=(0, case.gravity, 0), rigidMotion=False)
     O.dt = DT_FRACTION * sg.critical_time_step()
 
 

@@ -61,12 +61,7 @@ template <int dim> struct Scene {
 		settings.dt = dt;
 		std::vector<ContactList<dim>*> pointers;
 		for (ContactList<dim>& list : lists) {
-			if (list.second < 0)
-				findContacts(system.body(list.first),
-					     system.reach(list.first, list.plane, dt), list);
-			else
-				findContacts(system.body(list.first), system.body(list.second),
-					     system.reach(list.first, list.second, dt), list);
+			system.search(list, dt);
 			pointers.push_back(&list);
 		}
 		const StepReport report = system.step(settings, pointers);

@@ -2,6 +2,7 @@
 #include "Require.hpp"
 
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 namespace softgrain {
@@ -33,22 +34,46 @@ Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Con
 		throw std::invalid_argument(
 			"volumetric = 'projected' is for plane strain and 3D: in plane stress the "
 			"thickness is free to follow, and nothing locks; use 'pointwise'");
-	lame.resize(blocks());
 	for (const GrainParameters<dim>& own : grain) {
 		pointScale.push_back(std::pow(own.radius, dim));
 		massScale.push_back(own.constants.density * pointScale.back());
 	}
+	std::vector<int> all(grains.size());
+	std::iota(all.begin(), all.end(), 0);
+	arrange(all, {});
+	for (NodalField<dim>* field : { &x, &v, &force, &vNext })
+		field->resize(this->grains(), reference->nodes());
+	for (int g = 0; g < this->grains(); ++g)
+		for (int I = 0; I < reference->nodes(); ++I)
+			x.set(g, I, grain[g].radius * reference->nodePosition[I]);
+}
+
+template <int dim>
+void Batch<dim>::arrange(const std::vector<int>& active, const std::vector<int>& others)
+{
+	slot_.resize(grain.size());
+	inSlot_.clear();
+	fillSlots(active);
+	activeBlocks_ = static_cast<int>(inSlot_.size()) / laneWidth;
+	fillSlots(others);
+	lame.resize(inSlot_.size() / laneWidth);
 	for (int b = 0; b < blocks(); ++b)
 		for (int l = 0; l < laneWidth; ++l) {
 			const ElasticConstants& c = grain[grainInLane(b, l)].constants;
 			lame[b].lambda[l] = c.lambda();
 			lame[b].mu[l] = c.mu();
 		}
-	for (NodalField<dim>* field : { &x, &v, &force, &vNext })
-		field->resize(this->grains(), reference->nodes());
-	for (int g = 0; g < this->grains(); ++g)
-		for (int I = 0; I < reference->nodes(); ++I)
-			x.set(g, I, grain[g].radius * reference->nodePosition[I]);
+}
+
+/// Appends whole blocks that hold the grains.
+template <int dim> void Batch<dim>::fillSlots(const std::vector<int>& grains)
+{
+	for (int g : grains) {
+		slot_[g] = static_cast<int>(inSlot_.size());
+		inSlot_.push_back(g);
+	}
+	while (inSlot_.size() % laneWidth != 0)
+		inSlot_.push_back(-1);
 }
 
 template <int dim>

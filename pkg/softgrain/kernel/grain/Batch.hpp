@@ -75,12 +75,26 @@ template <int dim> struct Batch {
 	std::vector<BulkReport> report;
 
 	int grains() const { return static_cast<int>(grain.size()); }
-	int blocks() const { return (grains() + laneWidth - 1) / laneWidth; }
-	bool hasGrain(int block, int lane) const { return block * laneWidth + lane < grains(); }
+	/// Lays the active grains into the lanes of the first blocks, side by side, and the others
+	/// into blocks of their own behind them, so that passes over the active blocks do nothing
+	/// for the others. Both lists together name every grain once.
+	void arrange(const std::vector<int>& active, const std::vector<int>& others);
+	int activeBlocks() const { return activeBlocks_; }
+	int blocks() const { return static_cast<int>(lame.size()); }
+	int blockOf(int g) const { return slot_[g] / laneWidth; }
+	int laneOf(int g) const { return slot_[g] % laneWidth; }
+	bool hasGrain(int block, int lane) const { return inSlot_[block * laneWidth + lane] >= 0; }
+	int grainsInBlock(int block) const
+	{
+		int count = 0;
+		while (count < laneWidth && hasGrain(block, count))
+			++count;
+		return count;
+	}
 	/// The grain in a lane; in lanes without one, the first of the block.
 	int grainInLane(int block, int lane) const
 	{
-		return block * laneWidth + (hasGrain(block, lane) ? lane : 0);
+		return inSlot_[block * laneWidth + (hasGrain(block, lane) ? lane : 0)];
 	}
 	double nodeMass(int g, int I) const { return massScale[g] * reference->nodeMass[I]; }
 	double mass(int g) const { return massScale[g] * reference->volume; }
@@ -94,6 +108,13 @@ template <int dim> struct Batch {
 	/// added to the velocities.
 	void moveRigidly(int g, const Vec<dim>& centre, const Mat<dim>& rotation,
 			 const Vec<dim>& shift, const Vec<dim>& velocity, const Mat<dim>& spin);
+
+private:
+	void fillSlots(const std::vector<int>& grains);
+
+	std::vector<int> slot_;   ///< by grain: block * laneWidth + lane
+	std::vector<int> inSlot_; ///< grain in each slot, -1: none
+	int activeBlocks_ = 0;
 };
 
 } // namespace softgrain

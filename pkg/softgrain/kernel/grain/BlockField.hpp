@@ -102,7 +102,7 @@ public:
 	void store(NodalField<dim>& field, const Batch<dim>& batch, int block,
 		   const std::vector<int>& place, const Lanes& scale) const
 	{
-		const int grains = std::min(laneWidth, batch.grains() - block * laneWidth);
+		const int grains = batch.grainsInBlock(block);
 		double* own[laneWidth] = {};
 		for (int l = 0; l < grains; ++l)
 			own[l] = field.of(batch.grainInLane(block, l))->data();

@@ -17,6 +17,21 @@ void requireSize(const char* what, const std::vector<double>& numbers, int expec
 		"step");
 }
 
+namespace {
+
+[[noreturn]] void refuseRigidMotion()
+{
+	throw std::logic_error("this formulation does not move grains rigidly");
+}
+
+} // namespace
+
+template <int dim> void GrainSet<dim>::beginRigidMotion(int) { refuseRigidMotion(); }
+
+template <int dim> void GrainSet<dim>::endRigidMotion(int) { refuseRigidMotion(); }
+
+template <int dim> RigidBounds<dim> GrainSet<dim>::rigidBounds(int) const { refuseRigidMotion(); }
+
 template <int dim>
 void GrainSet<dim>::massPoints(int, std::vector<Vec<dim>>&, std::vector<double>&) const
 {

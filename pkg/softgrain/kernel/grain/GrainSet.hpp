@@ -24,9 +24,19 @@ template <int dim> struct BodyLoad {
 /// Lagrangian x of the nodes and v of the nodes ('flip': of the points); updated Lagrangian x and v
 /// of the points, then of the contact nodes, and F of the points.
 struct GrainState {
-	std::vector<double> x; ///< positions relative to the grain's origin, m
-	std::vector<double> v; ///< velocities half a step ago, m/s
-	std::vector<double> F; ///< deformation gradients, column by column
+	std::vector<double> x;     ///< positions relative to the grain's origin, m
+	std::vector<double> v;     ///< velocities half a step ago, m/s
+	std::vector<double> F;     ///< deformation gradients, column by column
+	std::vector<double> rigid; ///< RigidMotion::numbers of a grain that moves rigidly, x and v
+				   ///< being what follows from it; else empty
+};
+
+/// Ball about the outline of a grain that moves rigidly.
+template <int dim> struct RigidBounds {
+	Vec<dim> centre = Vec<dim>::Zero(); ///< in space, m
+	double radius = 0;                  ///< of the farthest contact node, m
+	double bulge = 0;                   ///< how far the outline may lie out of its facets, m
+	double speed = 0;                   ///< of the fastest place, at most, m/s
 };
 
 /// Throws std::invalid_argument unless a saved list has the size that the discretisation needs.
@@ -51,10 +61,25 @@ public:
 	/// Of the undeformed grain, s.
 	virtual double criticalTimeStep(int g) const = 0;
 
+	// --- grains that are not computed (doc/decisions/0014-inactive-grains.md) ---------------
+
+	/// Grains are either computed ('active', all at the start) or move rigidly; the phases
+	/// below hold for both, except that impulses and forces are for active grains.
+	virtual bool isRigid(int) const { return false; }
+	/// Whether a grain without contact may move rigidly: undeformed up to rounding, for which
+	/// the report must be that of the present positions, and spinning slowly.
+	virtual bool mayMoveRigidly(int) const { return false; }
+	virtual void beginRigidMotion(int g);
+	/// The nodes take over.
+	virtual void endRigidMotion(int g);
+	/// To be called after grains were begun or ended.
+	virtual void arrangeGrains() {}
+	virtual RigidBounds<dim> rigidBounds(int g) const;
+
 	// --- the phases of a step ---------------------------------------------------------------
 
-	/// Internal forces of the present positions and `report`. Parallel; the result does not
-	/// depend on the number of threads.
+	/// Internal forces of the present positions and `report`, of active grains. Parallel; the
+	/// result does not depend on the number of threads.
 	virtual void updateForces(int threads) = 0;
 	virtual const BulkReport& report(int g) const = 0;
 	/// v* = v + kick (f/m + load).

@@ -182,15 +182,18 @@ template <int dim> int invertedPoint(const Batch<dim>& batch, int g)
 
 template <int dim, class VolumetricLaw> void forceOfBlock(Batch<dim>& batch, int block)
 {
-	const int begin = block * laneWidth, end = std::min(begin + laneWidth, batch.grains());
-	if (end - begin >= fullBlock)
+	const int grains = batch.grainsInBlock(block);
+	if (grains >= fullBlock)
 		forceOf<dim, VolumetricLaw>(batch, GrainsInLanes<dim>(batch, block));
 	else
-		for (int g = begin; g < end; ++g)
-			forceOf<dim, VolumetricLaw>(batch, PointsInLanes<dim>(batch, g));
-	for (int g = begin; g < end; ++g) // where J is out of range ln J is no number
-		if (!std::isfinite(batch.report[g].elasticEnergy))
+		for (int l = 0; l < grains; ++l)
+			forceOf<dim, VolumetricLaw>(
+				batch, PointsInLanes<dim>(batch, batch.grainInLane(block, l)));
+	for (int l = 0; l < grains; ++l) {
+		const int g = batch.grainInLane(block, l);
+		if (!std::isfinite(batch.report[g].elasticEnergy)) // ln J is no number
 			batch.report[g].invertedPoint = invertedPoint(batch, g);
+	}
 }
 
 } // namespace
@@ -198,7 +201,7 @@ template <int dim, class VolumetricLaw> void forceOfBlock(Batch<dim>& batch, int
 template <int dim> void computeInternalForce(Batch<dim>& batch, int threads)
 {
 	withVolumetricLaw(batch, [&]<class VolumetricLaw>(std::type_identity<VolumetricLaw>) {
-		const int blocks = batch.blocks();
+		const int blocks = batch.activeBlocks();
 #pragma omp parallel for schedule(static) num_threads(threads)
 		for (int b = 0; b < blocks; ++b)
 			forceOfBlock<dim, VolumetricLaw>(batch, b);

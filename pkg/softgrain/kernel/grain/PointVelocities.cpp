@@ -100,7 +100,7 @@ template <int dim> void PointVelocities<dim>::mapBlockToNodes(Batch<dim>& batch,
 
 template <int dim> void PointVelocities<dim>::update(Batch<dim>& batch, int threads)
 {
-	const int blocks = batch.blocks();
+	const int blocks = batch.activeBlocks();
 #pragma omp parallel for schedule(static) num_threads(threads)
 	for (int b = 0; b < blocks; ++b)
 		updateBlock(batch, b);

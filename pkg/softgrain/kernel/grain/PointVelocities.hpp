@@ -15,12 +15,12 @@ public:
 	PointVelocities(Batch<dim>& batch, double picShare);
 
 	/// From `batch.v` (v_I) and `batch.vNext` (v+_I) to the points and back into `batch.v`.
-	/// Parallel over blocks.
+	/// Parallel over active blocks.
 	void update(Batch<dim>& batch, int threads);
 	/// Takes the velocities of grain `g` from the nodes.
 	void takeFromNodes(const Batch<dim>& batch, int g);
 	/// v_I of the block that holds grain `g`.
-	void mapToNodes(Batch<dim>& batch, int g) { mapBlockToNodes(batch, g / laneWidth); }
+	void mapToNodes(Batch<dim>& batch, int g) { mapBlockToNodes(batch, batch.blockOf(g)); }
 
 	Vec<dim> get(int g, int p) const { return v_.get(g, p); }
 	void set(int g, int p, const Vec<dim>& v) { v_.set(g, p, v); }

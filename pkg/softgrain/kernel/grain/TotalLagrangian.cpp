@@ -2,22 +2,166 @@
 #include "grain/CriticalTimeStep.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace softgrain {
+
+namespace {
+
+/// Strain below which a grain counts as undeformed: the energy dropped when it becomes rigid, its
+/// square times that of a wave of unit strain, is lost in the rounding of the energy of any motion.
+constexpr double undeformedStrain = 1e-8;
+/// Strain by centrifugal forces, (omega R/c)^2, that rigid motion may leave out.
+constexpr double spinStrain = 1e-4;
+/// How far the outline may lie out of its facets, over the longest edge: a triangle of a ball,
+/// with room to spare.
+constexpr double bulgeShare = 0.3;
+
+} // namespace
 
 template <int dim>
 TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch, const Scheme& scheme)
 	: batch_(std::move(batch))
 	, ownNodes_(batch_.grains())
 	, criticalTimeStep_(criticalTimeSteps(*batch_.reference, batch_.condition, batch_.grain))
+	, rigid_(batch_.grains())
+	, isRigid_(batch_.grains(), 0)
+	, nodesWritten_(batch_.grains(), 1)
+	, activeGrains_(batch_.grains())
 {
-	if (!scheme.hasPointVelocities()) return;
-	pointVelocities_.emplace(batch_, scheme.picShare);
-	for (double& step : criticalTimeStep_)
-		step *= pointVelocityTimeStepShare;
+	std::iota(activeGrains_.begin(), activeGrains_.end(), 0);
+	if (scheme.hasPointVelocities()) {
+		pointVelocities_.emplace(batch_, scheme.picShare);
+		for (double& step : criticalTimeStep_)
+			step *= pointVelocityTimeStepShare;
+	}
+	measureShapes();
+}
+
+/// Mass, centre and inertia of what carries the velocity: nodes or points.
+template <int dim> void TotalLagrangian<dim>::measureShapes()
+{
+	const GrainTemplate<dim>& reference = *batch_.reference;
+	const auto& position = pointVelocities_ ? reference.pointPosition : reference.nodePosition;
+	const auto& mass = pointVelocities_ ? reference.pointVolume : reference.nodeMass;
+	const WholeGrain<dim> unit = wholeOf<dim>(static_cast<int>(mass.size()), [&](int i) {
+		return Particle<dim> { mass[i], position[i], Vec<dim>::Zero(), position[i] };
+	});
+	for (int g = 0; g < grains(); ++g) {
+		const double R = batch_.grain[g].radius;
+		shape_.push_back({ batch_.massScale[g] * unit.mass, R * unit.centre,
+				   R * R / unit.mass * unit.inertia });
+	}
+	for (const Vec<dim>& X : reference.contactMesh.vertex)
+		outlineRadius_ = std::max(outlineRadius_, (X - unit.centre).norm());
+	outlineRadius_ += reference.contactRadius;
+	for (const auto& facet : reference.contactMesh.facet)
+		for (int i = 0; i < dim; ++i)
+			outlineBulge_ = std::max(
+				outlineBulge_,
+				bulgeShare * (reference.contactMesh.vertex[facet[i]] -
+					      reference.contactMesh.vertex[facet[(i + 1) % dim]])
+						     .norm());
+	for (int g = 0; g < grains(); ++g) {
+		const GrainParameters<dim>& own = batch_.grain[g];
+		const double wave = own.constants.waveSpeed(batch_.condition);
+		const double rim = outlineRadius_ * own.radius;
+		limits_.push_back(
+			{ spinStrain * wave * wave / (rim * rim),
+			  undeformedStrain * undeformedStrain * shape_[g].mass * wave * wave });
+	}
+}
+
+template <int dim>
+double TotalLagrangian<dim>::vibrationEnergy(int g, const WholeGrain<dim>& whole) const
+{
+	const Mat<dim> spin = spinMatrix<dim>(whole.angularVelocity);
+	double sum = 0;
+	auto add = [&](double mass, const Vec<dim>& x, const Vec<dim>& v) {
+		sum += 0.5 * mass * (v - whole.velocity - spin * (x - whole.centre)).squaredNorm();
+	};
+	if (pointVelocities_)
+		for (int p = 0; p < batch_.reference->points(); ++p)
+			add(batch_.massScale[g] * batch_.reference->pointVolume[p], pointAt(g, p),
+			    pointVelocities_->get(g, p));
+	else
+		for (int I = 0; I < nodes(); ++I)
+			add(batch_.nodeMass(g, I), batch_.x.get(g, I), batch_.v.get(g, I));
+	return sum;
+}
+
+template <int dim> bool TotalLagrangian<dim>::mayMoveRigidly(int g) const
+{
+	const RigidLimits& limits = limits_[g];
+	if (isRigid_[g])
+		return rigid_[g].angularVelocity(shape_[g]).squaredNorm() <= limits.squaredSpin;
+	if (!(batch_.report[g].elasticEnergy <= limits.energy)) return false; // most often
+	const WholeGrain<dim> whole = wholeOfParticles(g);
+	return whole.angularVelocity.squaredNorm() <= limits.squaredSpin &&
+	       vibrationEnergy(g, whole) <= limits.energy;
+}
+
+template <int dim> void TotalLagrangian<dim>::beginRigidMotion(int g)
+{
+	rigid_[g] = rigidMotionOf<dim>(wholeOfParticles(g));
+	isRigid_[g] = 1;
+	nodesWritten_[g] = 0;
+	batch_.report[g] = {};
+}
+
+template <int dim> void TotalLagrangian<dim>::endRigidMotion(int g)
+{
+	writeNodes(g);
+	isRigid_[g] = 0;
+	std::fill_n(batch_.force.of(g), nodes(), Vec<dim>::Zero());
+}
+
+template <int dim> void TotalLagrangian<dim>::arrangeGrains()
+{
+	activeGrains_.clear();
+	rigidGrains_.clear();
+	for (int g = 0; g < grains(); ++g)
+		(isRigid_[g] ? rigidGrains_ : activeGrains_).push_back(g);
+	batch_.arrange(activeGrains_, rigidGrains_);
+}
+
+template <int dim> RigidBounds<dim> TotalLagrangian<dim>::rigidBounds(int g) const
+{
+	const RigidMotion<dim>& motion = rigid_[g];
+	const double R = batch_.grain[g].radius;
+	RigidBounds<dim> bounds;
+	bounds.centre = batch_.grain[g].origin + motion.centre;
+	bounds.radius = R * outlineRadius_;
+	bounds.bulge = R * outlineBulge_;
+	bounds.speed =
+		motion.velocity.norm() + motion.angularVelocity(shape_[g]).norm() * bounds.radius;
+	return bounds;
+}
+
+template <int dim> void TotalLagrangian<dim>::writeNodes(int g) const
+{
+	if (nodesWritten_[g]) return;
+	nodesWritten_[g] = 1;
+	const RigidMotion<dim>& motion = rigid_[g];
+	const double R = batch_.grain[g].radius;
+	const Mat<dim> spin = spinMatrix<dim>(motion.angularVelocity(shape_[g]));
+	for (int I = 0; I < nodes(); ++I) {
+		const Vec<dim> x =
+			motion.positionOf(R * batch_.reference->nodePosition[I], shape_[g]);
+		batch_.x.set(g, I, x);
+		batch_.v.set(g, I, motion.velocity + spin * (x - motion.centre));
+	}
+	if (!pointVelocities_) return;
+	pointVelocities_->takeFromNodes(batch_, g);
+	pointVelocities_->mapToNodes(batch_, g);
 }
 
 template <int dim> WholeGrain<dim> TotalLagrangian<dim>::whole(int g) const
+{
+	return isRigid_[g] ? rigid_[g].whole(shape_[g]) : wholeOfParticles(g);
+}
+
+template <int dim> WholeGrain<dim> TotalLagrangian<dim>::wholeOfParticles(int g) const
 {
 	if (!pointVelocities_) return wholeGrain(batch_, g);
 	const GrainTemplate<dim>& reference = *batch_.reference;
@@ -31,6 +175,10 @@ template <int dim> WholeGrain<dim> TotalLagrangian<dim>::whole(int g) const
 template <int dim>
 void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<dim>& load)
 {
+	if (isRigid_[g]) {
+		rigid_[g].accelerate(kick, load.acceleration, load.angular, shape_[g]);
+		return;
+	}
 	const bool loaded = !load.isZero();
 	const Vec<dim> centre = loaded ? whole(g).centre : Vec<dim>(Vec<dim>::Zero());
 	const std::vector<double>& inverseMass = batch_.reference->inverseNodeMass;
@@ -43,8 +191,8 @@ void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<
 	}
 	if (!loaded) return;
 	for (int I = 0; I < nodes(); ++I)
-		vNext[I] += kick * (load.acceleration +
-				    load.angular * (batch_.x.get(g, I) - centre));
+		vNext[I] +=
+			kick * (load.acceleration + load.angular * (batch_.x.get(g, I) - centre));
 }
 
 namespace {
@@ -95,6 +243,7 @@ void TotalLagrangian<dim>::applyContactImpulses(int g, const std::vector<Vec<dim
 
 template <int dim> bool TotalLagrangian<dim>::hasFiniteVelocities(int g) const
 {
+	if (isRigid_[g]) return rigid_[g].hasFiniteVelocities();
 	// What is not finite leaves no zero.
 	const Vec<dim>* v = batch_.vNext.of(g);
 	Vec<dim> sum = Vec<dim>::Zero();
@@ -105,6 +254,7 @@ template <int dim> bool TotalLagrangian<dim>::hasFiniteVelocities(int g) const
 
 template <int dim> double TotalLagrangian<dim>::kineticEnergy(int g) const
 {
+	if (isRigid_[g]) return rigid_[g].kineticEnergy(shape_[g]);
 	return softgrain::kineticEnergy(batch_, batch_.v, batch_.vNext, g);
 }
 
@@ -112,6 +262,15 @@ template <int dim>
 void TotalLagrangian<dim>::addLoadWork(int g, double kick, const BodyLoad<dim>& load,
 				       double& before, double& after) const
 {
+	if (isRigid_[g]) {
+		const double share = 0.5 * kick * shape_[g].mass;
+		const RigidMotion<dim>& motion = rigid_[g];
+		before += share * motion.power(motion.velocity, motion.momentum, load.acceleration,
+					       load.angular);
+		after += share * motion.power(motion.velocityNext, motion.momentumNext,
+					      load.acceleration, load.angular);
+		return;
+	}
 	const Vec<dim> centre = whole(g).centre;
 	for (int I = 0; I < nodes(); ++I) {
 		const Vec<dim> impulse =
@@ -124,24 +283,43 @@ void TotalLagrangian<dim>::addLoadWork(int g, double kick, const BodyLoad<dim>& 
 
 template <int dim> void TotalLagrangian<dim>::move(double dt, int threads)
 {
-	if (pointVelocities_)
-		pointVelocities_->update(batch_, threads);
-	else
-		batch_.v.swap(batch_.vNext);
-	const NodalField<dim>& v = pointVelocities_ ? batch_.vNext : batch_.v;
-	const int count = grains();
+	if (pointVelocities_) pointVelocities_->update(batch_, threads);
+	const int active = static_cast<int>(activeGrains_.size());
 #pragma omp parallel for schedule(static) num_threads(threads)
-	for (int g = 0; g < count; ++g) {
-		Vec<dim>* x = batch_.x.of(g);
-		const Vec<dim>* own = v.of(g);
-		for (int I = 0; I < nodes(); ++I)
-			addScaled<dim>(x[I], dt, own[I]);
+	for (int k = 0; k < active; ++k)
+		moveNodes(activeGrains_[k], dt);
+	const int rigid = static_cast<int>(rigidGrains_.size());
+#pragma omp parallel for schedule(static) num_threads(threads)
+	for (int k = 0; k < rigid; ++k) {
+		const int g = rigidGrains_[k];
+		rigid_[g].move(dt, shape_[g]);
+		nodesWritten_[g] = 0;
+	}
+}
+
+template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
+{
+	const Vec<dim>* vNext = batch_.vNext.of(g);
+	Vec<dim>*x = batch_.x.of(g), *v = batch_.v.of(g);
+	for (int I = 0; I < nodes(); ++I) {
+		addScaled<dim>(x[I], dt, vNext[I]);
+		if (!pointVelocities_) v[I] = vNext[I];
 	}
 }
 
 template <int dim>
 void TotalLagrangian<dim>::contactPositions(int g, std::vector<Vec<dim>>& at) const
 {
+	if (isRigid_[g]) {
+		at.resize(batch_.reference->contactNodes());
+		for (std::size_t s = 0; s < at.size(); ++s)
+			at[s] = batch_.grain[g].origin +
+				rigid_[g].positionOf(
+					batch_.grain[g].radius *
+						batch_.reference->contactMesh.vertex[s],
+					shape_[g]);
+		return;
+	}
 	interpolate(batch_.reference->contactShapes, g, batch_.x, at);
 	for (Vec<dim>& x : at)
 		x += batch_.grain[g].origin;
@@ -151,12 +329,14 @@ template <int dim>
 void TotalLagrangian<dim>::massPoints(int g, std::vector<Vec<dim>>& position,
 				      std::vector<double>& mass) const
 {
-	const auto& shapes = batch_.reference->pointShapes;
-	for (int p = 0; p < shapes.rows(); ++p) {
-		Vec<dim> x = batch_.grain[g].origin;
-		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-			x += shapes.value[k].N * batch_.x.get(g, shapes.column[k]);
-		position.push_back(x);
+	const auto& reference = *batch_.reference;
+	for (int p = 0; p < reference.points(); ++p) {
+		position.push_back(
+			batch_.grain[g].origin +
+			(isRigid_[g] ? rigid_[g].positionOf(batch_.grain[g].radius *
+								    reference.pointPosition[p],
+							    shape_[g])
+				     : pointAt(g, p)));
 		mass.push_back(batch_.massScale[g] * batch_.reference->pointVolume[p]);
 	}
 }
@@ -190,6 +370,7 @@ void TotalLagrangian<dim>::useContactNodes(int g, const SparseRows<double>& poin
 
 template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodePositions(int g) const
 {
+	writeNodes(g);
 	std::vector<Vec<dim>> x;
 	for (int I = 0; I < nodes(); ++I)
 		x.push_back(batch_.position(g, I));
@@ -198,6 +379,7 @@ template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodePositions(int
 
 template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodeVelocities(int g) const
 {
+	writeNodes(g);
 	std::vector<Vec<dim>> v;
 	for (int I = 0; I < nodes(); ++I)
 		v.push_back(batch_.v.get(g, I));
@@ -218,6 +400,8 @@ template <int dim>
 void TotalLagrangian<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity,
 				 const Mat<dim>& spin)
 {
+	isRigid_[g] = 0;
+	nodesWritten_[g] = 1;
 	batch_.place(g, rotation, velocity, spin);
 	if (!pointVelocities_) return;
 	pointVelocities_->takeFromNodes(batch_, g);
@@ -228,6 +412,11 @@ template <int dim>
 void TotalLagrangian<dim>::moveRigidly(int g, const Mat<dim>& rotation, const Vec<dim>& shift,
 				       const Vec<dim>& velocity, const Mat<dim>& spin)
 {
+	if (isRigid_[g]) {
+		rigid_[g].add(rotation, shift, velocity, spin, shape_[g]);
+		nodesWritten_[g] = 0;
+		return;
+	}
 	const Vec<dim> centre = whole(g).centre;
 	batch_.moveRigidly(g, centre, rotation, shift, velocity, spin);
 	if (!pointVelocities_) return;
@@ -240,7 +429,9 @@ void TotalLagrangian<dim>::moveRigidly(int g, const Mat<dim>& rotation, const Ve
 
 template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
 {
+	writeNodes(g);
 	GrainState s;
+	if (isRigid_[g]) s.rigid = rigid_[g].numbers();
 	auto append = [](std::vector<double>& list, const Vec<dim>& value) {
 		list.insert(list.end(), value.data(), value.data() + dim);
 	};
@@ -261,6 +452,12 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 	requireSize("positions", s.x, nodes() * dim);
 	requireSize("velocities", s.v, velocities * dim);
 	requireSize("deformation gradients", s.F, 0);
+	if (!s.rigid.empty()) {
+		requireSize("rigid motion", s.rigid, RigidMotion<dim>::numberCount);
+		rigid_[g] = RigidMotion<dim>::fromNumbers(s.rigid);
+	}
+	isRigid_[g] = !s.rigid.empty();
+	nodesWritten_[g] = 1;
 	for (int I = 0; I < nodes(); ++I)
 		batch_.x.set(g, I, Eigen::Map<const Vec<dim>>(&s.x[I * dim]));
 	for (int k = 0; k < velocities; ++k) {

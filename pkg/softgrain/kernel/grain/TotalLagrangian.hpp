@@ -6,6 +6,7 @@
 
 #include "grain/GrainSet.hpp"
 #include "grain/PointVelocities.hpp"
+#include "grain/RigidMotion.hpp"
 
 #include <optional>
 
@@ -16,6 +17,7 @@ public:
 	/// Grains in the state of the batch.
 	explicit TotalLagrangian(Batch<dim> batch, const Scheme& scheme = {});
 
+	/// Its nodes are stale where a grain moves rigidly.
 	Batch<dim>& batch() { return batch_; }
 	const Batch<dim>& batch() const { return batch_; }
 
@@ -24,6 +26,13 @@ public:
 	Condition condition() const override { return batch_.condition; }
 	const GrainParameters<dim>& parameters(int g) const override { return batch_.grain[g]; }
 	double criticalTimeStep(int g) const override { return criticalTimeStep_[g]; }
+
+	bool isRigid(int g) const override { return isRigid_[g]; }
+	bool mayMoveRigidly(int g) const override;
+	void beginRigidMotion(int g) override;
+	void endRigidMotion(int g) override;
+	void arrangeGrains() override;
+	RigidBounds<dim> rigidBounds(int g) const override;
 
 	void updateForces(int threads) override { computeInternalForce(batch_, threads); }
 	const BulkReport& report(int g) const override { return batch_.report[g]; }
@@ -53,6 +62,7 @@ public:
 	WholeGrain<dim> whole(int g) const override;
 	std::vector<PointResponse<dim>> points(int g) const override
 	{
+		writeNodes(g);
 		return pointResponses(batch_, g);
 	}
 	std::vector<Vec<dim>> nodePositions(int g) const override;
@@ -71,6 +81,13 @@ private:
 	};
 
 	int nodes() const { return batch_.reference->nodes(); }
+	WholeGrain<dim> wholeOfParticles(int g) const;
+	void measureShapes();
+	/// Energy of the motion apart from the rigid one, J.
+	double vibrationEnergy(int g, const WholeGrain<dim>& whole) const;
+	/// If the grain moves rigidly and somebody wants to know its nodes.
+	void writeNodes(int g) const;
+	void moveNodes(int g, double dt);
 	Vec<dim> pointAt(int g, int p) const;
 	bool usesOwnNodes(int g) const { return ownNodes_[g].shapes.rows() > 0; }
 	const SparseRows<double>& contactShapes(int g) const
@@ -78,10 +95,23 @@ private:
 		return usesOwnNodes(g) ? ownNodes_[g].shapes : batch_.reference->contactShapes;
 	}
 
-	Batch<dim> batch_;
+	mutable Batch<dim> batch_;       ///< nodes of rigid grains are written when asked for
 	std::vector<OwnNodes> ownNodes_; ///< none unless `useContactNodes` was called
-	std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
-	std::vector<double> criticalTimeStep_;                ///< of the undeformed grains, s
+	mutable std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
+	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
+
+	/// Up to which a grain may move rigidly.
+	struct RigidLimits {
+		double squaredSpin; ///< 1/s^2
+		double energy;      ///< of its deformation, elastic and kinetic each, J
+	};
+	std::vector<RigidShape<dim>> shape_;
+	std::vector<RigidLimits> limits_;
+	double outlineRadius_ = 0, outlineBulge_ = 0; ///< as in RigidBounds, in radii
+	std::vector<RigidMotion<dim>> rigid_;         ///< where isRigid_
+	std::vector<char> isRigid_;
+	mutable std::vector<char> nodesWritten_;
+	std::vector<int> activeGrains_, rigidGrains_;
 };
 
 } // namespace softgrain

@@ -7,6 +7,17 @@
 
 namespace softgrain {
 
+template <class Renew> void Freshness::renew(Renew&& renewNow)
+{
+	int found = stale;
+	if (state_.compare_exchange_strong(found, busy)) {
+		renewNow();
+		state_.store(fresh, std::memory_order_release);
+		state_.notify_all();
+	} else if (found == busy)
+		state_.wait(busy);
+}
+
 template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 {
 	const GrainTemplate<dim>& reference = set->reference();
@@ -29,16 +40,61 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 							       reference.pointSpacing());
 	}
 	loads_.resize(place_.size());
+	surface_.resize(place_.size());
 	sets_.push_back(std::move(set));
+	listGrains();
 	forcesFresh_ = false;
 }
 
-template <int dim> template <class Phase> void System<dim>::forEachGrain(int threads, Phase&& phase)
+template <int dim>
+template <class Phase>
+void System<dim>::forEachOf(const std::vector<int>& chosen, int threads, Phase&& phase)
 {
-	const int count = grains();
+	const int count = static_cast<int>(chosen.size());
 #pragma omp parallel for schedule(static) num_threads(threads)
-	for (int g = 0; g < count; ++g)
+	for (int k = 0; k < count; ++k) {
+		const int g = chosen[k];
 		phase(g, *sets_[place_[g].set], place_[g].index);
+	}
+}
+
+/// Lists of active and rigid grains as the sets say.
+template <int dim> void System<dim>::listGrains()
+{
+	bool changed = listedRigid_.size() != place_.size();
+	listedRigid_.resize(place_.size(), 0);
+	for (int g = 0; g < grains(); ++g) {
+		const char rigid = isRigid(g);
+		changed = changed || rigid != listedRigid_[g];
+		listedRigid_[g] = rigid;
+	}
+	if (!changed) return;
+	active_.clear();
+	rigid_.clear();
+	all_.clear();
+	for (int g = 0; g < grains(); ++g) {
+		all_.push_back(g);
+		(listedRigid_[g] ? rigid_ : active_).push_back(g);
+	}
+	for (const auto& set : sets_)
+		set->arrangeGrains();
+}
+
+/// Grains that are touched, or spin too fast, are woken before the solve.
+template <int dim>
+void System<dim>::chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion)
+{
+	for (int g = 0; g < grains(); ++g) {
+		GrainSet<dim>& set = setOf(g);
+		const int k = indexInSet(g);
+		const bool rigid = rigidMotion && !touched[g] && set.mayMoveRigidly(k);
+		if (rigid && !set.isRigid(k)) set.beginRigidMotion(k);
+		if (!rigid && set.isRigid(k)) {
+			body(g); // the next surface is compared with the present one
+			set.endRigidMotion(k);
+		}
+	}
+	listGrains();
 }
 
 template <int dim> double System<dim>::criticalTimeStep() const
@@ -70,28 +126,57 @@ template <int dim> double largestNorm(const std::vector<Vec<dim>>& vectors)
 
 } // namespace
 
-/// Returns how far the node has come that moved most.
+/// Returns how far the node has come that moved most since the surface was fresh.
 template <int dim> double System<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
 	lastPosition_[g].swap(body.position);
-	setOf(g).contactPositions(indexInSet(g), body.position);
+	surface_[g].expire();
+	renewSurface(g);
 	const double way = farthestWay<dim>(lastPosition_[g], body.position);
 	body.travelled += way;
+	return way;
+}
+
+template <int dim> void System<dim>::renewSurface(int g) const
+{
+	surface_[g].renew([this, g] { measureSurface(g); });
+}
+
+template <int dim> void System<dim>::measureSurface(int g) const
+{
+	ContactBody<dim>& body = bodies_[g];
+	setOf(g).contactPositions(indexInSet(g), body.position);
 	body.updateGeometry();
 	if (gridSpacing_ > 0) updateGridNodes(g);
-	return way;
 }
 
 template <int dim> void System<dim>::updateSurface(int g)
 {
 	renewOutline(g);
+	if (isRigid(g)) {
+		bodies_[g].fastest = setOf(g).rigidBounds(indexInSet(g)).speed;
+		return;
+	}
 	setOf(g).contactVelocitiesBefore(indexInSet(g), bodies_[g].velocity);
 	bodies_[g].fastest = largestNorm<dim>(bodies_[g].velocity);
 }
 
+/// Of the present positions, dt after the last ones; that of a rigid grain is left to who asks.
+template <int dim> void System<dim>::followMotion(int g, double dt)
+{
+	ContactBody<dim>& body = bodies_[g];
+	if (!isRigid(g)) {
+		body.fastest = renewOutline(g) / dt;
+		return;
+	}
+	body.fastest = setOf(g).rigidBounds(indexInSet(g)).speed;
+	body.travelled += dt * body.fastest;
+	surface_[g].expire();
+}
+
 /// What the grain gives to the common grid at its present place.
-template <int dim> void System<dim>::updateGridNodes(int g)
+template <int dim> void System<dim>::updateGridNodes(int g) const
 {
 	GridPoints<dim> points;
 	setOf(g).massPoints(indexInSet(g), points.position, points.mass);
@@ -120,7 +205,7 @@ template <int dim> void System<dim>::useGridNodes(const std::vector<ContactList<
 
 template <int dim> void System<dim>::updateSurfaces(int threads)
 {
-	forEachGrain(threads, [this](int g, auto&&...) { updateSurface(g); });
+	forEachOf(all_, threads, [this](int g, auto&&...) { updateSurface(g); });
 	forcesFresh_ = false;
 }
 
@@ -140,11 +225,12 @@ template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 
 template <int dim> void System<dim>::updateForces(int threads)
 {
-	for (const auto& set : sets_) {
+	listGrains();
+	for (const auto& set : sets_)
 		set->updateForces(threads);
-		updatedPoints_ += static_cast<long>(set->grains()) * set->reference().points();
-	}
-	for (int g = 0; g < grains(); ++g) {
+	for (int g : active_)
+		updatedPoints_ += setOf(g).reference().points();
+	for (int g : active_) {
 		const int point = setOf(g).report(indexInSet(g)).invertedPoint;
 		if (point >= 0) throw StepError(g, point, whatStopped(setOf(g), indexInSet(g)));
 	}
@@ -154,7 +240,7 @@ template <int dim> void System<dim>::updateForces(int threads)
 template <int dim> double System<dim>::stiffening() const
 {
 	double largest = 1;
-	for (int g = 0; g < grains(); ++g)
+	for (int g : active_)
 		largest = std::max(largest, setOf(g).report(indexInSet(g)).stiffening);
 	return largest;
 }
@@ -181,6 +267,72 @@ template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, dou
 	return reachOf(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing);
 }
 
+template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const
+{
+	if (isRigid(g)) {
+		const RigidBounds<dim> bounds = setOf(g).rigidBounds(indexInSet(g));
+		return { bounds.centre, bounds.radius + bounds.bulge };
+	}
+	const ContactBody<dim>& own = body(g);
+	// the outline bulges out of its facets by less than half of an edge
+	return { own.box.centre(),
+		 0.5 * (own.box.high - own.box.low).norm() + 0.5 * own.longestEdge };
+}
+
+/// Of two outlines that are further apart nothing is a contact: on the common grid each gives mass
+/// to nodes up to a step of the grid away.
+template <int dim> double System<dim>::outsideReach(double reach) const
+{
+	return reach + 2 * gridSpacing_;
+}
+
+template <int dim> bool System<dim>::areFarApart(int first, int second, double reach) const
+{
+	if (!isRigid(first) && !isRigid(second)) return false;
+	const Ball a = ballAbout(first), b = ballAbout(second);
+	const double distance = a.radius + b.radius + outsideReach(reach);
+	return (a.centre - b.centre).squaredNorm() > distance * distance;
+}
+
+template <int dim> bool System<dim>::isFarFrom(int g, const Plane<dim>& plane, double reach) const
+{
+	if (!isRigid(g)) return false;
+	const Ball ball = ballAbout(g);
+	return (ball.centre - plane.point).dot(plane.normal) > ball.radius + outsideReach(reach);
+}
+
+template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) const
+{
+	const bool onPlane = list.second < 0;
+	const double within =
+		onPlane ? reach(list.first, list.plane, dt) : reach(list.first, list.second, dt);
+	if (onPlane ? isFarFrom(list.first, list.plane, within)
+		    : areFarApart(list.first, list.second, within)) {
+		list.contacts.clear();
+		list.deepest = 0;
+		return false;
+	}
+	if (onPlane)
+		findContacts(body(list.first), within, list);
+	else
+		findContacts(body(list.first), body(list.second), within, list);
+	return true;
+}
+
+template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double margin) const
+{
+	auto holds = [&box](const Box<dim>& own) {
+		return (own.low.array() >= box.low.array()).all() &&
+		       (own.high.array() <= box.high.array()).all();
+	};
+	if (isRigid(g)) {
+		const RigidBounds<dim> bounds = setOf(g).rigidBounds(indexInSet(g));
+		const Box<dim> about { bounds.centre, bounds.centre };
+		if (holds(about.grown(bounds.radius + margin))) return true;
+	}
+	return holds(body(g).box.grown(margin));
+}
+
 /// Forces at t_n act from the middle of the last step to the middle of this one. (With the length
 /// of this step alone, a step that follows the deformation would pump energy into the vibration it
 /// follows.)
@@ -192,7 +344,7 @@ template <int dim> double System<dim>::kickTime(double dt) const
 template <int dim> void System<dim>::predictVelocities(const StepSettings& settings)
 {
 	const double kick = kickTime(settings.dt);
-	forEachGrain(settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+	forEachOf(all_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		set.predictVelocities(k, kick, loads_[g]);
 	});
 }
@@ -200,7 +352,7 @@ template <int dim> void System<dim>::predictVelocities(const StepSettings& setti
 template <int dim>
 void System<dim>::gatherContacts(const std::vector<char>& touched, const StepSettings& settings)
 {
-	forEachGrain(settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+	forEachOf(active_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		if (!touched[g]) return;
 		ContactBody<dim>& body = bodies_[g];
 		const ContactMobility<dim> mobility = set.contactMobility(k);
@@ -217,7 +369,7 @@ template <int dim>
 void System<dim>::applyContactImpulses(const std::vector<char>& touched,
 				       const StepSettings& settings)
 {
-	forEachGrain(settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+	forEachOf(active_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		if (touched[g]) set.applyContactImpulses(k, bodies_[g].impulse);
 	});
 }
@@ -276,8 +428,11 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 		if (list->second >= 0) touched[list->second] = 1;
 	}
 
-	if (gridSpacing_ > 0) useGridNodes(lists);
 	clock.end("sortLists");
+	chooseRigidGrains(touched, settings.rigidMotion);
+	report.activeGrains = static_cast<int>(active_.size());
+	clock.end("chooseRigidGrains");
+	if (gridSpacing_ > 0) useGridNodes(lists);
 	predictVelocities(settings);
 	clock.end("predictVelocities");
 	gatherContacts(touched, settings);
@@ -302,8 +457,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 		set->move(settings.dt, settings.threads);
 	clock.end("move");
 	continuation_.lastStep = settings.dt;
-	forEachGrain(settings.threads,
-		     [&](int g, auto&&...) { bodies_[g].fastest = renewOutline(g) / settings.dt; });
+	forEachOf(all_, settings.threads, [&](int g, auto&&...) { followMotion(g, settings.dt); });
 	forcesFresh_ = false;
 	clock.end("updateSurfaces");
 	report.work.points = std::exchange(updatedPoints_, 0);

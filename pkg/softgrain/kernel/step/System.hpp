@@ -6,6 +6,7 @@
 #include "grain/GrainSet.hpp"
 #include "step/PhaseClock.hpp"
 
+#include <atomic>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -51,12 +52,14 @@ struct StepReport {
 	double deepest = 0;    ///< largest overlap of the step, in dr
 	double stiffening = 1; ///< largest over all grains
 	double kick = 0; ///< time over which the forces at t_n acted; impulse / kick is a force, s
+	int activeGrains = 0; ///< computed, neither at rest nor moved rigidly
 };
 
 struct StepSettings {
 	double dt = 0; ///< s
 	SolverSettings solver;
 	bool trackEnergy = false;
+	bool rigidMotion = true; ///< undeformed grains without contact move as rigid bodies
 	int threads = 1;
 	PhaseClock* clock = nullptr; ///< gets the times of the phases
 };
@@ -65,6 +68,26 @@ struct StepSettings {
 struct Continuation {
 	EnergyBalance sums;  ///< works up to half a step after t_n
 	double lastStep = 0; ///< length of the last step, s; 0 before the first
+};
+
+/// Whether a surface follows the state; it is renewed when it is asked for. Whoever asks first
+/// renews it, others who ask meanwhile wait.
+class Freshness {
+public:
+	Freshness() = default;
+	Freshness(const Freshness& other) { *this = other; }
+	Freshness& operator=(const Freshness& other)
+	{
+		state_.store(other.state_.load());
+		return *this;
+	}
+	bool isFresh() const { return state_.load(std::memory_order_acquire) == fresh; }
+	void expire() { state_.store(stale, std::memory_order_relaxed); }
+	template <class Renew> void renew(Renew&& renewNow);
+
+private:
+	enum State : int { stale, busy, fresh };
+	std::atomic<int> state_ { stale };
 };
 
 template <int dim> class System {
@@ -76,7 +99,13 @@ public:
 	GrainSet<dim>& setOf(int g) { return *sets_[place_[g].set]; }
 	const GrainSet<dim>& setOf(int g) const { return *sets_[place_[g].set]; }
 	int indexInSet(int g) const { return place_[g].index; }
-	const ContactBody<dim>& body(int g) const { return bodies_[g]; }
+	/// With its surface as the state is. May be asked by several threads at a time.
+	const ContactBody<dim>& body(int g) const
+	{
+		if (!surface_[g].isFresh()) renewSurface(g);
+		return bodies_[g];
+	}
+	bool isRigid(int g) const { return setOf(g).isRigid(indexInSet(g)); }
 	std::vector<BodyLoad<dim>>& loads() { return loads_; }
 	const EnergyBalance& energy() const { return energy_; }
 	const Continuation& continuation() const { return continuation_; }
@@ -88,8 +117,9 @@ public:
 	/// Smallest undeformed critical time step over the grains, s.
 	double criticalTimeStep() const;
 
-	/// Renews contact-node positions and outlines from the state. Called by `step` at its end;
-	/// call it after setting state by hand.
+	/// Renews contact-node positions and outlines from the state; those of grains that move
+	/// rigidly when somebody asks. Called by `step` at its end; call it after setting state by
+	/// hand.
 	void updateSurfaces(int threads);
 	void updateSurface(int g);
 	void invalidateForces() { forcesFresh_ = false; } ///< after state was set by hand
@@ -104,6 +134,12 @@ public:
 	/// Distance within which gaps must be handed to `step`: no node travels further in a step.
 	double reach(int first, int second, double dt) const;
 	double reach(int g, const Plane<dim>& plane, double dt) const;
+	/// Renews the contacts of a pair (of a grain and a plane) within reach for a step of dt;
+	/// may be called by several threads at a time. Balls about grains that move rigidly come
+	/// first: false if they are so far apart that no surface was looked at.
+	bool search(ContactList<dim>& list, double dt) const;
+	/// Whether the box of a grain grown by a margin lies within a box.
+	bool isInside(int g, const Box<dim>& box, double margin) const;
 
 	/// Contact problem of the last step, solved.
 	ContactProblem<dim> contactProblem() const { return solver_.problem(); }
@@ -115,12 +151,30 @@ private:
 	struct Place {
 		int set, index;
 	};
+	/// A ball about a grain's outline.
+	struct Ball {
+		Vec<dim> centre;
+		double radius;
+	};
 	/// phase(grain in the system, its set, its index there)
-	template <class Phase> void forEachGrain(int threads, Phase&& phase);
+	template <class Phase>
+	void forEachOf(const std::vector<int>& grains, int threads, Phase&& phase);
+
+	void renewSurface(int g) const;
+	void measureSurface(int g) const;
+	Ball ballAbout(int g) const;
+	/// Whether two bodies, of which one moves rigidly, are so far apart that nothing lies
+	/// within reach. False: the search must tell.
+	bool areFarApart(int first, int second, double reach) const;
+	bool isFarFrom(int g, const Plane<dim>& plane, double reach) const;
+	double outsideReach(double reach) const;
+	void chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion);
+	void listGrains();
 
 	double renewOutline(int g);
+	void followMotion(int g, double dt);
 	double kickTime(double dt) const;
-	void updateGridNodes(int g);
+	void updateGridNodes(int g) const;
 	void useGridNodes(const std::vector<ContactList<dim>*>& lists);
 	void predictVelocities(const StepSettings& settings);
 	void gatherContacts(const std::vector<char>& touched, const StepSettings& settings);
@@ -130,8 +184,11 @@ private:
 
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
 	std::vector<Place> place_;
-	std::vector<ContactBody<dim>> bodies_;
+	mutable std::vector<ContactBody<dim>> bodies_;    ///< where `surface_` is fresh
 	std::vector<std::vector<Vec<dim>>> lastPosition_; ///< of the contact nodes, m
+	mutable std::vector<Freshness> surface_;
+	std::vector<char> listedRigid_; ///< by grain: in `rigid_`, else in `active_`
+	std::vector<int> active_, rigid_, all_;
 	std::vector<BodyLoad<dim>> loads_;
 	ContactSolver<dim> solver_;
 	EnergyBalance energy_; ///< at the last t_n

@@ -1,0 +1,168 @@
+#include "grain/RigidMotion.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace softgrain {
+
+namespace {
+
+Mat<2> turnBy(const Eigen::Matrix<double, 1, 1>& angle)
+{
+	const double c = std::cos(angle[0]), s = std::sin(angle[0]);
+	return (Mat<2>() << c, -s, s, c).finished();
+}
+
+Mat<3> turnBy(const Vec<3>& angle)
+{
+	const double size = angle.norm();
+	if (size == 0) return Mat<3>::Identity();
+	return Eigen::AngleAxisd(size, angle / size).toRotationMatrix();
+}
+
+/// Vector of a skew matrix: the inverse of spinMatrix.
+Eigen::Matrix<double, 1, 1> axisOf(const Mat<2>& spin)
+{
+	return Eigen::Matrix<double, 1, 1>(spin(1, 0));
+}
+Vec<3> axisOf(const Mat<3>& spin) { return { spin(2, 1), spin(0, 2), spin(1, 0) }; }
+
+Eigen::Matrix<double, 1, 1> turned(const Eigen::Matrix<double, 1, 1>& inertia, const Mat<2>&)
+{
+	return inertia;
+}
+Mat<3> turned(const Mat<3>& inertia, const Mat<3>& R) { return R * inertia * R.transpose(); }
+
+Eigen::Matrix<double, 1, 1> turned(const Mat<2>&, const Eigen::Matrix<double, 1, 1>& axis)
+{
+	return axis;
+}
+Vec<3> turned(const Mat<3>& R, const Vec<3>& axis) { return R * axis; }
+
+/// Keeps rounding from adding up to a strain: one step of Newton's method towards R^T R = 1.
+template <int dim> Mat<dim> orthonormal(const Mat<dim>& R)
+{
+	return R * (1.5 * Mat<dim>::Identity() - 0.5 * R.transpose() * R);
+}
+
+template <int dim>
+typename RigidMotion<dim>::Angular rateOf(const typename RigidMotion<dim>::Angular& momentum,
+					  const Mat<dim>& rotation, const RigidShape<dim>& shape)
+{
+	return turned(shape.inertia, rotation).inverse() * momentum;
+}
+
+} // namespace
+
+template <int dim>
+typename RigidMotion<dim>::Angular
+RigidMotion<dim>::angularVelocity(const RigidShape<dim>& shape) const
+{
+	return rateOf<dim>(momentum, rotation, shape);
+}
+
+template <int dim> WholeGrain<dim> RigidMotion<dim>::whole(const RigidShape<dim>& shape) const
+{
+	WholeGrain<dim> w;
+	w.mass = shape.mass;
+	w.centre = centre;
+	w.velocity = velocity;
+	w.angularMomentum = shape.mass * momentum;
+	w.inertia = shape.mass * turned(shape.inertia, rotation);
+	w.angularVelocity = angularVelocity(shape);
+	w.rotation = rotation;
+	return w;
+}
+
+template <int dim> double RigidMotion<dim>::kineticEnergy(const RigidShape<dim>& shape) const
+{
+	return 0.5 * shape.mass *
+	       (velocity.dot(velocityNext) + angularVelocity(shape).dot(momentumNext));
+}
+
+template <int dim>
+double RigidMotion<dim>::power(const Vec<dim>& speed, const Angular& spinMomentum,
+			       const Vec<dim>& acceleration, const Mat<dim>& angular) const
+{
+	return acceleration.dot(speed) + axisOf(angular).dot(spinMomentum);
+}
+
+template <int dim>
+void RigidMotion<dim>::accelerate(double kick, const Vec<dim>& acceleration,
+				  const Mat<dim>& angular, const RigidShape<dim>& shape)
+{
+	velocityNext = velocity + kick * acceleration;
+	momentumNext = momentum;
+	if (!angular.isZero(0))
+		momentumNext += kick * (turned(shape.inertia, rotation) * axisOf(angular));
+}
+
+template <int dim> void RigidMotion<dim>::move(double dt, const RigidShape<dim>& shape)
+{
+	velocity = velocityNext;
+	momentum = momentumNext;
+	centre += dt * velocity;
+	Angular rate = angularVelocity(shape);
+	if (dt * dt * rate.squaredNorm() < 1e-32) return; // R would stay as it is, rounded
+	if (dim == 3)
+		for (int k = 0; k < 3; ++k) // each leaves an error smaller by omega dt
+			rate = rateOf<dim>(momentum, turnBy(Angular(0.5 * dt * rate)) * rotation,
+					   shape);
+	rotation = orthonormal<dim>(turnBy(Angular(dt * rate)) * rotation);
+}
+
+template <int dim>
+void RigidMotion<dim>::add(const Mat<dim>& turn, const Vec<dim>& shift, const Vec<dim>& speed,
+			   const Mat<dim>& spin, const RigidShape<dim>& shape)
+{
+	centre += shift;
+	rotation = orthonormal<dim>(turn * rotation);
+	velocity = turn * velocity + speed;
+	momentum = turned(turn, momentum) + turned(shape.inertia, rotation) * axisOf(spin);
+}
+
+template <int dim> std::vector<double> RigidMotion<dim>::numbers() const
+{
+	std::vector<double> all(numberCount);
+	double* next = all.data();
+	auto append = [&next](const auto& m) { next = std::copy_n(m.data(), m.size(), next); };
+	append(centre);
+	append(rotation);
+	append(velocity);
+	append(momentum);
+	return all;
+}
+
+template <int dim>
+RigidMotion<dim> RigidMotion<dim>::fromNumbers(const std::vector<double>& numbers)
+{
+	RigidMotion motion;
+	const double* next = numbers.data();
+	auto take = [&next](auto& m) {
+		std::copy_n(next, m.size(), m.data());
+		next += m.size();
+	};
+	take(motion.centre);
+	take(motion.rotation);
+	take(motion.velocity);
+	take(motion.momentum);
+	return motion;
+}
+
+template <int dim> RigidMotion<dim> rigidMotionOf(const WholeGrain<dim>& whole)
+{
+	RigidMotion<dim> motion;
+	motion.centre = whole.centre;
+	motion.rotation = whole.rotation;
+	motion.velocity = whole.velocity;
+	motion.momentum = whole.angularMomentum / whole.mass;
+	return motion;
+}
+
+template struct RigidMotion<2>;
+template struct RigidMotion<3>;
+template RigidMotion<2> rigidMotionOf<2>(const WholeGrain<2>&);
+template RigidMotion<3> rigidMotionOf<3>(const WholeGrain<3>&);
+
+} // namespace softgrain
