@@ -14,33 +14,26 @@ namespace yade {
 using softgrain::Rotation;
 using softgrain::Vec3;
 
+/// To the interactions in parallel, then to O.forces in the order of the interactions.
 void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interactions, Real kick)
 {
-	for (Interaction* I : interactions) {
-		SoftGeom& geom = static_cast<SoftGeom&>(*I->geom);
-		SoftPhys& phys = static_cast<SoftPhys&>(*I->phys);
-		// records act on the first grain of the pair if side == 0; is that body #2 of the
-		// interaction?
-		const auto soft1 =
-			YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId1()]->shape);
-		const auto soft2 =
-			YADE_PTR_DYN_CAST<SoftGrain>((*scene->bodies)[I->getId2()]->shape);
-		const bool firstIsBody2 = !soft1 || (soft2 && soft2->index < soft1->index);
-		Vec3 normalImpulse = Vec3::Zero(), shearImpulse = Vec3::Zero(),
-		     sumOfPoints = Vec3::Zero();
-		phys.contacts = phys.activeContacts = 0;
-		for (const softgrain::ContactRecord& c : geom.pair->records()) {
-			const double sign = (c.key.side == 0) == firstIsBody2 ? 1 : -1;
-			const Vec3 normalPart = c.impulse.dot(c.normal) * c.normal;
-			normalImpulse += sign * normalPart;
-			shearImpulse += sign * (c.impulse - normalPart);
-			sumOfPoints += c.point;
-			++phys.contacts;
-			phys.activeContacts += !c.impulse.isZero(0);
-		}
-		if (phys.contacts > 0) geom.contactPoint = sumOfPoints / phys.contacts;
-		phys.normalForce = normalImpulse / kick;
-		phys.shearForce = shearImpulse / kick;
+	const long count = static_cast<long>(interactions.size());
+#pragma omp parallel for schedule(static) num_threads(threads())
+	for (long k = 0; k < count; ++k) {
+		SoftGeom& geom = static_cast<SoftGeom&>(*interactions[k]->geom);
+		SoftPhys& phys = static_cast<SoftPhys&>(*interactions[k]->phys);
+		const softgrain::PairImpulse sum = geom.pair->impulse();
+		const bool firstIsBody2 =
+			assembly_->idOf(geom.pair->firstGrain()) == interactions[k]->getId2();
+		const Real onBody2 = (firstIsBody2 ? 1 : -1) / kick; // forces act on body #2
+		if (sum.contacts > 0) geom.contactPoint = sum.point;
+		phys.normalForce = onBody2 * sum.normal;
+		phys.shearForce = onBody2 * sum.shear;
+		phys.contacts = sum.contacts;
+		phys.activeContacts = sum.active;
+	}
+	for (const Interaction* I : interactions) {
+		const SoftPhys& phys = static_cast<const SoftPhys&>(*I->phys);
 		const Vector3r force = phys.normalForce + phys.shearForce;
 		scene->forces.addForce(I->getId2(), force);
 		scene->forces.addForce(I->getId1(), -force);
@@ -51,7 +44,9 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 void SoftGrainIntegrator::publishMotions()
 {
 	const Real dt = scene->dt;
-	for (int g = 0; g < assembly_->grains(); ++g) {
+	const int count = assembly_->grains();
+#pragma omp parallel for schedule(static) num_threads(threads())
+	for (int g = 0; g < count; ++g) {
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
 		State& state = *body.state;
 		softgrain::GrainMotion& written = static_cast<SoftGrain&>(*body.shape).written;

@@ -244,7 +244,7 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 		const auto &b1 = (*scene->bodies)[I->getId1()], &b2 = (*scene->bodies)[I->getId2()];
 		if (!b1 || !b2) continue;
 		if (I->isReal()) {
-			if (YADE_PTR_DYN_CAST<SoftGeom>(I->geom)) found.push_back(I.get());
+			if (dynamic_cast<SoftGeom*>(I->geom.get())) found.push_back(I.get());
 			continue;
 		}
 		const bool soft1 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b1->shape)),

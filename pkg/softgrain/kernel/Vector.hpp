@@ -2,6 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
 
 namespace softgrain {
 
@@ -14,6 +18,18 @@ template <> inline void addScaled<2>(Vec<2>& sum, double a, const Vec<2>& v)
 {
 	using Pair [[gnu::vector_size(16), gnu::aligned(8), gnu::may_alias]] = double;
 	reinterpret_cast<Pair&>(sum) += a * reinterpret_cast<const Pair&>(v);
+}
+
+template <int dim> double largestNorm(const Vec<dim>* vectors, std::size_t count)
+{
+	double squared = 0;
+	for (std::size_t k = 0; k < count; ++k)
+		squared = std::max(squared, vectors[k].squaredNorm());
+	return std::sqrt(squared);
+}
+template <int dim> double largestNorm(const std::vector<Vec<dim>>& vectors)
+{
+	return largestNorm<dim>(vectors.data(), vectors.size());
 }
 
 } // namespace softgrain

@@ -128,9 +128,13 @@ template <int dim> void ContactSolver<dim>::collectImpulses()
 
 template <int dim> ContactWork ContactSolver<dim>::work() const
 {
-	ContactWork work;
+	std::vector<ContactWork> works(count_);
+#pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
 	for (int k = 0; k < count_; ++k)
-		work += pairs_[k].work();
+		works[k] = pairs_[k].work();
+	ContactWork work;
+	for (const ContactWork& ofPair : works)
+		work += ofPair;
 	return work;
 }
 

@@ -98,8 +98,12 @@ public:
 	/// Adds the work of a load, the halves with the velocities before and after t_n, J.
 	virtual void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 				 double& after) const = 0;
-	/// The new velocities become the present ones, and all grains move by dt. Parallel.
-	virtual void move(double dt, int threads) = 0;
+	/// What has to be done for several grains together before they move. Parallel.
+	virtual void prepareMove(int /*threads*/) {}
+	/// The new velocities become the present ones, and the grain moves by dt.
+	virtual void move(int g, double dt) = 0;
+	/// Speed that no contact node exceeds, m/s; of fast grains the speed of the fastest.
+	virtual double fastestContactNode(int g) const = 0;
 	/// Positions of the contact nodes into `at`.
 	virtual void contactPositions(int g, std::vector<Vec<dim>>& at) const = 0;
 

@@ -2,7 +2,6 @@
 #include "grain/CriticalTimeStep.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace softgrain {
 
@@ -19,17 +18,34 @@ constexpr double bulgeShare = 0.3;
 
 } // namespace
 
+namespace {
+
+/// A contact node is no faster than this times the fastest background node.
+template <int dim> double largestShareSum(const GrainTemplate<dim>& reference)
+{
+	const SparseRows<double>& shapes = reference.contactShapes;
+	double largest = 0;
+	for (int s = 0; s < shapes.rows(); ++s) {
+		double sum = 0;
+		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
+			sum += std::abs(shapes.value[k]);
+		largest = std::max(largest, sum);
+	}
+	return largest;
+}
+
+} // namespace
+
 template <int dim>
 TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch, const Scheme& scheme)
 	: batch_(std::move(batch))
 	, ownNodes_(batch_.grains())
 	, criticalTimeStep_(criticalTimeSteps(*batch_.reference, batch_.condition, batch_.grain))
+	, shareSum_(largestShareSum(*batch_.reference))
 	, rigid_(batch_.grains())
 	, isRigid_(batch_.grains(), 0)
 	, nodesWritten_(batch_.grains(), 1)
-	, activeGrains_(batch_.grains())
 {
-	std::iota(activeGrains_.begin(), activeGrains_.end(), 0);
 	if (scheme.hasPointVelocities()) {
 		pointVelocities_.emplace(batch_, scheme.picShare);
 		for (double& step : criticalTimeStep_)
@@ -118,11 +134,10 @@ template <int dim> void TotalLagrangian<dim>::endRigidMotion(int g)
 
 template <int dim> void TotalLagrangian<dim>::arrangeGrains()
 {
-	activeGrains_.clear();
-	rigidGrains_.clear();
+	std::vector<int> active, rigid;
 	for (int g = 0; g < grains(); ++g)
-		(isRigid_[g] ? rigidGrains_ : activeGrains_).push_back(g);
-	batch_.arrange(activeGrains_, rigidGrains_);
+		(isRigid_[g] ? rigid : active).push_back(g);
+	batch_.arrange(active, rigid);
 }
 
 template <int dim> RigidBounds<dim> TotalLagrangian<dim>::rigidBounds(int g) const
@@ -281,20 +296,18 @@ void TotalLagrangian<dim>::addLoadWork(int g, double kick, const BodyLoad<dim>& 
 	}
 }
 
-template <int dim> void TotalLagrangian<dim>::move(double dt, int threads)
+template <int dim> void TotalLagrangian<dim>::prepareMove(int threads)
 {
 	if (pointVelocities_) pointVelocities_->update(batch_, threads);
-	const int active = static_cast<int>(activeGrains_.size());
-#pragma omp parallel for schedule(static) num_threads(threads)
-	for (int k = 0; k < active; ++k)
-		moveNodes(activeGrains_[k], dt);
-	const int rigid = static_cast<int>(rigidGrains_.size());
-#pragma omp parallel for schedule(static) num_threads(threads)
-	for (int k = 0; k < rigid; ++k) {
-		const int g = rigidGrains_[k];
+}
+
+template <int dim> void TotalLagrangian<dim>::move(int g, double dt)
+{
+	if (isRigid_[g]) {
 		rigid_[g].move(dt, shape_[g]);
 		nodesWritten_[g] = 0;
-	}
+	} else
+		moveNodes(g, dt);
 }
 
 template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
@@ -305,6 +318,26 @@ template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
 		addScaled<dim>(x[I], dt, vNext[I]);
 		if (!pointVelocities_) v[I] = vNext[I];
 	}
+}
+
+namespace {
+
+/// In point spacings per critical time step: slower grains cannot close a gap worth counting
+/// within some steps (System::reach), so that a coarse bound of their speed does.
+constexpr double slowSpeed = 0.005;
+
+} // namespace
+
+template <int dim> double TotalLagrangian<dim>::fastestContactNode(int g) const
+{
+	if (isRigid_[g]) return rigidBounds(g).speed;
+	const double bound = shareSum_ * largestNorm<dim>(batch_.v.of(g), nodes());
+	const double slow = slowSpeed * batch_.reference->pointSpacing() * batch_.grain[g].radius /
+			    criticalTimeStep_[g];
+	if (bound <= slow) return bound;
+	std::vector<Vec<dim>> v;
+	interpolate(batch_.reference->contactShapes, g, batch_.v, v);
+	return largestNorm<dim>(v);
 }
 
 template <int dim>

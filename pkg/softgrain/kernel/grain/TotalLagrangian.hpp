@@ -52,7 +52,9 @@ public:
 	double kineticEnergy(int g) const override;
 	void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 			 double& after) const override;
-	void move(double dt, int threads) override;
+	void prepareMove(int threads) override;
+	void move(int g, double dt) override;
+	double fastestContactNode(int g) const override;
 	void contactPositions(int g, std::vector<Vec<dim>>& at) const override;
 	void massPoints(int g, std::vector<Vec<dim>>& position,
 			std::vector<double>& mass) const override;
@@ -99,6 +101,7 @@ private:
 	std::vector<OwnNodes> ownNodes_; ///< none unless `useContactNodes` was called
 	mutable std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
 	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
+	double shareSum_; ///< largest sum of sizes of the shares of a contact node
 
 	/// Up to which a grain may move rigidly.
 	struct RigidLimits {
@@ -111,7 +114,6 @@ private:
 	std::vector<RigidMotion<dim>> rigid_;         ///< where isRigid_
 	std::vector<char> isRigid_;
 	mutable std::vector<char> nodesWritten_;
-	std::vector<int> activeGrains_, rigidGrains_;
 };
 
 } // namespace softgrain

@@ -234,15 +234,16 @@ void UpdatedLagrangian<dim>::addLoadWork(int g, double kick, const BodyLoad<dim>
 	}
 }
 
-template <int dim> void UpdatedLagrangian<dim>::move(double dt, int threads)
+template <int dim> void UpdatedLagrangian<dim>::move(int g, double dt)
 {
-	const int count = grains();
-#pragma omp parallel for schedule(static) num_threads(threads)
-	for (int g = 0; g < count; ++g) {
-		grain_[g].grid.followTies(grain_[g].grid.velocity);
-		grain_[g].grid.followTies(grain_[g].grid.velocityNext);
-		grain_[g].gridToPoints(reference_->recipe.order, dt, picShare_);
-	}
+	grain_[g].grid.followTies(grain_[g].grid.velocity);
+	grain_[g].grid.followTies(grain_[g].grid.velocityNext);
+	grain_[g].gridToPoints(reference_->recipe.order, dt, picShare_);
+}
+
+template <int dim> double UpdatedLagrangian<dim>::fastestContactNode(int g) const
+{
+	return largestNorm<dim>(grain_[g].contactV);
 }
 
 template <int dim>

@@ -116,26 +116,15 @@ double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>
 	return std::sqrt(squared);
 }
 
-template <int dim> double largestNorm(const std::vector<Vec<dim>>& vectors)
-{
-	double squared = 0;
-	for (const Vec<dim>& v : vectors)
-		squared = std::max(squared, v.squaredNorm());
-	return std::sqrt(squared);
-}
-
 } // namespace
 
-/// Returns how far the node has come that moved most since the surface was fresh.
-template <int dim> double System<dim>::renewOutline(int g)
+template <int dim> void System<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
 	lastPosition_[g].swap(body.position);
 	surface_[g].expire();
 	renewSurface(g);
-	const double way = farthestWay<dim>(lastPosition_[g], body.position);
-	body.travelled += way;
-	return way;
+	body.travelled += farthestWay<dim>(lastPosition_[g], body.position);
 }
 
 template <int dim> void System<dim>::renewSurface(int g) const
@@ -154,25 +143,19 @@ template <int dim> void System<dim>::measureSurface(int g) const
 template <int dim> void System<dim>::updateSurface(int g)
 {
 	renewOutline(g);
-	if (isRigid(g)) {
-		bodies_[g].fastest = setOf(g).rigidBounds(indexInSet(g)).speed;
-		return;
-	}
-	setOf(g).contactVelocitiesBefore(indexInSet(g), bodies_[g].velocity);
-	bodies_[g].fastest = largestNorm<dim>(bodies_[g].velocity);
+	bodies_[g].fastest = setOf(g).fastestContactNode(indexInSet(g));
 }
 
 /// Of the present positions, dt after the last ones; that of a rigid grain is left to who asks.
 template <int dim> void System<dim>::followMotion(int g, double dt)
 {
 	ContactBody<dim>& body = bodies_[g];
-	if (!isRigid(g)) {
-		body.fastest = renewOutline(g) / dt;
-		return;
-	}
-	body.fastest = setOf(g).rigidBounds(indexInSet(g)).speed;
-	body.travelled += dt * body.fastest;
-	surface_[g].expire();
+	body.fastest = setOf(g).fastestContactNode(indexInSet(g));
+	if (isRigid(g)) {
+		body.travelled += dt * body.fastest;
+		surface_[g].expire();
+	} else
+		renewOutline(g);
 }
 
 /// What the grain gives to the common grid at its present place.
@@ -341,44 +324,44 @@ template <int dim> double System<dim>::kickTime(double dt) const
 	return continuation_.lastStep > 0 ? 0.5 * (continuation_.lastStep + dt) : dt;
 }
 
-template <int dim> void System<dim>::predictVelocities(const StepSettings& settings)
+/// Velocities without contact, of the nodes and of the contact nodes.
+template <int dim>
+void System<dim>::predictVelocities(const std::vector<char>& touched, const StepSettings& settings)
 {
 	const double kick = kickTime(settings.dt);
 	forEachOf(all_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		set.predictVelocities(k, kick, loads_[g]);
+		if (touched[g]) gatherContacts(g, settings.trackEnergy);
 	});
 }
 
-template <int dim>
-void System<dim>::gatherContacts(const std::vector<char>& touched, const StepSettings& settings)
+template <int dim> void System<dim>::gatherContacts(int g, bool trackEnergy)
 {
-	forEachOf(active_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
-		if (!touched[g]) return;
-		ContactBody<dim>& body = bodies_[g];
-		const ContactMobility<dim> mobility = set.contactMobility(k);
-		body.delassus = mobility.table;
-		body.facetMobility = mobility.facets;
-		body.delassusScale = mobility.scale;
-		set.contactVelocities(k, body.velocity);
-		if (settings.trackEnergy) set.contactVelocitiesBefore(k, body.velocityBefore);
-		body.impulse.assign(body.velocity.size(), Vec<dim>::Zero());
-	});
+	GrainSet<dim>& set = setOf(g);
+	const int k = indexInSet(g);
+	ContactBody<dim>& body = bodies_[g];
+	const ContactMobility<dim> mobility = set.contactMobility(k);
+	body.delassus = mobility.table;
+	body.facetMobility = mobility.facets;
+	body.delassusScale = mobility.scale;
+	set.contactVelocities(k, body.velocity);
+	if (trackEnergy) set.contactVelocitiesBefore(k, body.velocityBefore);
+	body.impulse.assign(body.velocity.size(), Vec<dim>::Zero());
 }
 
+/// The new velocities; stops before anything moves if one is not finite.
 template <int dim>
-void System<dim>::applyContactImpulses(const std::vector<char>& touched,
-				       const StepSettings& settings)
+void System<dim>::correctVelocities(const std::vector<char>& touched, const StepSettings& settings)
 {
-	forEachOf(active_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+	finite_.resize(grains());
+	kinetic_.resize(grains());
+	forEachOf(all_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		if (touched[g]) set.applyContactImpulses(k, bodies_[g].impulse);
+		finite_[g] = set.hasFiniteVelocities(k);
+		if (settings.trackEnergy) kinetic_[g] = set.kineticEnergy(k);
 	});
-}
-
-template <int dim> void System<dim>::checkVelocities() const
-{
 	for (int g = 0; g < grains(); ++g)
-		if (!setOf(g).hasFiniteVelocities(indexInSet(g)))
-			throw StepError(g, -1, "a nodal velocity is not finite");
+		if (!finite_[g]) throw StepError(g, -1, "a nodal velocity is not finite");
 }
 
 template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, double kick)
@@ -389,7 +372,7 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 	for (int g = 0; g < grains(); ++g) {
 		const GrainSet<dim>& set = setOf(g);
 		const int k = indexInSet(g);
-		energy_.kinetic += set.kineticEnergy(k);
+		energy_.kinetic += kinetic_[g];
 		energy_.elastic += set.report(k).elasticEnergy;
 		if (!loads_[g].isZero())
 			set.addLoadWork(k, kick, loads_[g], loads.before, loads.after);
@@ -433,10 +416,8 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	report.activeGrains = static_cast<int>(active_.size());
 	clock.end("chooseRigidGrains");
 	if (gridSpacing_ > 0) useGridNodes(lists);
-	predictVelocities(settings);
+	predictVelocities(touched, settings);
 	clock.end("predictVelocities");
-	gatherContacts(touched, settings);
-	clock.end("gatherContacts");
 	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads);
 	clock.end("prepare");
 	solver_.warmStart();
@@ -445,21 +426,21 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	clock.end("solve");
 	solver_.collectImpulses();
 	clock.end("collectImpulses");
-	applyContactImpulses(touched, settings);
-	clock.end("applyContactImpulses");
-	checkVelocities();
-	clock.end("checkVelocities");
+	correctVelocities(touched, settings);
+	clock.end("correctVelocities");
 	if (settings.trackEnergy) {
 		balanceEnergy(solver_.work(), kickTime(settings.dt));
 		clock.end("balanceEnergy");
 	}
 	for (const auto& set : sets_)
-		set->move(settings.dt, settings.threads);
-	clock.end("move");
+		set->prepareMove(settings.threads);
+	forEachOf(all_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+		set.move(k, settings.dt);
+		followMotion(g, settings.dt);
+	});
 	continuation_.lastStep = settings.dt;
-	forEachOf(all_, settings.threads, [&](int g, auto&&...) { followMotion(g, settings.dt); });
 	forcesFresh_ = false;
-	clock.end("updateSurfaces");
+	clock.end("move");
 	report.work.points = std::exchange(updatedPoints_, 0);
 	report.work.visits = static_cast<long>(report.solver.contacts) * report.solver.sweeps;
 	return report;

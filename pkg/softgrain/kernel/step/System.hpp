@@ -171,15 +171,14 @@ private:
 	void chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion);
 	void listGrains();
 
-	double renewOutline(int g);
+	void renewOutline(int g);
 	void followMotion(int g, double dt);
 	double kickTime(double dt) const;
 	void updateGridNodes(int g) const;
 	void useGridNodes(const std::vector<ContactList<dim>*>& lists);
-	void predictVelocities(const StepSettings& settings);
-	void gatherContacts(const std::vector<char>& touched, const StepSettings& settings);
-	void applyContactImpulses(const std::vector<char>& touched, const StepSettings& settings);
-	void checkVelocities() const;
+	void predictVelocities(const std::vector<char>& touched, const StepSettings& settings);
+	void gatherContacts(int g, bool trackEnergy);
+	void correctVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void balanceEnergy(const ContactWork& work, double kick);
 
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
@@ -191,7 +190,9 @@ private:
 	std::vector<int> active_, rigid_, all_;
 	std::vector<BodyLoad<dim>> loads_;
 	ContactSolver<dim> solver_;
-	EnergyBalance energy_; ///< at the last t_n
+	std::vector<char> finite_;    ///< by grain, of the step at hand
+	std::vector<double> kinetic_; ///< by grain, J; only where energies are tracked
+	EnergyBalance energy_;        ///< at the last t_n
 	Continuation continuation_;
 	double lastKick_ = 0;
 	double gridSpacing_ = 0; ///< ContactGeometry::nodes: the largest h of all grains, m
