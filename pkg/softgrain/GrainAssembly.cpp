@@ -64,24 +64,15 @@ public:
 	void setFriction(double coefficient) override { list.friction = coefficient; }
 
 	int firstGrain() const override { return list.first; }
-	PairImpulse impulse() const override
+	SumOfImpulses impulse() const override
 	{
-		Vec<dim> normal = Vec<dim>::Zero(), shear = normal, points = normal;
-		PairImpulse sum;
-		for (const Contact<dim>& c : list.contacts) {
-			const bool onFirst = c.key.side == 0;
-			points += system_->body(onFirst ? list.first : list.second)
-					  .contactPoint(c.key.node);
-			++sum.contacts;
-			if (c.impulse.isZero(0)) continue;
-			++sum.active;
-			const Vec<dim> normalPart = c.impulse.dot(c.normal) * c.normal;
-			normal += (onFirst ? 1 : -1) * normalPart;
-			shear += (onFirst ? 1 : -1) * (c.impulse - normalPart);
-		}
-		sum.normal = toSpace<dim>(normal);
-		sum.shear = toSpace<dim>(shear);
-		if (sum.contacts > 0) sum.point = toSpace<dim>(Vec<dim>(points / sum.contacts), z_);
+		SumOfImpulses sum;
+		sum.contacts = static_cast<int>(list.contacts.size());
+		if (sum.contacts == 0) return sum;
+		sum.active = list.impulse.active;
+		sum.normal = toSpace<dim>(list.impulse.normal);
+		sum.shear = toSpace<dim>(list.impulse.shear);
+		sum.point = toSpace<dim>(list.impulse.point, z_);
 		return sum;
 	}
 

@@ -55,7 +55,7 @@ struct ContactRecord {
 };
 
 /// What the contacts of a pair do to its first grain together.
-struct PairImpulse {
+struct SumOfImpulses {
 	Vec3 normal = Vec3::Zero(), shear = Vec3::Zero(); ///< N s
 	Vec3 point = Vec3::Zero();                        ///< mean of the contact points, m
 	int contacts = 0, active = 0;                     ///< those with an impulse
@@ -70,7 +70,7 @@ public:
 	virtual double deepest() const = 0; ///< largest overlap, in dr
 	virtual void setFriction(double coefficient) = 0;
 	virtual int firstGrain() const = 0;
-	virtual PairImpulse impulse() const = 0;
+	virtual SumOfImpulses impulse() const = 0;
 	virtual std::vector<ContactRecord> records() const = 0;
 	/// Of the last step, one for each record.
 	virtual std::vector<ContactPressure> pressures() const = 0;

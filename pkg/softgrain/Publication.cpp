@@ -22,7 +22,7 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 	for (long k = 0; k < count; ++k) {
 		SoftGeom& geom = static_cast<SoftGeom&>(*interactions[k]->geom);
 		SoftPhys& phys = static_cast<SoftPhys&>(*interactions[k]->phys);
-		const softgrain::PairImpulse sum = geom.pair->impulse();
+		const softgrain::SumOfImpulses sum = geom.pair->impulse();
 		const bool firstIsBody2 =
 			assembly_->idOf(geom.pair->firstGrain()) == interactions[k]->getId2();
 		const Real onBody2 = (firstIsBody2 ? 1 : -1) / kick; // forces act on body #2

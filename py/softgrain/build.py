@@ -136,7 +136,7 @@ def _soft_material(material):
 
 
 def soften(
-    ids=None, material=-1, zeta=0.11, dim=None, overlap="relax", time_step_fraction=0.5, **shape
+    ids=None, material=-1, zeta=0.11, dim=None, overlap="relax", time_step_fraction=0.8, **shape
 ):
     """Turn spheres of the scene into soft grains in place, keeping position, velocity, spin and
     radius.
@@ -353,7 +353,7 @@ def critical_time_step():
     return step
 
 
-def set_time_step(fraction=0.5):
+def set_time_step(fraction=0.8):
     """Set ``O.dt`` to a fraction of the critical step and let the integrator keep it there while
     the grains deform.
 

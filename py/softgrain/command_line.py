@@ -93,7 +93,7 @@ def add_method_options(parser, tolerance=1e-2):
     add(
         "--time-step-fraction",
         type=step_fraction,
-        default=0.5,
+        default=0.8,
         help="time step over the critical one [-]",
     )
     add(

@@ -40,9 +40,10 @@ def add_wall(position, axis, friction=0.0, velocity=(0, 0, 0), sense=0):
 
 
 def ready(**engines):
-    """Engines and time step for the soft grains of the scene; returns O.dt."""
+    """Engines and time step for the soft grains of the scene; returns O.dt. Half the critical step:
+    the tests count steps."""
     O.engines = sg.engines(**engines)
-    return sg.set_time_step()
+    return sg.set_time_step(0.5)
 
 
 def run(steps):

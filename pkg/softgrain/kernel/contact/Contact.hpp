@@ -54,6 +54,13 @@ struct ContactCandidates {
 	double travelled = 0; ///< of both bodies together when it was found, m
 };
 
+/// What the contacts of a pair do together, on its first body.
+template <int dim> struct PairImpulse {
+	Vec<dim> normal = Vec<dim>::Zero(), shear = Vec<dim>::Zero(); ///< N s
+	Vec<dim> point = Vec<dim>::Zero(); ///< mean of the contact points, m
+	int active = 0;                    ///< contacts with an impulse
+};
+
 /// All contacts of two bodies, sorted by key.
 template <int dim> struct ContactList {
 	int first = -1;  ///< index of the first body
@@ -63,6 +70,7 @@ template <int dim> struct ContactList {
 	double deepest =
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
 	std::vector<Contact<dim>> contacts;
+	PairImpulse<dim> impulse; ///< of the last step, if there are contacts
 	ContactCandidates candidates;
 	int tested = 0; ///< nodes that the last search measured against the other body
 

@@ -43,7 +43,8 @@ template <int dim> SolverReport solve(ContactProblem<dim>& problem, double toler
 	std::vector<ContactBody<dim>> bodies(1);
 	bodies[0].delassus = &problem.delassus;
 	bodies[0].delassusScale = 1;
-	bodies[0].velocity = problem.freeVelocity;
+	bodies[0].velocity = bodies[0].position = problem.freeVelocity;
+	bodies[0].impulse.assign(problem.contacts(), Vec<dim>::Zero());
 	std::vector<ContactList<dim>> lists(problem.contacts());
 	std::vector<ContactList<dim>*> pointers;
 	for (int k = 0; k < problem.contacts(); ++k) {
@@ -65,7 +66,6 @@ template <int dim> SolverReport solve(ContactProblem<dim>& problem, double toler
 
 	ContactSolver<dim> solver;
 	solver.prepare(bodies, pointers, 1, settings);
-	solver.warmStart();
 	const SolverReport report = solver.solve();
 	problem.impulse.resize(problem.contacts());
 	for (int k = 0; k < problem.contacts(); ++k)

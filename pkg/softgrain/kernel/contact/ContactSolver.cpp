@@ -64,11 +64,6 @@ template <int dim> template <class Visit> void ContactSolver<dim>::forEachPair(V
 	}
 }
 
-template <int dim> void ContactSolver<dim>::warmStart()
-{
-	forEachPair([](PairSolver<dim>& pair) { pair.warmStart(); });
-}
-
 template <int dim> double ContactSolver<dim>::sweep(SweepOrder order)
 {
 	auto visit = [&](int k) { change_[k] = pairs_[k].sweep(order); };
@@ -104,8 +99,9 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 		report.residual = residual();
 		report.converged = report.residual <= settings_.tolerance;
 	}
+	forEachPair([](PairSolver<dim>& pair) { pair.finish(); });
 	for (int k = 0; k < count_; ++k)
-		report.active += pairs_[k].finish();
+		report.active += pairs_[k].active();
 	return report;
 }
 
@@ -119,11 +115,6 @@ template <int dim> double ContactSolver<dim>::residual() const
 	for (const ResidualSum& ofPair : sums)
 		sum += ofPair;
 	return sum.value();
-}
-
-template <int dim> void ContactSolver<dim>::collectImpulses()
-{
-	forEachPair([](PairSolver<dim>& pair) { pair.collectImpulses(); });
 }
 
 template <int dim> ContactWork ContactSolver<dim>::work() const
@@ -177,19 +168,21 @@ template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
 {
 	ContactProblem<dim> problem;
 	problem.delassus = delassus();
-	auto append = [](std::vector<Vec<dim>>& to, const std::vector<Vec<dim>>& from) {
-		to.insert(to.end(), from.begin(), from.end());
-	};
 	for (int k = 0; k < count_; ++k) {
-		append(problem.freeVelocity, pairs_[k].freeVelocity());
-		append(problem.start, pairs_[k].start());
+		const std::vector<Vec<dim>>& start = pairs_[k].start();
+		problem.start.insert(problem.start.end(), start.begin(), start.end());
 		for (const auto& c : pairs_[k].constraints()) {
+			problem.freeVelocity.push_back(pairs_[k].velocity(c));
 			problem.normal.push_back(c.normal);
 			problem.bias.push_back(c.bias);
 			problem.friction.push_back(pairs_[k].friction());
 			problem.impulse.push_back(c.impulse);
 		}
 	}
+	for (int k = 0; k < problem.contacts(); ++k) // takes out what the impulses did
+		for (int e = problem.delassus.begin(k); e < problem.delassus.end(k); ++e)
+			problem.freeVelocity[k] -= problem.delassus.value[e] *
+						   problem.impulse[problem.delassus.column[e]];
 	return problem;
 }
 

@@ -30,25 +30,23 @@ struct SolverReport {
 
 template <int dim> class ContactSolver {
 public:
-	/// Lists all contacts of `lists` whose bodies are in `bodies`; the order of the lists
+	/// Takes all contacts of `lists`, whose bodies are in `bodies`, and applies the impulses
+	/// left by the last step, made admissible for the present normals. The order of the lists
 	/// decides on their colours, and so on the order of the sweeps.
 	void prepare(std::vector<ContactBody<dim>>& bodies,
 		     const std::vector<ContactList<dim>*>& lists, double dt,
 		     const SolverSettings& settings, int threads = 1);
-	/// Applies the impulses left by the last step, made admissible for the present normals.
-	void warmStart();
 	/// Gauss-Seidel sweeps: two backwards and two forwards (in one direction alone, few sweeps
 	/// a step shake grains at rest: doc/decisions/0010-grains-at-rest.md), then always forwards
 	/// (doc/decisions/0004-sweep-order.md), until the residual is within the tolerance or the
-	/// cap is hit; then the contacts of the lists have their impulses.
+	/// cap is hit; then the lists have their impulses, and the contact nodes the sums
+	/// (ContactBody::impulse).
 	SolverReport solve();
 	/// Of the present impulses: see ResidualSum.
 	double residual() const;
-	/// Sums the impulses on every contact node into ContactBody::impulse.
-	void collectImpulses();
 	ContactWork work() const;
-	/// The problem and its solution, of the last `solve`, in the order of the sweeps; lists and
-	/// velocities are not needed any more; the mobility tables of the bodies are, as they were
+	/// The problem and its solution, of the last `solve`, in the order of the sweeps. Lists are
+	/// not needed any more; velocities and mobility tables of the bodies are, as they were
 	/// then.
 	ContactProblem<dim> problem() const;
 

@@ -41,14 +41,13 @@ void PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 	planeVelocity_ = second_ ? Vec<dim>(Vec<dim>::Zero()) : list.plane.velocity;
 	friction_ = list.friction;
 	constraints_.resize(list.contacts.size());
-	freeVelocity_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
 	reservePartnerMobility();
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 		const Contact<dim>& contact = list.contacts[k];
 		Constraint& c = constraints_[k];
 		c.normal = contact.normal;
-		c.impulse = contact.impulse;
+		c.impulse = onCone<dim>(contact.impulse, contact.normal, friction_);
 		c.node = contact.key.node;
 		c.onFirst = contact.key.side == 0;
 		c.partners = contact.partners;
@@ -63,7 +62,8 @@ void PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 		c.W = body.mobility(c.node, c.node);
 		if (c.partners > 0) c.W += findPartnerMobility(contact, c);
 		c.inverseW = 1 / c.W;
-		freeVelocity_[k] = relativeVelocity(c, &ContactBody<dim>::velocity);
+		start_[k] = c.impulse;
+		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
 	}
 }
 
@@ -145,15 +145,6 @@ template <int dim> void PairSolver<dim>::applyImpulse(const Constraint& c, const
 		move<dim>(other(c)->velocity, c.movedPartner, -other(c)->delassusScale * J);
 }
 
-template <int dim> void PairSolver<dim>::warmStart()
-{
-	for (std::size_t k = 0; k < constraints_.size(); ++k) {
-		Constraint& c = constraints_[k];
-		start_[k] = c.impulse = onCone<dim>(c.impulse, c.normal, friction_);
-		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
-	}
-}
-
 template <int dim> [[gnu::flatten]] SweepChange PairSolver<dim>::sweep(SweepOrder order)
 {
 	SweepChange sum;
@@ -181,24 +172,24 @@ template <int dim> [[gnu::flatten]] ResidualSum PairSolver<dim>::residual() cons
 	return sum;
 }
 
-template <int dim> int PairSolver<dim>::finish()
+template <int dim> void PairSolver<dim>::finish()
 {
-	int active = 0;
+	PairImpulse<dim>& sum = list_->impulse;
+	sum = {};
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
-		list_->contacts[k].impulse = constraints_[k].impulse;
-		active += !constraints_[k].impulse.isZero(0);
-	}
-	return active;
-}
-
-template <int dim> void PairSolver<dim>::collectImpulses()
-{
-	for (const Constraint& c : constraints_) {
+		const Constraint& c = constraints_[k];
+		list_->contacts[k].impulse = c.impulse;
+		sum.point += own(c)->contactPoint(c.node);
 		if (c.impulse.isZero(0)) continue;
+		++sum.active;
+		const Vec<dim> normal = c.impulse.dot(c.normal) * c.normal;
+		sum.normal += (c.onFirst ? 1 : -1) * normal;
+		sum.shear += (c.onFirst ? 1 : -1) * (c.impulse - normal);
 		own(c)->impulse[c.node] += c.impulse;
 		for (int i = 0; i < c.partners; ++i)
 			other(c)->impulse[c.partner[i]] -= c.weight[i] * c.impulse;
 	}
+	sum.point /= static_cast<double>(constraints_.size());
 }
 
 template <int dim> ContactWork PairSolver<dim>::work() const

@@ -65,19 +65,18 @@ enum class SweepOrder { forwards, backwards };
 
 template <int dim> class PairSolver {
 public:
-	/// Takes the contacts of `list`, whose bodies are in `bodies`.
+	/// Takes the contacts of `list`, whose bodies are in `bodies`, and applies the impulses
+	/// left by the last step, made admissible for the present normals.
 	void prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
 		     const SolverSettings& settings);
-	/// Applies the impulses left by the last step, made admissible for the present normals.
-	void warmStart();
 	/// Solves each contact once, the others held.
 	SweepChange sweep(SweepOrder order);
 	/// How far the present impulses are from a solution.
 	ResidualSum residual() const;
-	/// Gives the list its impulses; returns how many are not zero.
-	int finish();
-	/// Sums the impulses on every contact node into ContactBody::impulse.
-	void collectImpulses();
+	/// Gives the list its impulses and their sums, and adds them up on every contact node
+	/// (ContactBody::impulse).
+	void finish();
+	int active() const { return list_->impulse.active; } ///< contacts with an impulse
 	ContactWork work() const;
 
 	int contacts() const { return static_cast<int>(constraints_.size()); }
@@ -102,9 +101,13 @@ public:
 	};
 	const std::vector<Constraint>& constraints() const { return constraints_; }
 	double friction() const { return friction_; }
-	/// u without impulses, and the impulses before the first sweep, contact by contact.
-	const std::vector<Vec<dim>>& freeVelocity() const { return freeVelocity_; }
+	/// Impulses before the first sweep, contact by contact.
 	const std::vector<Vec<dim>>& start() const { return start_; }
+	/// u with the present impulses.
+	Vec<dim> velocity(const Constraint& c) const
+	{
+		return relativeVelocity(c, &ContactBody<dim>::velocity);
+	}
 	/// Calls with each body, node and share of the node in the contact's relative velocity.
 	template <class Visit> void forEachShare(const Constraint& c, Visit&& visit) const
 	{
@@ -126,11 +129,11 @@ private:
 
 	ContactBody<dim>* first_ = nullptr;
 	ContactBody<dim>* second_ = nullptr; ///< null for a plane
-	ContactList<dim>* list_ = nullptr;   ///< valid up to `finish`
+	ContactList<dim>* list_ = nullptr;   ///< valid for the step
 	Vec<dim> planeVelocity_;             ///< zero between grains
 	double friction_ = 0;
 	std::vector<Constraint> constraints_;
-	std::vector<Vec<dim>> freeVelocity_, start_;
+	std::vector<Vec<dim>> start_;
 	/// sum_i w_i W_is of all nodes s of the partner that an impulse on a contact moves, contact
 	/// after contact; columns only where they are not those of a facet.
 	std::vector<double> partnerValue_;

@@ -420,12 +420,8 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	clock.end("predictVelocities");
 	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads);
 	clock.end("prepare");
-	solver_.warmStart();
-	clock.end("warmStart");
 	report.solver = solver_.solve();
 	clock.end("solve");
-	solver_.collectImpulses();
-	clock.end("collectImpulses");
 	correctVelocities(touched, settings);
 	clock.end("correctVelocities");
 	if (settings.trackEnergy) {
