@@ -36,7 +36,7 @@ def add(body):
 
 def start(**engines):
     O.engines = sg.engines(**engines)
-    return sg.set_time_step()
+    return sg.set_time_step(0.5)
 
 
 def gentle(share):

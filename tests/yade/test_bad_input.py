@@ -342,7 +342,7 @@ def test_inverted_point(speed, tmp_path):
     ready()
     message = message_of_step(50)
     assert "soft grain #0, material point " in message and "inverted" in message
-    assert "Hint: load more slowly" in message and "timeStepFraction (now 0.8)" in message
+    assert "Hint: load more slowly" in message and "timeStepFraction (now 0.5)" in message
     assert "zeta" in message
     assert_readable(disk, tmp_path / "scene.xml.gz")
 

@@ -309,8 +309,8 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 {
 	ContactCandidates& candidates = list.candidates;
 	const double travelled = first.travelled + second.travelled;
-	if (reach + outlinePerNode * (travelled - candidates.travelled) <= candidates.covered)
-		return;
+	const double since = travelled - candidates.travelled; // negative: of other bodies
+	if (since >= 0 && reach + outlinePerNode * since <= candidates.covered) return;
 	candidates.nodes.clear();
 	candidates.covered =
 		reach + candidateMargin * std::min(first.pointSpacing, second.pointSpacing);

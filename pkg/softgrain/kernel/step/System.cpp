@@ -30,8 +30,9 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 		body.pointSpacing = radius * reference.pointSpacing();
 		body.overlap = &reference.overlap;
 		body.inradius = radius * reference.inradius;
-		body.position.resize(reference.contactNodes());
-		body.velocity = body.impulse = body.position;
+		set->contactPositions(k, body.position);
+		body.velocity.assign(reference.contactNodes(), Vec<dim>::Zero());
+		body.impulse = body.velocity;
 		lastPosition_.push_back(body.position);
 		bodies_.push_back(std::move(body));
 		if (reference.recipe.contact == ContactGeometry::nodes)
