@@ -173,6 +173,11 @@ def centres():
     return np.array([b.state.pos for b in sg.soft_bodies()])[:, :2]
 
 
+def _finite(value):
+    """None, which JSON knows, where there is nothing to divide by."""
+    return value if math.isfinite(value) else None
+
+
 class Recorder:
     """What is measured between two records, and all records so far.
 
@@ -191,6 +196,8 @@ class Recorder:
                 "stress_top_over_E",
                 "displacement_ratio",
                 "coordination",
+                "kinetic_over_elastic",
+                "unbalanced_force",
             )
         }
         self.positions = [centres()]  # at the start and at each record
@@ -213,6 +220,7 @@ class Recorder:
         self.positions.append(centres())
         moved = np.abs(self.positions[-1] - self.positions[-2]).mean(axis=0)
         scale = self._steps * self.box.width * YOUNG
+        indicator = sg.quasi_static()
         values = (
             sg.packing_fraction(self.box.area),
             sg.packing_fraction(self.box.area, nominal=True),
@@ -220,6 +228,8 @@ class Recorder:
             self._top / scale,
             moved[1] / moved[0] if moved[0] > 0 else 0.0,
             sg.coordination_number(),
+            _finite(indicator["kinetic_over_elastic"]),
+            _finite(indicator["unbalanced_force"]),
         )
         for name, value in zip(self.records, values):
             self.records[name].append(value)

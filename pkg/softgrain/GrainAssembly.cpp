@@ -152,13 +152,16 @@ public:
 	int grains() const override { return system_.grains(); }
 	int idOf(int g) const override { return id_[g]; }
 	double criticalTimeStep() const override { return system_.criticalTimeStep(); }
+	double presentCriticalTimeStep() const override
+	{
+		return system_.presentCriticalTimeStep();
+	}
 	double pointSpacing(int g) const override
 	{
 		return parameters(g).radius * system_.setOf(g).reference().pointSpacing();
 	}
 	double slowestWave() const override { return slowestWave_; }
 	void updateForces(int threads) override { system_.updateForces(threads); }
-	double stiffening() const override { return system_.stiffening(); }
 	bool isRigid(int g) const override { return system_.isRigid(g); }
 
 	std::unique_ptr<PairContacts> newPair() const override
@@ -234,6 +237,12 @@ public:
 	}
 
 	EnergyBalance energy() const override { return system_.energy(); }
+	GrainEnergy energy(int g) const override
+	{
+		const GrainSet<dim>& set = system_.setOf(g);
+		const int k = system_.indexInSet(g);
+		return { set.presentKineticEnergy(k), set.report(k).elasticEnergy };
+	}
 	Continuation continuation() const override { return system_.continuation(); }
 	void continueFrom(const Continuation& state) override { system_.continueFrom(state); }
 
@@ -335,7 +344,8 @@ private:
 				parameters.push_back(
 					{ d->radius, d->constants,
 					  toKernel<dim>(d->state.x.empty() ? d->position
-									   : d->origin) });
+									   : d->origin),
+					  d->damping });
 			auto set = makeGrainSet<dim>(makeGrainTemplate<dim>(recipe), law, condition,
 						     parameters, scheme);
 			for (int k = 0; k < set->grains(); ++k) {

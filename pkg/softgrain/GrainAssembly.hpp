@@ -26,6 +26,7 @@ struct GrainDescription {
 	Law law = Law::neoHookean;
 	Condition condition = Condition::planeStrain;
 	ElasticConstants constants;
+	Damping damping;
 	double radius = 0;                   ///< m
 	Vec3 position = Vec3::Zero();        ///< of the centre, m
 	Vec3 velocity = Vec3::Zero();        ///< m/s
@@ -46,6 +47,12 @@ struct GrainMotion {
 	double mass, inertia; ///< inertia about z in 2D, mean principal one in 3D
 	Vec3 position, velocity, angularVelocity;
 	Rotation orientation;
+};
+
+/// Energies of one grain, J (2D: J/m).
+struct GrainEnergy {
+	double kinetic; ///< of the present velocities
+	double elastic; ///< at the beginning of the last step; 0 before the first
 };
 
 struct ContactRecord {
@@ -95,10 +102,10 @@ public:
 	virtual int grains() const = 0;
 	virtual int idOf(int g) const = 0;
 	virtual double criticalTimeStep() const = 0;  ///< of the undeformed grains, s
+	virtual double presentCriticalTimeStep() const = 0; ///< as deformed now, s
 	virtual double slowestWave() const = 0;       ///< smallest speed of pressure waves, m/s
 	virtual double pointSpacing(int g) const = 0; ///< dr, m
 	virtual void updateForces(int threads) = 0;   ///< throws StepError
-	virtual double stiffening() const = 0;        ///< see PointLanes::stiffening
 	virtual bool isRigid(int g) const = 0;        ///< moves as a rigid body
 
 	virtual std::unique_ptr<PairContacts> newPair() const = 0;
@@ -116,6 +123,7 @@ public:
 				 const Vec3& velocity, const Vec3& angularVelocity) = 0;
 
 	virtual EnergyBalance energy() const = 0;
+	virtual GrainEnergy energy(int g) const = 0;
 	virtual Continuation continuation() const = 0;
 	virtual void continueFrom(const Continuation& state) = 0;
 

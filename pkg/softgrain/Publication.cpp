@@ -93,15 +93,15 @@ void SoftGrainIntegrator::publishTimes()
 
 namespace {
 
-constexpr std::array<const char*, 6> energyNames { "kinetic", "elastic", "friction",
-						   "impact",  "walls",   "loads" };
+constexpr std::array<const char*, 7> energyNames { "kinetic", "elastic", "friction", "impact",
+						   "walls",   "loads",   "damping" };
 
 } // namespace
 
 void SoftGrainIntegrator::publishEnergy()
 {
 	const auto e = assembly_->energy();
-	energies = { e.kinetic, e.elastic, e.friction, e.impact, e.planes, e.loads };
+	energies = { e.kinetic, e.elastic, e.friction, e.impact, e.planes, e.loads, e.damping };
 	for (std::size_t k = 0; k < energies.size(); ++k) {
 		string name = string("soft") + energyNames[k];
 		name[4] = static_cast<char>(std::toupper(name[4]));
@@ -127,7 +127,8 @@ void SoftGrainIntegrator::saveContinuation()
 {
 	const auto state = assembly_->continuation();
 	lastStep = state.lastStep;
-	workSums = { state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads };
+	workSums = { state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads,
+		     state.sums.damping };
 }
 
 /// The collider watches State.pos only; outlines that leave their boxes are watched here.

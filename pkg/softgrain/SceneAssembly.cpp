@@ -66,6 +66,7 @@ bool isCurrent(const std::vector<Body*>& bodies)
 		const SoftMat& material = static_cast<SoftMat&>(*body->material);
 		if (grain.assembly != assembly || assembly->idOf(grain.index) != body->getId() ||
 		    !sameConstants(grain.assembledConstants, material.constants()) ||
+		    !(grain.assembledDamping == material.damping()) ||
 		    grain.assembledLaw != material.law ||
 		    grain.assembledCondition != material.condition)
 			return false;
@@ -98,6 +99,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 		grain.assembledConstants = material.constants();
 		grain.assembledLaw = material.law;
 		grain.assembledCondition = material.condition;
+		grain.assembledDamping = material.damping();
 		grain.written = assembly->motion(g);
 	}
 	return assembly;
@@ -114,6 +116,11 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
 SoftGrain& grainOf(const Scene& scene, int id)
 {
 	return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape);
+}
+
+const SoftMat& materialOf(const Scene& scene, int id)
+{
+	return static_cast<const SoftMat&>(*(*scene.bodies)[id]->material);
 }
 
 double defaultTimeStep()

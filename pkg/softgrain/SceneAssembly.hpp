@@ -9,6 +9,7 @@
 namespace yade {
 class Scene;
 class SoftGrain;
+class SoftMat;
 
 /// The assembly of the scene's soft grains, made anew if grains, materials or shapes changed since;
 /// null if there is none. Throws std::invalid_argument saying which body is wrong and why.
@@ -22,6 +23,9 @@ std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene
 
 /// Shape of a body that is a soft grain.
 SoftGrain& grainOf(const Scene& scene, int id);
+
+/// Material of the same.
+const SoftMat& materialOf(const Scene& scene, int id);
 
 /// O.dt of a scene in which nobody has set it, s.
 double defaultTimeStep();

@@ -85,6 +85,7 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.law = material.constitutiveLaw();
 	d.condition = condition(material);
 	d.constants = material.constants();
+	d.damping = material.damping();
 	d.radius = radius;
 	d.position = body.state->pos;
 	d.velocity = body.state->vel;
@@ -151,6 +152,15 @@ py::dict SoftGrain::pointArrays()
 }
 
 bool SoftGrain::movesRigidly() { return assembled().isRigid(index); }
+
+py::dict SoftGrain::energyDict()
+{
+	const auto energy = assembled().energy(index);
+	py::dict d;
+	d["kinetic"] = energy.kinetic;
+	d["elastic"] = energy.elastic;
+	return d;
+}
 
 Real SoftGrain::undeformedVolume() { return assembled().undeformedVolume(index); }
 

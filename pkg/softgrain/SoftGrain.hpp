@@ -15,6 +15,7 @@ public:
 	int index = -1;
 	/// What the assembly was built with, to notice changes of the material.
 	softgrain::ElasticConstants assembledConstants;
+	softgrain::Damping assembledDamping;
 	string assembledLaw, assembledCondition;
 	/// Motion of the whole grain as last written to State, to notice what the user changes.
 	softgrain::GrainMotion written;
@@ -34,6 +35,7 @@ public:
 	py::object nodalVelocitiesArray();
 	py::dict pointArrays();
 	bool movesRigidly();
+	py::dict energyDict();
 	Real presentVolume();
 	Real undeformedVolume();
 
@@ -66,6 +68,7 @@ public:
 		.def("nodeVelocities", &SoftGrain::nodalVelocitiesArray, "Velocities of the background nodes (formulation 'updated': of the material points) half a step ago: array (n, dim) [m/s].")
 		.def("points", &SoftGrain::pointArrays, "Fields at the material points, a dict of arrays: position (n, 3) [m], F (n, 3, 3) deformation gradient [-], cauchy (n, 3, 3) Cauchy stress [Pa], volume (n,) present volume [m³, 2D m²].")
 		.def("isRigid", &SoftGrain::movesRigidly, "Whether the grain moves as a rigid body: undeformed and untouched, so that nothing of it needs to be computed (:yref:`SoftGrainIntegrator.rigidMotion`).")
+		.def("energy", &SoftGrain::energyDict, "Energies of the grain [J, 2D J/m], a dict: kinetic (of the present velocities), elastic (at the beginning of the last step; 0 before the first).")
 		.def("undeformedVolume", &SoftGrain::undeformedVolume, "Volume of the undeformed grain [m³] (2D: area [m²]).")
 		.def("volume", &SoftGrain::presentVolume, "Present volume [m³] (2D: area [m²]), Σ Vp0 J.")
 	);

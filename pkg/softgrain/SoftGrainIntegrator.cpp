@@ -3,6 +3,7 @@
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 #include "SoftGrain.hpp"
+#include "SoftMat.hpp"
 
 #include <sstream>
 
@@ -69,7 +70,7 @@ void SoftGrainIntegrator::advance()
 	clock_.end("applyUserMotions");
 	assembly_->updateForces(threads());
 	clock_.end("updateForces");
-	chooseTimeStep(assembly_->stiffening());
+	chooseTimeStep();
 	clock_.end("chooseTimeStep");
 	const auto interactions = softInteractions();
 	renewContacts(interactions);
@@ -103,13 +104,14 @@ void SoftGrainIntegrator::advance()
 void SoftGrainIntegrator::continueSavedRun()
 {
 	loaded_ = false;
-	if (workSums.size() != 4) return;
+	if (workSums.size() != 5) return;
 	softgrain::Continuation state;
 	state.lastStep = lastStep;
 	state.sums.friction = workSums[0];
 	state.sums.impact = workSums[1];
 	state.sums.planes = workSums[2];
 	state.sums.loads = workSums[3];
+	state.sums.damping = workSums[4];
 	assembly_->continueFrom(state);
 }
 
@@ -136,10 +138,10 @@ int SoftGrainIntegrator::threads() const
 
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
 /// set for the undeformed scene before the first step); a value of the user's is only checked.
-void SoftGrainIntegrator::chooseTimeStep(double stiffening)
+void SoftGrainIntegrator::chooseTimeStep()
 {
 	const Real undeformed = assembly_->criticalTimeStep();
-	criticalDt = undeformed / std::sqrt(stiffening);
+	criticalDt = assembly_->presentCriticalTimeStep();
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
 	const bool automatic = scene->dt == dtSet || scene->dt == defaultTimeStep() ||
 			       std::abs(scene->dt - own) <= 1e-9 * own;
@@ -226,7 +228,7 @@ void SoftGrainIntegrator::applyLoads()
 		const Vector3r force = scene->forces.getForce(id),
 			       torque = scene->forces.getTorque(id);
 		Vec3 angular = Vec3::Zero();
-		Vec3 acceleration = g0;
+		Vec3 acceleration = g0 / materialOf(*scene, id).massScaling;
 		if (!force.isZero(0) || !torque.isZero(0)) {
 			const auto motion = assembly_->motion(g);
 			acceleration += force / motion.mass;

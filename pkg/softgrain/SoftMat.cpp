@@ -7,7 +7,10 @@ YADE_PLUGIN((SoftMat));
 
 void SoftMat::postLoad(SoftMat&)
 {
+	softgrain::require(massScaling >= 1 && math::isfinite(massScaling), "massScaling",
+			   massScaling, "[1, inf)");
 	constants().validate();
+	damping().validate();
 	constitutiveLaw();
 	softgrain::conditionByName(condition);
 	softgrain::require(frictionAngle >= 0 && frictionAngle < Mathr::PI / 2, "frictionAngle",

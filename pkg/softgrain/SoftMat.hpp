@@ -1,13 +1,19 @@
 #pragma once
 
 #include "Yade.hpp"
+#include "material/Damping.hpp"
 #include "material/Elasticity.hpp"
 
 namespace yade {
 
 class SoftMat : public Material {
 public:
-	softgrain::ElasticConstants constants() const { return { young, poisson, density }; }
+	/// With the density that inertia sees.
+	softgrain::ElasticConstants constants() const
+	{
+		return { young, poisson, massScaling * density };
+	}
+	softgrain::Damping damping() const { return { massDamping, stiffnessDamping }; }
 	softgrain::Law constitutiveLaw() const { return softgrain::lawByName(law); }
 	/// Checks all attributes; throws std::invalid_argument (ValueError in Python).
 	void postLoad(SoftMat&);
@@ -19,7 +25,10 @@ public:
 		((Real, poisson, 0.45, Attr::triggerPostLoad, "Poisson's ratio at small strain, in (-1, 0.5) [-]."))
 		((Real, frictionAngle, 0, Attr::triggerPostLoad, "Angle of Coulomb friction, in [0, π/2) [rad]. The smaller one of two bodies in contact counts, as everywhere in YADE; it is read when the contact is made."))
 		((string, law, "neoHookean", Attr::triggerPostLoad, "Constitutive law: 'neoHookean', the compressible neo-Hookean solid P = μ(F − F⁻ᵀ) + λ ln J F⁻ᵀ."))
-		((string, condition, "planeStrain", Attr::triggerPostLoad, "What closes the third dimension of 2D grains: 'planeStrain' (F₃₃ = 1) or 'planeStress' (P₃₃ = 0 at every point). 3D grains do not use it.")),
+		((string, condition, "planeStrain", Attr::triggerPostLoad, "What closes the third dimension of 2D grains: 'planeStrain' (F₃₃ = 1) or 'planeStress' (P₃₃ = 0 at every point). 3D grains do not use it."))
+		((Real, massDamping, 0, Attr::triggerPostLoad, "Viscous damping α (the mass-proportional term of Rayleigh damping), ≥ 0 [1/s]: velocities of a grain relative to its own rigid motion decay as exp(−α t), so a vibration of angular frequency ω has the damping ratio α/(2 ω). Flight, rotation and all momenta stay as they are; static answers do not change. 0: none, at no cost. Doc: doc/theory.md, Damping."))
+		((Real, stiffnessDamping, 0, Attr::triggerPostLoad, "Stiffness-proportional (Kelvin-Voigt) term β of Rayleigh damping, ≥ 0 [s]: stress F S with S = β (λ tr Ė 1 + 2 μ Ė), Ė the rate of Green's strain; damping ratio β ω/2. Shortens the critical time step, to dt_c (√(1 + ξ²) − ξ) with ξ = β/dt_c, which the check of the step knows. 0: none, at no cost."))
+		((Real, massScaling, 1, Attr::triggerPostLoad, "Factor on the density that inertia sees, ≥ 1 [-], for quasi-static loading: the critical time step grows with its square root, weight (gravity) and forces stay as they are, and whatever moves is so much more inert. :yref:`State.mass` and kinetic energies show the scaled mass. See sg.scale_mass().")),
 		createIndex();
 	);
 	// clang-format on

@@ -41,6 +41,7 @@ from softgrain.observe import (  # noqa: E402
 )
 from softgrain.picture import draw_packing  # noqa: E402
 from softgrain.profile import contact_halfwidth, contact_profile  # noqa: E402
+from softgrain.quasi_static import quasi_static, scale_mass, suggest_speed  # noqa: E402
 from softgrain.timing import phase_times, reset_times  # noqa: E402
 
 __all__ = sorted(_classes) + [
@@ -55,7 +56,9 @@ __all__ = sorted(_classes) + [
     "integrator",
     "packing_fraction",
     "phase_times",
+    "quasi_static",
     "reset_times",
+    "scale_mass",
     "set_time_step",
     "soft_block",
     "soft_bodies",
@@ -63,6 +66,7 @@ __all__ = sorted(_classes) + [
     "soft_sphere",
     "soften",
     "solve_contact_problem",
+    "suggest_speed",
     "von_mises",
     "wall_force",
 ]

@@ -340,7 +340,8 @@ def _check_fraction(name, fraction):
 
 
 def critical_time_step():
-    """Critical time step of the undeformed soft grains of the scene, dt_c = 2/omega_max [s].
+    """Critical time step of the undeformed soft grains of the scene, dt_c = 2/omega_max, less where
+    they are damped [s].
 
     Raises:
         ValueError: the scene has no soft grain, or a body is wrong (see the message).
@@ -351,6 +352,14 @@ def critical_time_step():
     if not step > 0:
         raise ValueError("critical_time_step: the scene has no soft grain")
     return step
+
+
+def automatic_fraction():
+    """Fraction of the critical step that ``O.dt`` is kept at; None where it is the user's [-]."""
+    for engine in O.engines:
+        if isinstance(engine, wrapper.SoftGrainIntegrator):
+            return engine.timeStepFraction if O.dt == engine.dtSet else None
+    return _own_step["fraction"] if O.dt == _own_step["dt"] else None
 
 
 def set_time_step(fraction=0.8):

@@ -78,7 +78,7 @@ class Balance:
     True``.
 
     The work of walls and loads must be found again as kinetic and elastic energy and as what
-    friction and impacts dissipated.
+    friction, impacts and damping dissipated.
     """
 
     def __init__(self):
@@ -87,8 +87,9 @@ class Balance:
 
     @staticmethod
     def _stored_and_lost(energy):
-        found = energy["kinetic"] + energy["elastic"] + energy["friction"] + energy["impact"]
-        return found - energy["walls"] - energy["loads"]
+        stored = energy["kinetic"] + energy["elastic"]
+        lost = energy["friction"] + energy["impact"] + energy["damping"]
+        return stored + lost - energy["walls"] - energy["loads"]
 
     def error(self):
         """|work - change of energy - dissipation| over the largest magnitude so far [-]."""

@@ -108,7 +108,8 @@ class Ledger:
 
     def __init__(self, **energy):
         self.values = {
-            name: 0.0 for name in ("kinetic", "elastic", "friction", "impact", "walls", "loads")
+            name: 0.0
+            for name in ("kinetic", "elastic", "friction", "impact", "walls", "loads", "damping")
         }
         self.values.update(energy)
 
@@ -129,6 +130,8 @@ def test_balance(monkeypatch):
     ledger.values.update(elastic=4.0, loads=1.3)
     assert balance.error() == pytest.approx(0.8 / 8)
     ledger.values.update(friction=1.8)
+    assert balance.error() == pytest.approx(0)
+    ledger.values.update(loads=0.5, damping=-0.8)
     assert balance.error() == pytest.approx(0)
 
 

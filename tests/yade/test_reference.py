@@ -46,6 +46,8 @@ class Case:
     formulation: str = "total"
     velocity_update: str = "nodal"
     pic_share: float = 0.0
+    mass_damping: float = 0.0  # 1/s
+    stiffness_damping: float = 0.0  # s
 
     @property
     def recipes(self):
@@ -65,9 +67,10 @@ class Case:
     @property
     def materials(self):
         angle = math.atan(self.friction)
+        damping = self.mass_damping, self.stiffness_damping
         return [
-            reference.Material(1e6, 0.45, 1000.0, angle, self.condition),
-            reference.Material(3e6, 0.3, 1500.0, 1.5 * angle, self.condition),
+            reference.Material(1e6, 0.45, 1000.0, angle, self.condition, *damping),
+            reference.Material(3e6, 0.3, 1500.0, 1.5 * angle, self.condition, *damping),
         ]
 
     @property
@@ -90,6 +93,11 @@ CASES = {
     "corner": Case(node_spacing=2.0, walls=(SIDE, BOTTOM, TOP)),
     # the outline bulges out of the box of its nodes
     "sparse outline": Case(surface_spacing=2.8, zeta=(0.25, 0.25), centres=HEAD_ON),
+    "damped": Case(mass_damping=3000.0, stiffness_damping=1e-5),
+    "damped, plane stress": Case("planeStress", stiffness_damping=1e-5),
+    "damped, projected": Case(
+        volumetric="projected", zeta=(0.25, 0.25), mass_damping=3000.0, stiffness_damping=1e-5
+    ),
     "flip": Case(velocity_update="flip"),
     "flip with a share of PIC, points": Case(
         contact="points", zeta=(0.25, 0.25), velocity_update="flip", pic_share=0.1, gravity=-3000.0
@@ -135,6 +143,8 @@ def build_in_yade(case):
             density=m.density,
             frictionAngle=m.friction_angle,
             condition=m.condition,
+            massDamping=m.mass_damping,
+            stiffnessDamping=m.stiffness_damping,
         )
         disk = sg.soft_disk(
             padded(case.centres[g]),
@@ -335,6 +345,16 @@ def test_kernel_does_the_same_as_the_oracle(name):
         assert seen == EVERYTHING
 
 
+def damped(system):
+    for grain in system.grains:
+        grain.material = replace(grain.material, mass_damping=1e-2)
+
+
+def viscous(system):
+    for grain in system.grains:
+        grain.material = replace(grain.material, stiffness_damping=1e-10)
+
+
 def stiffer(system):
     for grain in system.grains:
         grain.material = replace(grain.material, young=1.0001 * grain.material.young)
@@ -384,6 +404,8 @@ def walls_in_reverse(system):
 
 
 CHANGES = (
+    damped,
+    viscous,
     stiffer,
     rougher,
     faster_walls,

@@ -81,9 +81,26 @@ class Grain:
     def internal_force(self):
         """f_I = - sum_p Vp0 P_p G_I(Xp) [N per metre of thickness], shape (nodes, 2)."""
         P = self.material.first_piola(self.deformation_gradient(), self.template.volume_projection)
+        return self._force_of(P)
+
+    def _force_of(self, P):
         G = self.template.point_gradient / self.radius
         volume = self.template.point_volume * self.radius**DIM
         return -np.einsum("p,pab,pIb->Ia", volume, P, G)
+
+    def damping_impulse(self, dt):
+        """Of both terms of Rayleigh damping in a step dt [N s per metre], shape (nodes, 2)."""
+        F_rate = np.einsum("Ia,pIb->pab", self.v, self.template.point_gradient) / self.radius
+        P = self.material.viscous_piola(
+            self.deformation_gradient(), F_rate, self.template.volume_projection
+        )
+        arm = self.x - self.centre
+        mean = self.mass @ self.v / self.mass.sum()
+        inertia = self.mass @ (arm**2).sum(axis=1)
+        spin = self.mass @ (arm[:, 0] * self.v[:, 1] - arm[:, 1] * self.v[:, 0]) / inertia
+        relative = self.v - _rigid_velocity(arm, mean, spin)
+        share = 1 - np.exp(-self.material.mass_damping * dt)
+        return dt * self._force_of(P) - share * self.mass[:, None] * relative
 
     def move(self, dt):
         """x_I += dt v_I; the new velocities become the present ones, by way of the points if they
@@ -144,6 +161,11 @@ class UpdatedGrain:
         self.lay_grid()
 
     has_surface = Grain.has_surface
+
+    def damping_impulse(self, dt):
+        """None: this formulation has no damping of its own."""
+        return np.zeros_like(self.v)
+
     fastest = Grain.fastest
 
     @property

@@ -14,6 +14,8 @@ class Material:
     density: float = 1000.0  #: kg/m^3
     friction_angle: float = 0.0  #: rad; the smaller one of two bodies counts
     condition: str = "planeStrain"  #: or 'planeStress'
+    mass_damping: float = 0.0  #: alpha, 1/s
+    stiffness_damping: float = 0.0  #: beta, s
 
     @property
     def lam(self):
@@ -26,12 +28,33 @@ class Material:
         return 0.5 * self.young / (1 + self.poisson)
 
     @property
+    def plane_lam(self):
+        """First Lame constant lambda' that acts in the plane at small strain [Pa]."""
+        lam, mu = self.lam, self.mu
+        return 2 * lam * mu / (lam + 2 * mu) if self.condition == "planeStress" else lam
+
+    @property
     def wave_speed(self):
         """Speed of pressure waves in the plane of the undeformed grain [m/s]."""
-        lam, mu = self.lam, self.mu
-        if self.condition == "planeStress":
-            lam = 2 * lam * mu / (lam + 2 * mu)
-        return np.sqrt((lam + 2 * mu) / self.density)
+        return np.sqrt((self.plane_lam + 2 * self.mu) / self.density)
+
+    def viscous_piola(self, F, F_rate, volume_projection=None):
+        """Stress of stiffness damping, F S with S = beta (lambda' tr(E') 1 + 2 mu E').
+
+        Args:
+            F, F_rate (ndarray): deformation gradient and its rate [1/s], shape (points, 2, 2).
+            volume_projection (ndarray | None): as for `first_piola`, applied to tr(E').
+
+        Returns:
+            ndarray: [Pa], shape (points, 2, 2).
+        """
+        E_rate = F.transpose(0, 2, 1) @ F_rate
+        E_rate = 0.5 * (E_rate + E_rate.transpose(0, 2, 1))
+        trace = np.trace(E_rate, axis1=1, axis2=2)
+        if volume_projection is not None:
+            trace = volume_projection @ trace
+        S = 2 * self.mu * E_rate + self.plane_lam * trace[:, None, None] * np.eye(2)
+        return self.stiffness_damping * F @ S
 
     def first_piola(self, F, volume_projection=None):
         """First Piola-Kirchhoff stress P = mu (F - F^-T) + lambda ln J F^-T, J = det(F) F33.

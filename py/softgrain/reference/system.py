@@ -75,10 +75,11 @@ class System:
         self.contacts += [(pair, contact) for contact in contacts]
 
     def predict_velocities(self, dt):
-        """v_I += dt (f_I / m_I + gravity): the velocities without contact."""
+        """v_I += dt (f_I / m_I + gravity) + damping: the velocities without contact."""
         for grain in self.grains:
             acceleration = grain.internal_force() / grain.mass[:, None] + self.gravity
-            grain.v_next = grain.v + dt * acceleration
+            damping = grain.damping_impulse(dt) / grain.mass[:, None]
+            grain.v_next = grain.v + dt * acceleration + damping
 
     def solve_contacts(self, dt):
         """Find all impulses r together and put them on the nodes, v += M^-1 H^T r."""

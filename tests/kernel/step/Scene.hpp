@@ -77,8 +77,7 @@ template <int dim> struct Scene {
 	StepReport advance()
 	{
 		system.updateForces(settings.threads);
-		return advance(courant * system.criticalTimeStep() /
-			       std::sqrt(system.stiffening()));
+		return advance(courant * system.presentCriticalTimeStep());
 	}
 	WholeGrain<dim> whole(int g) const { return system.setOf(g).whole(laneOf(g)); }
 	Vec<dim> momentum() const

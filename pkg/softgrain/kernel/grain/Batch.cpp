@@ -15,6 +15,7 @@ void checkGrains(Condition condition, const std::vector<GrainParameters<dim>>& g
 			"condition must be 'solid' in 3D, and plane strain or plane stress in 2D");
 	for (const GrainParameters<dim>& grain : grains) {
 		grain.constants.validate();
+		grain.damping.validate();
 		require(grain.radius > 0 && std::isfinite(grain.radius), "radius", grain.radius,
 			"(0, inf) m");
 	}

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "material/Damping.hpp"
 #include "material/Elasticity.hpp"
 #include "material/Lanes.hpp"
 #include "reference/GrainTemplate.hpp"
@@ -42,6 +43,7 @@ template <int dim> struct GrainParameters {
 	Vec<dim> origin =
 		Vec<dim>::Zero(); ///< m; nodal positions are kept relative to it, so that a
 				  ///< grain far from the origin of space loses no digits
+	Damping damping;
 };
 
 /// Throws std::invalid_argument naming what is inadmissible about grains or their condition.

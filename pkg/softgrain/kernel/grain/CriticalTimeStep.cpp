@@ -100,6 +100,17 @@ std::vector<double> criticalTimeSteps(const GrainTemplate<dim>& reference, Condi
 	return steps;
 }
 
+double dampedTimeStep(double undamped, const Damping& damping, double stiffening,
+		      double rateStiffening)
+{
+	const double plain = undamped / std::sqrt(stiffening);
+	if (!damping.acts()) return plain;
+	// with the exp of the longer, undamped step: on the safe side
+	const double right = 0.5 * (1 + std::exp(-damping.mass * plain)) * undamped * undamped;
+	const double rate = damping.stiffness * rateStiffening;
+	return right / (rate + std::sqrt(rate * rate + stiffening * right));
+}
+
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template double highestFrequency<dim>(const GrainTemplate<dim>&, Condition, double);       \
 	template double criticalTimeStep<dim>(const GrainTemplate<dim>&, Condition,                \

@@ -27,4 +27,11 @@ template <int dim>
 std::vector<double> criticalTimeSteps(const GrainTemplate<dim>& reference, Condition condition,
 				      const std::vector<GrainParameters<dim>>& grains);
 
+/// Critical step with damping (Damper) of a grain whose step without is `undamped`. Stable is what
+/// satisfies s omega^2 dt^2 + 2 beta q omega^2 dt <= 2 (1 + exp(-alpha dt)), omega = 2/undamped,
+/// with s how much the deformation stiffens and q = GrainSet::rateStiffening; a little less is
+/// returned where alpha > 0. Without damping undamped/sqrt(s).
+double dampedTimeStep(double undamped, const Damping& damping, double stiffening,
+		      double rateStiffening);
+
 } // namespace softgrain

@@ -49,6 +49,13 @@ makeGrainSet(std::shared_ptr<const GrainTemplate<dim>> reference, Law law, Condi
 	     const std::vector<GrainParameters<dim>>& grains, const Scheme& scheme)
 {
 	scheme.validate(reference->recipe);
+	for (const GrainParameters<dim>& grain : grains)
+		if (grain.damping.acts() && scheme.hasPointVelocities())
+			throw std::invalid_argument(
+				"massDamping = " + std::to_string(grain.damping.mass) +
+				", stiffnessDamping = " + std::to_string(grain.damping.stiffness) +
+				": damping is for velocities at the nodes (formulation = 'total', "
+				"velocityUpdate = 'nodal'); admissible for others: 0");
 	if (scheme.formulation == Formulation::updated)
 		return std::make_unique<UpdatedLagrangian<dim>>(std::move(reference), law,
 								condition, grains, scheme.picShare);

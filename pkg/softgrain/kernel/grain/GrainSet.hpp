@@ -58,8 +58,10 @@ public:
 	virtual const GrainTemplate<dim>& reference() const = 0;
 	virtual Condition condition() const = 0;
 	virtual const GrainParameters<dim>& parameters(int g) const = 0;
-	/// Of the undeformed grain, s.
+	/// Of the undeformed grain without damping, s.
 	virtual double criticalTimeStep(int g) const = 0;
+	/// How much faster damping acts in the grain as deformed now, >= 1 (Damper).
+	virtual double rateStiffening(int) const { return 1; }
 
 	// --- grains that are not computed (doc/decisions/0014-inactive-grains.md) ---------------
 
@@ -98,6 +100,8 @@ public:
 	/// Adds the work of a load, the halves with the velocities before and after t_n, J.
 	virtual void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 				 double& after) const = 0;
+	/// Adds what damping dissipates, in the same halves.
+	virtual void addDampingLoss(int, double& /*before*/, double& /*after*/) const {}
 	/// What has to be done for several grains together before they move. Parallel.
 	virtual void prepareMove(int /*threads*/) {}
 	/// The new velocities become the present ones, and the grain moves by dt.
@@ -119,6 +123,8 @@ public:
 	// --- what others ask and set ------------------------------------------------------------
 
 	virtual WholeGrain<dim> whole(int g) const = 0;
+	/// 1/2 sum m v . v of the present velocities, J.
+	virtual double presentKineticEnergy(int g) const = 0;
 	virtual std::vector<PointResponse<dim>> points(int g) const = 0;
 	/// Positions and velocities of the background nodes (updated Lagrangian: of the material
 	/// points, since nothing persists at nodes).

@@ -51,6 +51,7 @@ TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch, const Scheme& scheme)
 		for (double& step : criticalTimeStep_)
 			step *= pointVelocityTimeStepShare;
 	}
+	if (Damper<dim>::isNeeded(batch_)) damper_.emplace(batch_);
 	measureShapes();
 }
 
@@ -130,6 +131,7 @@ template <int dim> void TotalLagrangian<dim>::endRigidMotion(int g)
 	writeNodes(g);
 	isRigid_[g] = 0;
 	std::fill_n(batch_.force.of(g), nodes(), Vec<dim>::Zero());
+	if (damper_) damper_->forget(g);
 }
 
 template <int dim> void TotalLagrangian<dim>::arrangeGrains()
@@ -204,6 +206,7 @@ void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<
 		vNext[I] = v[I];
 		addScaled<dim>(vNext[I], scale * inverseMass[I], force[I]);
 	}
+	if (damper_ && damper_->acts(batch_, g)) damper_->addImpulses(batch_, g, kick);
 	if (!loaded) return;
 	for (int I = 0; I < nodes(); ++I)
 		vNext[I] +=
@@ -294,6 +297,13 @@ void TotalLagrangian<dim>::addLoadWork(int g, double kick, const BodyLoad<dim>& 
 		before += 0.5 * impulse.dot(batch_.v.get(g, I));
 		after += 0.5 * impulse.dot(batch_.vNext.get(g, I));
 	}
+}
+
+template <int dim>
+void TotalLagrangian<dim>::addDampingLoss(int g, double& before, double& after) const
+{
+	if (damper_ && !isRigid_[g] && damper_->acts(batch_, g))
+		damper_->addLoss(batch_, g, before, after);
 }
 
 template <int dim> void TotalLagrangian<dim>::prepareMove(int threads)
@@ -399,6 +409,16 @@ void TotalLagrangian<dim>::useContactNodes(int g, const SparseRows<double>& poin
 	}
 	ownNodes_[g].delassus = delassusTable(rows, batch_.reference->nodeMass);
 	ownNodes_[g].shapes = std::move(rows);
+}
+
+template <int dim> double TotalLagrangian<dim>::presentKineticEnergy(int g) const
+{
+	writeNodes(g);
+	if (!pointVelocities_) return softgrain::kineticEnergy(batch_, batch_.v, batch_.v, g);
+	double sum = 0;
+	for (int p = 0; p < batch_.reference->points(); ++p)
+		sum += batch_.reference->pointVolume[p] * pointVelocities_->get(g, p).squaredNorm();
+	return 0.5 * batch_.massScale[g] * sum;
 }
 
 template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodePositions(int g) const

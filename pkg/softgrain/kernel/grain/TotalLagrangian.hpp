@@ -4,6 +4,7 @@
 // deformation gradients are then computed alike, because points move as the nodes make them.
 #pragma once
 
+#include "grain/Damper.hpp"
 #include "grain/GrainSet.hpp"
 #include "grain/PointVelocities.hpp"
 #include "grain/RigidMotion.hpp"
@@ -34,7 +35,15 @@ public:
 	void arrangeGrains() override;
 	RigidBounds<dim> rigidBounds(int g) const override;
 
-	void updateForces(int threads) override { computeInternalForce(batch_, threads); }
+	double rateStiffening(int g) const override
+	{
+		return damper_ && !isRigid_[g] ? damper_->rateStiffening(g) : 1;
+	}
+	void updateForces(int threads) override
+	{
+		computeInternalForce(batch_, threads);
+		if (damper_) damper_->updateForces(batch_, threads);
+	}
 	const BulkReport& report(int g) const override { return batch_.report[g]; }
 	void predictVelocities(int g, double kick, const BodyLoad<dim>& load) override;
 	ContactMobility<dim> contactMobility(int g) override
@@ -52,6 +61,7 @@ public:
 	double kineticEnergy(int g) const override;
 	void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 			 double& after) const override;
+	void addDampingLoss(int g, double& before, double& after) const override;
 	void prepareMove(int threads) override;
 	void move(int g, double dt) override;
 	double fastestContactNode(int g) const override;
@@ -62,6 +72,7 @@ public:
 
 	/// Of the nodes, or of the points where velocities live there.
 	WholeGrain<dim> whole(int g) const override;
+	double presentKineticEnergy(int g) const override;
 	std::vector<PointResponse<dim>> points(int g) const override
 	{
 		writeNodes(g);
@@ -100,6 +111,7 @@ private:
 	mutable Batch<dim> batch_;       ///< nodes of rigid grains are written when asked for
 	std::vector<OwnNodes> ownNodes_; ///< none unless `useContactNodes` was called
 	mutable std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
+	std::optional<Damper<dim>> damper_;    ///< where a grain is damped
 	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
 	double shareSum_; ///< largest sum of sizes of the shares of a contact node
 

@@ -264,6 +264,14 @@ template <int dim> WholeGrain<dim> UpdatedLagrangian<dim>::whole(int g) const
 	});
 }
 
+template <int dim> double UpdatedLagrangian<dim>::presentKineticEnergy(int g) const
+{
+	double sum = 0;
+	for (int p = 0; p < pointCount(); ++p)
+		sum += grain_[g].mass[p] * velocityAt(g, p).squaredNorm();
+	return 0.5 * sum;
+}
+
 template <int dim> std::vector<PointResponse<dim>> UpdatedLagrangian<dim>::points(int g) const
 {
 	const UpdatedGrain<dim>& grain = grain_[g];

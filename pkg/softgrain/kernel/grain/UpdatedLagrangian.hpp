@@ -45,6 +45,7 @@ public:
 	void contactPositions(int g, std::vector<Vec<dim>>& at) const override;
 
 	WholeGrain<dim> whole(int g) const override;
+	double presentKineticEnergy(int g) const override;
 	std::vector<PointResponse<dim>> points(int g) const override;
 	/// Of the material points, which carry the state.
 	std::vector<Vec<dim>> nodePositions(int g) const override;

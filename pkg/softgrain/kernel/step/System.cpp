@@ -1,4 +1,5 @@
 #include "step/System.hpp"
+#include "grain/CriticalTimeStep.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,10 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 	const GrainTemplate<dim>& reference = set->reference();
 	for (int k = 0; k < set->grains(); ++k) {
 		place_.push_back({ static_cast<int>(sets_.size()), k });
+		if (set->parameters(k).damping.acts())
+			damped_.push_back(grains() - 1);
+		else
+			undampedTimeStep_ = std::min(undampedTimeStep_, set->criticalTimeStep(k));
 		const double radius = set->parameters(k).radius;
 		ContactBody<dim> body;
 		body.mesh = &reference.contactMesh;
@@ -98,12 +103,23 @@ void System<dim>::chooseRigidGrains(const std::vector<char>& touched, bool rigid
 	listGrains();
 }
 
-template <int dim> double System<dim>::criticalTimeStep() const
+template <int dim>
+double System<dim>::criticalTimeStep(double stiffening, double rateStiffening) const
 {
-	double smallest = std::numeric_limits<double>::infinity();
-	for (int g = 0; g < grains(); ++g)
-		smallest = std::min(smallest, setOf(g).criticalTimeStep(indexInSet(g)));
+	double smallest = undampedTimeStep_ / std::sqrt(stiffening);
+	for (int g : damped_) {
+		const GrainSet<dim>& set = setOf(g);
+		const int k = indexInSet(g);
+		smallest = std::min(smallest, dampedTimeStep(set.criticalTimeStep(k),
+							     set.parameters(k).damping, stiffening,
+							     rateStiffening));
+	}
 	return smallest;
+}
+
+template <int dim> double System<dim>::presentCriticalTimeStep() const
+{
+	return criticalTimeStep(stiffening(), rateStiffening());
 }
 
 namespace {
@@ -226,6 +242,14 @@ template <int dim> double System<dim>::stiffening() const
 	double largest = 1;
 	for (int g : active_)
 		largest = std::max(largest, setOf(g).report(indexInSet(g)).stiffening);
+	return largest;
+}
+
+template <int dim> double System<dim>::rateStiffening() const
+{
+	double largest = 1;
+	for (int g : damped_)
+		largest = std::max(largest, setOf(g).rateStiffening(indexInSet(g)));
 	return largest;
 }
 
@@ -369,7 +393,7 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 {
 	energy_ = continuation_.sums;
 	energy_.kinetic = energy_.elastic = 0;
-	ContactWork::Halves loads;
+	ContactWork::Halves loads, damping;
 	for (int g = 0; g < grains(); ++g) {
 		const GrainSet<dim>& set = setOf(g);
 		const int k = indexInSet(g);
@@ -378,6 +402,8 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 		if (!loads_[g].isZero())
 			set.addLoadWork(k, kick, loads_[g], loads.before, loads.after);
 	}
+	for (int g : damped_)
+		setOf(g).addDampingLoss(indexInSet(g), damping.before, damping.after);
 	auto book = [this](double EnergyBalance::* sum, const ContactWork::Halves& halves) {
 		energy_.*sum += halves.before; // the first half is done when t_n is reached
 		continuation_.sums.*sum += halves.before + halves.after;
@@ -386,6 +412,7 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 	book(&EnergyBalance::friction, work.friction);
 	book(&EnergyBalance::planes, work.planes);
 	book(&EnergyBalance::loads, loads);
+	book(&EnergyBalance::damping, damping);
 }
 
 template <int dim>

@@ -7,6 +7,7 @@
 #include "step/PhaseClock.hpp"
 
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -26,8 +27,8 @@ struct StepError : std::runtime_error {
 	int point; ///< material point, or -1
 };
 
-/// Energies at t_n, J (2D: J/m). kinetic + elastic = initial + work - friction - impact up to
-/// rounding and the second-order error of the time integration.
+/// Energies at t_n, J (2D: J/m). kinetic + elastic = initial + work - friction - impact - damping
+/// up to rounding and the second-order error of the time integration.
 struct EnergyBalance {
 	double kinetic = 0; ///< 1/2 sum mI v(t_n - dt/2) . v(t_n + dt/2)
 	double elastic = 0;
@@ -35,6 +36,7 @@ struct EnergyBalance {
 	double impact = 0;   ///< dissipated by normal impulses since the start
 	double planes = 0;   ///< work of moving planes on the grains since the start
 	double loads = 0;    ///< work of body loads since the start
+	double damping = 0;  ///< dissipated by damping since the start
 };
 
 /// Work done since the end of the last step, in counts: a change can be judged by them on a busy
@@ -114,8 +116,10 @@ public:
 		continuation_ = c;
 		energy_ = c.sums;
 	}
-	/// Smallest undeformed critical time step over the grains, s.
-	double criticalTimeStep() const;
+	/// Smallest critical time step over the grains, undeformed, with their damping, s.
+	double criticalTimeStep() const { return criticalTimeStep(1, 1); }
+	/// The same as deformed now: with the largest stiffening of all grains.
+	double presentCriticalTimeStep() const;
 
 	/// Renews contact-node positions and outlines from the state; those of grains that move
 	/// rigidly when somebody asks. Called by `step` at its end; call it after setting state by
@@ -127,6 +131,7 @@ public:
 	/// inverted point. `step` uses them if they are fresh.
 	void updateForces(int threads);
 	double stiffening() const;
+	double rateStiffening() const; ///< largest GrainSet::rateStiffening
 
 	/// Time over which the impulses of the last step acted, s; 0 before the first.
 	double lastKick() const { return lastKick_; }
@@ -171,6 +176,7 @@ private:
 	void chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion);
 	void listGrains();
 
+	double criticalTimeStep(double stiffening, double rateStiffening) const;
 	void renewOutline(int g);
 	void followMotion(int g, double dt);
 	double kickTime(double dt) const;
@@ -189,6 +195,9 @@ private:
 	std::vector<char> listedRigid_; ///< by grain: in `rigid_`, else in `active_`
 	std::vector<int> active_, rigid_, all_;
 	std::vector<BodyLoad<dim>> loads_;
+	std::vector<int> damped_; ///< grains with damping
+	/// Smallest undeformed critical step of the others, s.
+	double undampedTimeStep_ = std::numeric_limits<double>::infinity();
 	ContactSolver<dim> solver_;
 	std::vector<char> finite_;    ///< by grain, of the step at hand
 	std::vector<double> kinetic_; ///< by grain, J; only where energies are tracked

@@ -1,0 +1,155 @@
+"""Quasi-static loading: how far from it a scene is, how fast a wall may move, mass scaling.
+
+Formulas and what was measured: ``doc/theory.md``, section 3, ``doc/decisions/0016-quasi-static.md``.
+"""
+
+import math
+import warnings
+
+import numpy as np
+from yade import NewtonIntegrator, O, Vector3, wrapper
+
+from softgrain import build
+from softgrain.observe import soft_bodies
+
+
+def quasi_static():
+    """How far the soft grains of the scene are from equilibrium, after the last step.
+
+    Returns:
+        dict: *kinetic* and *elastic*, energies of all soft grains [J, 2D J/m];
+        *kinetic_over_elastic* [-], inf where nothing is deformed but something moves;
+        *unbalanced_force* [-], mean magnitude of the sum of forces on a soft grain (contacts,
+        ``O.forces``, weight) over mean magnitude of the contact forces, as
+        ``utils.unbalancedForce`` has it for rigid bodies, inf where grains are accelerated without
+        any contact. Both ratios are 0 where there is neither motion nor force.
+
+    Raises:
+        ValueError: the scene has no soft grain.
+    """
+    bodies = soft_bodies()
+    if not bodies:
+        raise ValueError("quasi_static: the scene has no soft grain")
+    energies = [body.shape.energy() for body in bodies]
+    kinetic = sum(energy["kinetic"] for energy in energies)
+    elastic = sum(energy["elastic"] for energy in energies)
+    return {
+        "kinetic": kinetic,
+        "elastic": elastic,
+        "kinetic_over_elastic": _ratio(kinetic, elastic),
+        "unbalanced_force": _ratio(_mean_net_force(bodies), _mean_contact_force()),
+    }
+
+
+def _ratio(numerator, denominator):
+    if denominator > 0:
+        return numerator / denominator
+    return math.inf if numerator > 0 else 0.0
+
+
+def _mean_net_force(bodies):
+    gravity = next((e.gravity for e in O.engines if isinstance(e, NewtonIntegrator)), Vector3())
+    sums = [
+        O.forces.f(b.id) + gravity * (b.state.mass / b.material.massScaling) for b in bodies
+    ]
+    return np.mean([force.norm() for force in sums])
+
+
+def _mean_contact_force():
+    forces = [
+        (i.phys.normalForce + i.phys.shearForce).norm()
+        for i in O.interactions
+        if i.isReal and isinstance(i.phys, wrapper.SoftPhys) and i.phys.activeContacts > 0
+    ]
+    return np.mean(forces) if forces else 0.0
+
+
+def suggest_speed(stress=None, share=0.05):
+    """Speed of a wall at which inertia stays below a share of the stress.
+
+    A wall that moves at ``v`` sends waves of the stress ``rho c v`` into the grains it touches, with
+    ``c`` the speed of pressure waves, and what moves at ``v`` has at most ``(rho c v/stress)²``
+    times the elastic energy of a body under the uniaxial ``stress``. So ``v = share stress/(rho
+    c)``: force errors then are at most ``share``, kinetic over elastic energy at most ``share²``,
+    once the stress is reached. The grain with the largest ``rho c`` counts, mass scaling included.
+
+    Args:
+        stress (float | None): mean stress on the wall from which results are to hold, > 0 [Pa]; None:
+            a hundredth of the smallest Young's modulus of the soft grains.
+        share (float): in (0, 1] [-].
+
+    Returns:
+        float: [m/s].
+
+    Raises:
+        ValueError: a value is out of its range, or the scene has no soft grain.
+    """
+    bodies = soft_bodies()
+    if not bodies:
+        raise ValueError("suggest_speed: the scene has no soft grain")
+    if stress is None:
+        stress = 0.01 * min(body.material.young for body in bodies)
+    if not 0 < stress < math.inf:
+        raise ValueError(f"stress = {stress} is outside the admissible range (0, inf) Pa")
+    if not 0 < share <= 1:
+        raise ValueError(f"share = {share} is outside the admissible range (0, 1]")
+    return share * stress / max(_impedance(body) for body in bodies)
+
+
+def _impedance(body):
+    """rho c = sqrt(rho (lambda' + 2 mu)) [Pa s/m]."""
+    material = body.material
+    nu = material.poisson
+    mu = 0.5 * material.young / (1 + nu)
+    lam = 2 * mu * nu / (1 - 2 * nu)
+    if body.shape.dim == 2 and material.condition == "planeStress":
+        lam = 2 * lam * mu / (lam + 2 * mu)
+    return math.sqrt(material.massScaling * material.density * (lam + 2 * mu))
+
+
+def scale_mass(factor, materials=None):
+    """Make soft grains more inert, so that the critical time step grows by sqrt(factor).
+
+    Sets ``SoftMat.massScaling``. Weight (gravity), forces, elasticity and statics stay as they are;
+    accelerations and wave speeds fall, so walls must move more slowly by sqrt(factor) for the same
+    inertial share (:func:`suggest_speed`). Scaling all grains alike therefore saves nothing over a
+    faster wall; scaling the material of the few grains that dictate the step (small, stiff) does.
+
+    ``O.dt`` follows at once where it is kept by the integrator; an ``O.dt`` of the user's stays.
+
+    Args:
+        factor (float): on the true density, in [1, inf) [-]; 1 takes the scaling back.
+        materials (iterable of SoftMat | None): None: those of all soft grains of the scene.
+
+    Returns:
+        float: the new critical time step of the undeformed grains [s].
+
+    Raises:
+        ValueError: the factor is out of its range, a material is no ``SoftMat``, or the scene has
+            no soft grain. Nothing has been changed then.
+
+    Warns:
+        UserWarning: the grains move: their velocities stay, so that their momentum and kinetic
+            energy jump with their mass.
+    """
+    bodies = soft_bodies()
+    if not bodies:
+        raise ValueError("scale_mass: the scene has no soft grain")
+    if not 1 <= factor < math.inf:
+        raise ValueError(f"factor = {factor} is outside the admissible range [1, inf)")
+    materials = [b.material for b in bodies] if materials is None else list(materials)
+    for material in materials:
+        if not isinstance(material, wrapper.SoftMat):
+            raise ValueError(f"materials: {type(material).__name__} is no SoftMat")
+    if quasi_static()["kinetic_over_elastic"] > 1e-3:
+        warnings.warn(
+            "scale_mass: the grains are not at rest; their momentum and kinetic energy change with "
+            "their mass. Scale before they move, or where sg.quasi_static() is small",
+            stacklevel=2,
+        )
+    automatic = build.automatic_fraction()
+    for material in materials:
+        material.massScaling = factor
+    if automatic is not None:
+        build.set_time_step(automatic)
+    return build.critical_time_step()

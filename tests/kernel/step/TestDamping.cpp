@@ -1,0 +1,320 @@
+#include "step/Scene.hpp"
+
+#include "grain/CriticalTimeStep.hpp"
+
+#include <algorithm>
+#include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <numbers>
+
+using namespace softgrain;
+using namespace softgrain::testing;
+
+namespace {
+
+template <int dim>
+GrainParameters<dim> dampedGrain(const Damping& damping, double poisson = 0.45)
+{
+	GrainParameters<dim> grain = paperGrain<dim>();
+	grain.constants.poisson = poisson;
+	grain.damping = damping;
+	return grain;
+}
+
+/// Of the n = 2 mode of a disk by Lamb (doc/validation.md), 1/s.
+const double lambFrequency = 2.3525 * std::sqrt(paperGrain<2>().constants.mu() / 1000) / 0.01;
+
+/// A disk that starts to vibrate in its n = 2 mode, nearly, with a small amplitude.
+Scene<2> vibratingDisk(const Damping& damping, const TemplateRecipe& r = recipe(0.2))
+{
+	auto batch = singleGrain<2>(r, dampedGrain<2>(damping));
+	for (int I = 0; I < batch.reference->nodes(); ++I) {
+		const Vec<2> X = 0.01 * batch.reference->nodePosition[I];
+		batch.v.set(0, I, 1e-4 * lambFrequency * Vec<2>(X[0], -X[1]));
+	}
+	Scene<2> scene;
+	scene.settings.trackEnergy = true;
+	scene.add(std::move(batch));
+	return scene;
+}
+
+double stored(const EnergyBalance& e) { return e.kinetic + e.elastic; }
+
+/// Decay rate of the vibration's amplitude, by the energy after whole periods, and its frequency.
+struct Decay {
+	double rate, frequency; ///< 1/s
+};
+
+Decay decayOf(Scene<2> scene)
+{
+	const double dt = 0.3 * scene.system.criticalTimeStep();
+	auto quadrupole = [&] {
+		const Batch<2>& batch = scene.batchOf(0);
+		double sum = 0;
+		for (int I = 0; I < batch.reference->nodes(); ++I) {
+			const Vec<2> X = batch.reference->nodePosition[I];
+			const Vec<2> u = batch.x.get(0, I) / 0.01 - X;
+			sum += batch.reference->nodeMass[I] * (X[0] * u[0] - X[1] * u[1]);
+		}
+		return sum;
+	};
+	std::vector<double> times, energies;
+	double last = 0;
+	while (times.size() < 9) {
+		scene.advance(dt);
+		const double now = quadrupole();
+		if (last < 0 && now >= 0) {
+			times.push_back(scene.time - dt * now / (now - last));
+			energies.push_back(stored(scene.system.energy()));
+		}
+		last = now;
+	}
+	const double duration = times.back() - times.front();
+	return { 0.5 * std::log(energies.front() / energies.back()) / duration,
+		 2 * std::numbers::pi * (times.size() - 1) / duration };
+}
+
+/// A noisy, spinning, flying grain.
+template <int dim> Scene<dim> noisyGrain(const Damping& damping, const TemplateRecipe& r)
+{
+	Random random(1);
+	auto batch = singleGrain<dim>(r, dampedGrain<dim>(damping));
+	deform<dim>(batch, 0, random.deformation<dim>(0.1));
+	for (int I = 0; I < batch.reference->nodes(); ++I)
+		batch.v.set(0, I, random.vector<dim>(0.5));
+	const Mat<dim> A = random.matrix<dim>(20);
+	batch.moveRigidly(0, Vec<dim>::Zero(), Mat<dim>::Identity(), Vec<dim>::Zero(),
+			  random.vector<dim>(), A - A.transpose());
+	Scene<dim> scene;
+	scene.settings.trackEnergy = true;
+	scene.add(std::move(batch));
+	return scene;
+}
+
+template <int dim> TemplateRecipe coarse() { return recipe(dim == 2 ? 0.25 : 0.4); }
+
+} // namespace
+
+TEST_CASE("Mass damping: vibrations decay with alpha/2", "[damping]")
+{
+	for (double ratio : { 0.01, 0.1 }) { // of critical damping
+		const Damping damping { 2 * ratio * lambFrequency, 0 };
+		const Decay decay = decayOf(vibratingDisk(damping));
+		CAPTURE(ratio, decay.rate / (0.5 * damping.mass), decay.frequency / lambFrequency);
+		CHECK(std::abs(decay.rate / (0.5 * damping.mass) - 1) < 0.01);
+	}
+}
+
+TEST_CASE("Stiffness damping: vibrations decay with beta omega^2/2", "[damping]")
+{
+	const double undamped = decayOf(vibratingDisk({})).frequency;
+	for (double ratio : { 0.01, 0.05 }) {
+		const Damping damping { 0, 2 * ratio / lambFrequency };
+		const Decay decay = decayOf(vibratingDisk(damping));
+		const double expected = 0.5 * damping.stiffness * undamped * undamped;
+		CAPTURE(ratio, decay.rate / expected);
+		// not quite one mode: the others decay sooner
+		CHECK(std::abs(decay.rate / expected - 1) < 0.03);
+	}
+}
+
+TEST_CASE("Stiffness damping of projected volumes: the same rate", "[damping]")
+{
+	const double undamped = decayOf(vibratingDisk({}, projectedRecipe(0.2))).frequency;
+	const Damping damping { 0, 0.04 / lambFrequency };
+	const Decay decay = decayOf(vibratingDisk(damping, projectedRecipe(0.2)));
+	CHECK(std::abs(decay.rate / (0.5 * damping.stiffness * undamped * undamped) - 1) < 0.03);
+}
+
+TEMPLATE_TEST_CASE_SIG("Damping: momenta stay, energy closes, motion becomes rigid", "[damping]",
+		       ((int dim), dim), 2, 3)
+{
+	const double time = 0.01 / paperGrain<dim>().constants.waveSpeed(usualCondition<dim>);
+	const Damping both { 0.05 / time, 0.05 * time };
+	for (const TemplateRecipe& r : { coarse<dim>(), projectedRecipe(dim == 2 ? 0.25 : 0.4) }) {
+		Scene<dim> scene = noisyGrain<dim>(both, r);
+		const double dt = 0.1 * scene.system.criticalTimeStep();
+		const auto before = scene.whole(0);
+		scene.advance(dt);
+		const double start =
+			stored(scene.system.energy()) + scene.system.energy().damping;
+		double last = 0, worst = 0;
+		for (int n = 0; n < 3000; ++n) {
+			scene.advance(dt);
+			const EnergyBalance& e = scene.system.energy();
+			worst = std::max(worst, std::abs(stored(e) + e.damping - start));
+			CHECK(e.damping >= last - 1e-3 * start);
+			last = e.damping;
+		}
+		const auto after = scene.whole(0);
+		CHECK((after.velocity - before.velocity).norm() < 1e-11 * before.velocity.norm());
+		CHECK((after.angularMomentum - before.angularMomentum).norm() <
+		      1e-11 * before.angularMomentum.norm());
+		const double rigid = 0.5 * after.mass * after.velocity.squaredNorm() +
+				     0.5 * after.angularVelocity.dot(after.angularMomentum);
+		const double vibrating = scene.system.setOf(0).presentKineticEnergy(0) - rigid;
+		CAPTURE(worst / start, last / start, vibrating / start);
+		CHECK(worst < 5e-3 * start);
+		CHECK(last > 0.3 * start);
+		CHECK(vibrating < 1e-3 * start);
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Damping: rigid motion goes on as without", "[damping]", ((int dim), dim), 2,
+		       3)
+{
+	auto run = [](const Damping& damping) {
+		auto batch = singleGrain<dim>(coarse<dim>(), dampedGrain<dim>(damping));
+		typename WholeGrain<dim>::Angular omega;
+		omega.setZero();
+		omega[omega.size() - 1] = 1;
+		batch.place(0, Mat<dim>::Identity(), Vec<dim>::Constant(3), spinMatrix<dim>(omega));
+		Scene<dim> scene;
+		scene.settings.trackEnergy = true;
+		scene.add(std::move(batch));
+		for (int n = 0; n < 200; ++n)
+			scene.advance(2e-5);
+		return scene;
+	};
+	const auto damped = run({ 1e4, 1e-5 });
+	const EnergyBalance& e = damped.system.energy();
+	CHECK(std::abs(e.damping) < 1e-6 * e.kinetic);
+	const auto a = damped.whole(0), b = run({}).whole(0);
+	CHECK((a.velocity - b.velocity).norm() < 1e-12 * b.velocity.norm());
+	CHECK((a.angularVelocity - b.angularVelocity).norm() < 1e-6 * b.angularVelocity.norm());
+}
+
+TEST_CASE("Damping: a squeezed disk at rest carries the force it carries without", "[damping]")
+{
+	auto force = [](const Damping& damping) {
+		Scene<2> scene;
+		scene.add(singleGrain<2>(coarse<2>(), dampedGrain<2>(damping)));
+		scene.addPlane(0, Vec<2>(0, -0.01), Vec<2>(0, 1));
+		ContactList<2>& top =
+			scene.addPlane(0, Vec<2>(0, 0.01), Vec<2>(0, -1), Vec<2>(0, -0.5));
+		double sum = 0;
+		int steps = 0;
+		while (scene.time < 0.05) {
+			if (scene.time > 0.002) top.plane.velocity.setZero();
+			const StepReport report =
+				scene.advance(0.9 * scene.system.presentCriticalTimeStep());
+			if (scene.time < 0.04) continue;
+			for (const Contact<2>& c : top.contacts)
+				sum -= c.impulse[1] / report.kick;
+			++steps;
+		}
+		return sum / steps;
+	};
+	const double plain = force({}), mass = force({ 1e4, 0 }), stiffness = force({ 0, 2e-5 });
+	CAPTURE(plain, mass, stiffness);
+	CHECK(plain > 0);
+	CHECK(std::abs(mass / plain - 1) < 0.01);
+	CHECK(std::abs(stiffness / plain - 1) < 0.01);
+}
+
+TEST_CASE("Damping: critical step by the formulas of one mode", "[damping]")
+{
+	const double T = 1e-5, omega = 2 / T;
+	CHECK(dampedTimeStep(T, {}, 4, 1) == T / 2);
+	// Belytschko: 2/omega (sqrt(1 + xi^2) - xi), xi = beta omega/2
+	const double beta = 0.6 / omega, xi = 0.3;
+	CHECK(std::abs(dampedTimeStep(T, { 0, beta }, 1, 1) / (T * (std::sqrt(1 + xi * xi) - xi)) -
+		       1) < 1e-14);
+	// very strong mass damping: a step from rest to rest
+	CHECK(std::abs(dampedTimeStep(T, { 1e9, 0 }, 1, 1) / (T / std::sqrt(2.)) - 1) < 1e-14);
+	const Damping both { 3e4, 2e-6 };
+	for (double s : { 1., 3. })
+		for (double q : { 1., 2. }) {
+			const double dt = dampedTimeStep(T, both, s, q);
+			const double left = s * dt * dt + 2 * both.stiffness * q * dt,
+				     right = 0.5 * T * T * (1 + std::exp(-both.mass * dt));
+			CHECK(left <= right);
+			CHECK(left > 0.95 * right);
+		}
+}
+
+TEST_CASE("Damping: stable at the critical step, not far above", "[damping]")
+{
+	const double time = 0.01 / paperGrain<2>().constants.waveSpeed(Condition::planeStrain);
+	auto growth = [&](const Damping& damping, double share) {
+		auto batch = singleGrain<2>(coarse<2>(), dampedGrain<2>(damping));
+		Random random(1);
+		shake(batch, 0, 1e-9, random);
+		Scene<2> scene;
+		scene.add(std::move(batch));
+		const double dt = share * scene.system.criticalTimeStep();
+		for (int n = 0; n < 1000; ++n)
+			scene.advance(dt);
+		double largest = 0;
+		for (int I = 0; I < scene.batchOf(0).reference->nodes(); ++I)
+			largest = std::max(largest,
+					   (scene.batchOf(0).x.get(0, I) / 0.01 -
+					    scene.batchOf(0).reference->nodePosition[I])
+						   .norm());
+		return largest / 1e-9;
+	};
+	for (const Damping& damping : { Damping { 30 / time, 0 }, Damping { 0, 0.3 * time },
+					Damping { 30 / time, 0.3 * time } }) {
+		CAPTURE(damping.mass, damping.stiffness);
+		CHECK(growth(damping, 1) < 100);
+		CHECK_THROWS_AS(growth(damping, 1.15), StepError);
+	}
+}
+
+TEST_CASE("Damping: stable while strongly stretched", "[damping]")
+{
+	const double time = 0.01 / paperGrain<2>().constants.waveSpeed(Condition::planeStrain);
+	for (const auto& [a, b] : { std::pair { 1.6, 1.2 }, { 1.5, 0.6 }, { 0.7, 0.7 } }) {
+		auto batch = singleGrain<2>(coarse<2>(), dampedGrain<2>({ 0, 0.5 * time }));
+		deform<2>(batch, 0, Vec<2>(a, b).asDiagonal());
+		Scene<2> scene;
+		scene.add(std::move(batch));
+		for (int n = 0; n < 500; ++n)
+			scene.advance(scene.system.presentCriticalTimeStep());
+		CHECK((scene.whole(0).velocity).norm() < 1e-9);
+		scene.system.updateForces(1);
+		CHECK(scene.system.setOf(0).report(0).elasticEnergy < 1e-3);
+	}
+}
+
+TEST_CASE("Damping: grains with and without in one set do not disturb each other", "[damping]")
+{
+	const Damping both { 500, 1e-6 };
+	auto run = [](const std::vector<Damping>& dampings, int watched) {
+		std::vector<GrainParameters<2>> grains;
+		for (const Damping& damping : dampings)
+			grains.push_back(dampedGrain<2>(damping));
+		Batch<2> batch(makeGrainTemplate<2>(coarse<2>()), Law::neoHookean,
+			       Condition::planeStrain, grains);
+		Random random(1);
+		Mat<2> F = random.deformation<2>(0.1);
+		for (std::size_t g = 0; g < grains.size(); ++g)
+			deform<2>(batch, static_cast<int>(g), F);
+		Scene<2> scene;
+		scene.add(std::move(batch));
+		for (int n = 0; n < 50; ++n)
+			scene.advance(1e-5);
+		const GrainState s = scene.system.setOf(watched).state(scene.laneOf(watched));
+		return std::pair { s.x, s.v };
+	};
+	CHECK(run({ {}, both }, 0) == run({ {} }, 0));
+	CHECK(run({ {}, both }, 1) == run({ both }, 0));
+	CHECK(run({ both }, 0) != run({ {} }, 0));
+}
+
+TEST_CASE("Damping: inadmissible values and formulations are named", "[damping]")
+{
+	auto complaint = [](const Damping& damping, const Scheme& scheme = {}) {
+		return complaintOf([&] {
+			makeGrainSet<2>(makeGrainTemplate<2>(coarse<2>()), Law::neoHookean,
+					Condition::planeStrain, { dampedGrain<2>(damping) }, scheme);
+		});
+	};
+	CHECK(complaint({ -1, 0 }).find("massDamping = -1") != std::string::npos);
+	CHECK(complaint({ 0, -2 }).find("stiffnessDamping = -2") != std::string::npos);
+	CHECK(complaint({ 1, 1 }).empty());
+	Scheme flip;
+	flip.velocityUpdate = VelocityUpdate::flip;
+	CHECK(complaint({ 1, 0 }, flip).find("velocityUpdate = 'nodal'") != std::string::npos);
+	CHECK(complaint({}, flip).empty());
+}

@@ -1,0 +1,296 @@
+"""Damping, mass scaling, the quasi-static indicator and the speed of walls."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from scenes import (
+    DENSITY,
+    RADIUS,
+    YOUNG,
+    add_disk,
+    add_wall,
+    present_state,
+    ready,
+    run,
+    soft_material,
+)
+from yade import FrictMat, O, utils
+
+import softgrain as sg
+
+WAVE_SPEED = math.sqrt(YOUNG * 0.55 / (1.45 * 0.1) / DENSITY)  # nu = 0.45, plane strain
+
+
+def squeezed_disk(steps=120, speed=2.0, **material):
+    """A disk between two walls of which one moves; energies are tracked."""
+    disk = add_disk(material=soft_material(**material))
+    add_wall(-RADIUS, 1)
+    wall = add_wall(RADIUS, 1, velocity=(0, -speed, 0))
+    ready()
+    O.trackEnergy = True
+    run(steps)
+    return disk, wall
+
+
+def weigh(steps=4000, **material):
+    """Mean force of a damped disk on the floor under growing gravity, over its weight."""
+    add_disk(material=soft_material(massDamping=2000, **material))
+    floor = add_wall(-RADIUS, 1)
+    ready()
+    newton = O.engines[-1]
+    force = 0
+    for k in range(steps):
+        newton.gravity = (0, -200 * min(1, 3 * k / steps), 0)
+        O.step()
+        if k >= 0.8 * steps:
+            force -= sg.wall_force(floor.id)[1] / (0.2 * steps)
+    return force / (200 * DENSITY * math.pi * RADIUS**2)
+
+
+# --- damping ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("damping", [{"massDamping": 3000.0}, {"stiffnessDamping": 2e-5}], ids=str)
+def test_damping_is_booked(damping):
+    """What vibrations lose is in the balance, in `energy` and in O.energy."""
+    _, wall = squeezed_disk(steps=60, **damping)
+    balance = sg.Balance()
+    wall.state.vel = (0, 0, 0)
+    start = sg.integrator().energy()
+    run(1500)
+    energy = sg.integrator().energy()
+    lost = energy["damping"] - start["damping"]
+    assert lost > 0.05 * start["elastic"]
+    assert balance.error() < 2e-3
+    assert O.energy["softDamping"] == energy["damping"]
+    assert sg.quasi_static()["kinetic_over_elastic"] < 1e-5
+
+
+def test_without_damping_vibrations_stay():
+    _, wall = squeezed_disk(steps=60)
+    wall.state.vel = (0, 0, 0)
+    run(1500)
+    assert sg.integrator().energy()["damping"] == 0
+    assert sg.quasi_static()["kinetic_over_elastic"] > 1e-3
+
+
+def test_damping_may_change_while_running():
+    """A change of the material is taken over at the next step, sums are kept."""
+    disk, _ = squeezed_disk(steps=60)
+    disk.material.stiffnessDamping = 2e-5
+    run(10)
+    lost = sg.integrator().energy()["damping"]
+    assert lost > 0
+    disk.material.stiffnessDamping = 0
+    run(10)
+    assert sg.integrator().energy()["damping"] == pytest.approx(lost, rel=0.1)
+
+
+def test_stiffness_damping_shortens_the_step():
+    """dt_c (sqrt(1 + xi^2) - xi), xi = beta/dt_c; the engine refuses what is longer."""
+    disk = add_disk()
+    plain = sg.critical_time_step()
+    beta = 0.5 * plain
+    disk.material.stiffnessDamping = beta
+    expected = plain * (math.sqrt(1 + 0.25) - 0.5)
+    assert sg.critical_time_step() == pytest.approx(expected, rel=1e-12)
+    O.engines = sg.engines()
+    O.dt = 0.9 * plain
+    with pytest.raises(RuntimeError, match="O.dt = .* is outside the admissible range"):
+        O.step()
+
+
+def test_damping_needs_velocities_at_the_nodes():
+    add_disk(material=soft_material(massDamping=10), velocityUpdate="flip")
+    O.engines = sg.engines(verlet_distance=0.001)
+    with pytest.raises(RuntimeError, match="massDamping = 10.*velocityUpdate = 'nodal'"):
+        O.step()
+
+
+def test_saved_run_with_damping_and_scaling_goes_on(tmp_path):
+    squeezed_disk(massDamping=500, stiffnessDamping=1e-6, massScaling=3)
+    path = str(tmp_path / "scene.yade.bz2")
+    O.save(path)
+    run(50)
+    expected = present_state()
+    O.load(path)
+    run(50)
+    found = present_state()
+    for name in expected:
+        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+    assert sg.integrator().energy()["damping"] > 0
+    assert O.bodies[0].material.massScaling == 3
+
+
+# --- mass scaling -------------------------------------------------------------------------------
+
+
+def test_scaled_mass_lengthens_the_step():
+    add_disk()
+    before = ready()
+    assert sg.scale_mass(4) == pytest.approx(2 * sg.set_time_step(1) / 2)
+    sg.set_time_step()
+    assert O.dt == pytest.approx(2 * before, rel=1e-12)
+    sg.scale_mass(1)
+    assert O.dt == pytest.approx(before, rel=1e-12)
+
+
+def test_users_step_survives_scaling():
+    add_disk()
+    ready()
+    O.dt = 1e-7
+    sg.scale_mass(9)
+    assert O.dt == 1e-7
+
+
+def test_scaling_of_one_material():
+    """The small disk dictates the step until only its own mass is scaled."""
+    add_disk()
+    add_disk((5 * RADIUS, 0, 0), 0.25 * RADIUS)
+    small = O.bodies[1].material
+    O.engines = sg.engines()
+    before = sg.critical_time_step()
+    assert sg.scale_mass(16, materials=[small]) == pytest.approx(4 * before, rel=1e-12)
+    assert O.bodies[0].material.massScaling == 1
+
+
+@pytest.mark.parametrize("scaling", [1, 10])
+def test_weight_is_not_scaled(scaling):
+    assert weigh(massScaling=scaling) == pytest.approx(1, rel=5e-3)
+
+
+def test_scaled_grain_falls_more_slowly():
+    disk = add_disk(material=soft_material(massScaling=4))
+    ready(gravity=(0, -10, 0))
+    O.trackEnergy = True
+    run(100)
+    assert disk.state.vel[1] == pytest.approx(-10 / 4 * O.time, rel=1e-9)
+    assert disk.state.mass == pytest.approx(4 * DENSITY * math.pi * RADIUS**2, rel=1e-9)
+    energy = sg.integrator().energy()
+    assert energy["kinetic"] == pytest.approx(energy["loads"], rel=1e-9)
+
+
+def test_scaling_in_motion_is_warned_of():
+    disk = add_disk()
+    disk.state.vel = (1, 0, 0)
+    ready()
+    run(1)
+    with pytest.warns(UserWarning, match="not at rest"):
+        sg.scale_mass(2)
+
+
+def test_scaling_at_rest_is_silent():
+    add_disk()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sg.scale_mass(2)
+
+
+@pytest.mark.parametrize("factor", [0.5, math.inf, math.nan])
+def test_scaling_out_of_range(factor):
+    disk = add_disk()
+    with pytest.raises(ValueError, match=r"factor = .*\[1, inf\)"):
+        sg.scale_mass(factor)
+    with pytest.raises(ValueError, match="materials: FrictMat is no SoftMat"):
+        sg.scale_mass(2, materials=[disk.material, FrictMat()])
+    assert disk.material.massScaling == 1
+
+
+def test_no_soft_grain():
+    for ask in (sg.quasi_static, sg.suggest_speed, lambda: sg.scale_mass(2)):
+        with pytest.raises(ValueError, match="no soft grain"):
+            ask()
+
+
+# --- indicator ----------------------------------------------------------------------------------
+
+
+def test_indicator_of_a_free_grain():
+    disk = add_disk()
+    ready()
+    nothing = sg.quasi_static()
+    assert nothing["kinetic_over_elastic"] == nothing["unbalanced_force"] == 0
+    disk.state.vel = (3, 4, 0)
+    O.forces.setPermF(disk.id, (1, 0, 0))
+    run(1)
+    moving = sg.quasi_static()
+    mass = DENSITY * math.pi * RADIUS**2
+    assert moving["kinetic"] == pytest.approx(0.5 * mass * 25, rel=1e-3)
+    assert moving["kinetic_over_elastic"] > 1e6
+    assert moving["unbalanced_force"] == math.inf
+
+
+def test_indicator_tells_loading_from_rest():
+    """It falls by orders where the wall stops and damping works; YADE's own says nothing."""
+    _, wall = squeezed_disk(steps=100, massDamping=3000)
+    loading = sg.quasi_static()
+    wall.state.vel = (0, 0, 0)
+    run(2000)
+    rest = sg.quasi_static()
+    assert math.isnan(utils.unbalancedForce())
+    assert rest["kinetic_over_elastic"] < 1e-3 * loading["kinetic_over_elastic"]
+    assert rest["unbalanced_force"] < 1e-2
+    assert loading["unbalanced_force"] > 5 * rest["unbalanced_force"]
+    energy = sg.integrator().energy()
+    assert rest["elastic"] == pytest.approx(energy["elastic"], rel=1e-12)
+
+
+def test_indicator_counts_weight():
+    """A grain at rest on the floor is in balance; without its weight it would not be."""
+    weigh(massScaling=5)
+    assert sg.quasi_static()["unbalanced_force"] < 1e-2
+
+
+# --- speed of walls -----------------------------------------------------------------------------
+
+
+def test_suggested_speed():
+    """share stress/(rho c), of the grain with the largest impedance."""
+    add_disk()
+    expected = 0.05 * 0.01 * YOUNG / (DENSITY * WAVE_SPEED)
+    assert sg.suggest_speed() == pytest.approx(expected, rel=1e-12)
+    assert sg.suggest_speed(stress=0.1 * YOUNG, share=0.1) == pytest.approx(20 * expected)
+    sg.scale_mass(4)
+    assert sg.suggest_speed() == pytest.approx(0.5 * expected, rel=1e-12)
+    add_disk((5 * RADIUS, 0, 0), material=soft_material(density=16 * DENSITY))
+    assert sg.suggest_speed() == pytest.approx(0.25 * expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("argument", [{"stress": 0}, {"stress": math.nan}, {"share": 0}])
+def test_suggested_speed_out_of_range(argument):
+    add_disk()
+    with pytest.raises(ValueError, match="outside the admissible range"):
+        sg.suggest_speed(**argument)
+
+
+def press(share=None, speed=None, stress=0.05 * YOUNG):
+    """Force at both plates of a disk, averaged from there to 1.1 times the approach at which the
+    slow force over the diameter is `stress`, and kinetic over elastic energy in the middle."""
+    add_disk()
+    bottom = add_wall(-RADIUS, 1)
+    top = add_wall(RADIUS, 1)
+    ready()
+    speed = speed or sg.suggest_speed(stress, share)
+    top.state.vel = (0, -speed, 0)
+    begin, end = 0.2 * RADIUS, 0.22 * RADIUS  # F/(E D) = 0.05 at delta/D = 0.1
+    forces, indicator = [], None
+    while RADIUS - top.state.pos[1] < end:
+        O.step()
+        if RADIUS - top.state.pos[1] > begin:
+            forces.append([abs(sg.wall_force(w.id)[1]) for w in (top, bottom)])
+            indicator = indicator or sg.quasi_static()["kinetic_over_elastic"]
+    O.reset()
+    return np.mean(forces, axis=0), indicator
+
+
+def test_suggested_speed_holds_what_it_promises():
+    """Force errors at both plates within the share, kinetic over elastic within its square."""
+    slow, _ = press(speed=0.02)
+    for share in (0.1, 0.3):
+        force, indicator = press(share=share)
+        assert np.abs(force / slow - 1).max() < share
+        assert indicator < share**2
+    force, _ = press(share=1.0, stress=0.5 * YOUNG)  # a speed for ten times the stress
+    assert np.abs(force / slow - 1).max() > 0.3
