@@ -12,6 +12,7 @@ import time
 import numpy as np
 from yade import O
 
+import softgrain as sg
 from softgrain import cases, command_line, finite_elements
 
 #: Pressure profiles are kept at the windows nearest to these approaches over D.
@@ -77,7 +78,7 @@ def press(options, disk, bottom, top):
                 delta,
                 *(force / scale),
                 halfwidth,
-                cases.kinetic_over_elastic(),
+                sg.quasi_static()["kinetic_over_elastic"],
                 profile_of(options, contacts[0]),
             )
             for name, value in zip(records, values):

@@ -189,7 +189,7 @@ def compress(options, disks):
                     *where,
                     *(force / (options.young * options.diameter)),
                     halfwidth.value() / options.diameter,
-                    cases.kinetic_over_elastic(),
+                    sg.quasi_static()["kinetic_over_elastic"],
                 ]
             )
             phi = where[1]

@@ -75,7 +75,7 @@ def close(options, disk, walls):
                     *where,
                     *(force / (options.young * options.diameter)),
                     halfwidth,
-                    cases.kinetic_over_elastic(),
+                    sg.quasi_static()["kinetic_over_elastic"],
                 ]
             )
             phi = place()[1]

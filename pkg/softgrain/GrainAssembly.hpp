@@ -101,7 +101,7 @@ public:
 
 	virtual int grains() const = 0;
 	virtual int idOf(int g) const = 0;
-	virtual double criticalTimeStep() const = 0;  ///< of the undeformed grains, s
+	virtual double criticalTimeStep() const = 0;        ///< of the undeformed grains, s
 	virtual double presentCriticalTimeStep() const = 0; ///< as deformed now, s
 	virtual double slowestWave() const = 0;       ///< smallest speed of pressure waves, m/s
 	virtual double pointSpacing(int g) const = 0; ///< dr, m

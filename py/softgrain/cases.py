@@ -168,13 +168,6 @@ def window_means(seconds, place, forces, contacts=(), step=O.step):
             return 0.5 * (np.asarray(first) + last), total / steps
 
 
-def kinetic_over_elastic():
-    """Kinetic over elastic energy of the scene [-], needs ``O.trackEnergy``: small where loading
-    is slow enough."""
-    energy = observe.integrator().energy()
-    return energy["kinetic"] / energy["elastic"] if energy["elastic"] > 0 else math.inf
-
-
 def run_facts(options, started):
     """What every case says about its run, for ``result.json``."""
     engine = observe.integrator()

@@ -1,6 +1,6 @@
 """Quasi-static loading: how far from it a scene is, how fast a wall may move, mass scaling.
 
-Formulas and what was measured: ``doc/theory.md``, section 3, ``doc/decisions/0016-quasi-static.md``.
+Formulas: ``doc/theory.md``, section 3; measured: ``doc/decisions/0016-quasi-static.md``.
 """
 
 import math
@@ -49,9 +49,7 @@ def _ratio(numerator, denominator):
 
 def _mean_net_force(bodies):
     gravity = next((e.gravity for e in O.engines if isinstance(e, NewtonIntegrator)), Vector3())
-    sums = [
-        O.forces.f(b.id) + gravity * (b.state.mass / b.material.massScaling) for b in bodies
-    ]
+    sums = [O.forces.f(b.id) + gravity * (b.state.mass / b.material.massScaling) for b in bodies]
     return np.mean([force.norm() for force in sums])
 
 
@@ -67,15 +65,16 @@ def _mean_contact_force():
 def suggest_speed(stress=None, share=0.05):
     """Speed of a wall at which inertia stays below a share of the stress.
 
-    A wall that moves at ``v`` sends waves of the stress ``rho c v`` into the grains it touches, with
-    ``c`` the speed of pressure waves, and what moves at ``v`` has at most ``(rho c v/stress)²``
-    times the elastic energy of a body under the uniaxial ``stress``. So ``v = share stress/(rho
-    c)``: force errors then are at most ``share``, kinetic over elastic energy at most ``share²``,
-    once the stress is reached. The grain with the largest ``rho c`` counts, mass scaling included.
+    A wall that moves at ``v`` sends waves of the stress ``rho c v`` into the grains it touches,
+    with ``c`` the speed of pressure waves, and what moves at ``v`` has at most
+    ``(rho c v/stress)²`` times the elastic energy of a body under the uniaxial ``stress``. So
+    ``v = share stress/(rho c)``: force errors then are at most ``share``, kinetic over elastic
+    energy at most ``share²``, once the stress is reached. The grain with the largest ``rho c``
+    counts, mass scaling included.
 
     Args:
-        stress (float | None): mean stress on the wall from which results are to hold, > 0 [Pa]; None:
-            a hundredth of the smallest Young's modulus of the soft grains.
+        stress (float | None): mean stress on the wall from which results are to hold, > 0 [Pa];
+            None: a hundredth of the smallest Young's modulus of the soft grains.
         share (float): in (0, 1] [-].
 
     Returns:

@@ -65,7 +65,7 @@ def test_damping_is_booked(damping):
     assert lost > 0.05 * start["elastic"]
     assert balance.error() < 2e-3
     assert O.energy["softDamping"] == energy["damping"]
-    assert sg.quasi_static()["kinetic_over_elastic"] < 1e-5
+    assert sg.quasi_static()["kinetic_over_elastic"] < 1e-3
 
 
 def test_without_damping_vibrations_stay():
@@ -73,7 +73,7 @@ def test_without_damping_vibrations_stay():
     wall.state.vel = (0, 0, 0)
     run(1500)
     assert sg.integrator().energy()["damping"] == 0
-    assert sg.quasi_static()["kinetic_over_elastic"] > 1e-3
+    assert sg.quasi_static()["kinetic_over_elastic"] > 1e-2
 
 
 def test_damping_may_change_while_running():

@@ -1,19 +1,20 @@
 #include "step/Scene.hpp"
 
 #include "grain/CriticalTimeStep.hpp"
+#include "grain/Vibrations.hpp"
 
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
-#include <numbers>
+#include <limits>
+#include <utility>
 
 using namespace softgrain;
 using namespace softgrain::testing;
 
 namespace {
 
-template <int dim>
-GrainParameters<dim> dampedGrain(const Damping& damping, double poisson = 0.45)
+template <int dim> GrainParameters<dim> dampedGrain(const Damping& damping, double poisson = 0.45)
 {
 	GrainParameters<dim> grain = paperGrain<dim>();
 	grain.constants.poisson = poisson;
@@ -21,57 +22,46 @@ GrainParameters<dim> dampedGrain(const Damping& damping, double poisson = 0.45)
 	return grain;
 }
 
-/// Of the n = 2 mode of a disk by Lamb (doc/validation.md), 1/s.
-const double lambFrequency = 2.3525 * std::sqrt(paperGrain<2>().constants.mu() / 1000) / 0.01;
-
-/// A disk that starts to vibrate in its n = 2 mode, nearly, with a small amplitude.
-Scene<2> vibratingDisk(const Damping& damping, const TemplateRecipe& r = recipe(0.2))
-{
-	auto batch = singleGrain<2>(r, dampedGrain<2>(damping));
-	for (int I = 0; I < batch.reference->nodes(); ++I) {
-		const Vec<2> X = 0.01 * batch.reference->nodePosition[I];
-		batch.v.set(0, I, 1e-4 * lambFrequency * Vec<2>(X[0], -X[1]));
-	}
-	Scene<2> scene;
-	scene.settings.trackEnergy = true;
-	scene.add(std::move(batch));
-	return scene;
-}
+template <int dim> TemplateRecipe coarse() { return recipe(dim == 2 ? 0.25 : 0.4); }
 
 double stored(const EnergyBalance& e) { return e.kinetic + e.elastic; }
 
-/// Decay rate of the vibration's amplitude, by the energy after whole periods, and its frequency.
-struct Decay {
-	double rate, frequency; ///< 1/s
-};
-
-Decay decayOf(Scene<2> scene)
+/// Largest deviation of a small vibration in mode `index` (negative: from the last) of a free disk
+/// from what damping makes of it, over its amplitude (theory.md):
+/// y_(n+1) = (1 + D - w^2 dt^2) y_n - D y_(n-1), D = exp(-alpha dt) - beta w^2 dt.
+double deviation(const Damping& damping, const TemplateRecipe& r, int index)
 {
-	const double dt = 0.3 * scene.system.criticalTimeStep();
-	auto quadrupole = [&] {
-		const Batch<2>& batch = scene.batchOf(0);
-		double sum = 0;
-		for (int I = 0; I < batch.reference->nodes(); ++I) {
-			const Vec<2> X = batch.reference->nodePosition[I];
-			const Vec<2> u = batch.x.get(0, I) / 0.01 - X;
-			sum += batch.reference->nodeMass[I] * (X[0] * u[0] - X[1] * u[1]);
-		}
-		return sum;
-	};
-	std::vector<double> times, energies;
-	double last = 0;
-	while (times.size() < 9) {
+	auto batch = singleGrain<2>(r, dampedGrain<2>(damping));
+	const int components = 2 * batch.reference->nodes();
+	const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(dynamicMatrix(batch));
+	const int chosen = index < 0 ? components + index : index;
+	const double squared = modes.eigenvalues()[chosen];
+	Eigen::VectorXd mode = modes.eigenvectors().col(chosen); // times the roots of the masses
+	auto rootMass = [&](int i) { return std::sqrt(batch.nodeMass(0, i / 2)); };
+	double largest = 0;
+	for (int i = 0; i < components; ++i)
+		largest = std::max(largest, std::abs(mode[i] / rootMass(i)));
+	for (int i = 0; i < components; ++i)
+		batch.x.of(0)[i / 2][i % 2] += 1e-7 * mode[i] / rootMass(i) / largest;
+	Scene<2> scene;
+	scene.settings.rigidMotion = false;
+	scene.add(batch);
+	const double dt = 0.5 * scene.system.criticalTimeStep();
+	std::vector<double> y;
+	for (int n = 0; n < 60; ++n) {
+		y.push_back(0);
+		for (int i = 0; i < components; ++i)
+			y.back() += mode[i] * rootMass(i) *
+				    (scene.batchOf(0).x.of(0)[i / 2][i % 2] -
+				     0.01 * batch.reference->nodePosition[i / 2][i % 2]);
 		scene.advance(dt);
-		const double now = quadrupole();
-		if (last < 0 && now >= 0) {
-			times.push_back(scene.time - dt * now / (now - last));
-			energies.push_back(stored(scene.system.energy()));
-		}
-		last = now;
 	}
-	const double duration = times.back() - times.front();
-	return { 0.5 * std::log(energies.front() / energies.back()) / duration,
-		 2 * std::numbers::pi * (times.size() - 1) / duration };
+	const double D = std::exp(-damping.mass * dt) - damping.stiffness * squared * dt;
+	double worst = 0;
+	for (std::size_t n = 1; n + 1 < y.size(); ++n)
+		worst = std::max(worst, std::abs(y[n + 1] - (1 + D - squared * dt * dt) * y[n] +
+						 D * y[n - 1]));
+	return worst / y[0];
 }
 
 /// A noisy, spinning, flying grain.
@@ -87,43 +77,24 @@ template <int dim> Scene<dim> noisyGrain(const Damping& damping, const TemplateR
 			  random.vector<dim>(), A - A.transpose());
 	Scene<dim> scene;
 	scene.settings.trackEnergy = true;
+	scene.settings.rigidMotion = false;
 	scene.add(std::move(batch));
 	return scene;
 }
 
-template <int dim> TemplateRecipe coarse() { return recipe(dim == 2 ? 0.25 : 0.4); }
-
 } // namespace
 
-TEST_CASE("Mass damping: vibrations decay with alpha/2", "[damping]")
+TEST_CASE("Damping: each mode of a disk decays as the formula says", "[damping]")
 {
-	for (double ratio : { 0.01, 0.1 }) { // of critical damping
-		const Damping damping { 2 * ratio * lambFrequency, 0 };
-		const Decay decay = decayOf(vibratingDisk(damping));
-		CAPTURE(ratio, decay.rate / (0.5 * damping.mass), decay.frequency / lambFrequency);
-		CHECK(std::abs(decay.rate / (0.5 * damping.mass) - 1) < 0.01);
-	}
-}
-
-TEST_CASE("Stiffness damping: vibrations decay with beta omega^2/2", "[damping]")
-{
-	const double undamped = decayOf(vibratingDisk({})).frequency;
-	for (double ratio : { 0.01, 0.05 }) {
-		const Damping damping { 0, 2 * ratio / lambFrequency };
-		const Decay decay = decayOf(vibratingDisk(damping));
-		const double expected = 0.5 * damping.stiffness * undamped * undamped;
-		CAPTURE(ratio, decay.rate / expected);
-		// not quite one mode: the others decay sooner
-		CHECK(std::abs(decay.rate / expected - 1) < 0.03);
-	}
-}
-
-TEST_CASE("Stiffness damping of projected volumes: the same rate", "[damping]")
-{
-	const double undamped = decayOf(vibratingDisk({}, projectedRecipe(0.2))).frequency;
-	const Damping damping { 0, 0.04 / lambFrequency };
-	const Decay decay = decayOf(vibratingDisk(damping, projectedRecipe(0.2)));
-	CHECK(std::abs(decay.rate / (0.5 * damping.stiffness * undamped * undamped) - 1) < 0.03);
+	const double time = 0.01 / paperGrain<2>().constants.waveSpeed(Condition::planeStrain);
+	for (const TemplateRecipe& r : { coarse<2>(), projectedRecipe(0.25) })
+		for (const Damping& damping :
+		     { Damping { 0.5 / time, 0 }, Damping { 0, 0.02 * time },
+		       Damping { 2 / time, 0.05 * time } })
+			for (int mode : { 3, 10, 40, -1 }) { // the first three are rigid
+				CAPTURE(damping.mass, damping.stiffness, mode);
+				CHECK(deviation(damping, r, mode) < 1e-4);
+			}
 }
 
 TEMPLATE_TEST_CASE_SIG("Damping: momenta stay, energy closes, motion becomes rigid", "[damping]",
@@ -136,8 +107,7 @@ TEMPLATE_TEST_CASE_SIG("Damping: momenta stay, energy closes, motion becomes rig
 		const double dt = 0.1 * scene.system.criticalTimeStep();
 		const auto before = scene.whole(0);
 		scene.advance(dt);
-		const double start =
-			stored(scene.system.energy()) + scene.system.energy().damping;
+		const double start = stored(scene.system.energy()) + scene.system.energy().damping;
 		double last = 0, worst = 0;
 		for (int n = 0; n < 3000; ++n) {
 			scene.advance(dt);
@@ -163,7 +133,7 @@ TEMPLATE_TEST_CASE_SIG("Damping: momenta stay, energy closes, motion becomes rig
 TEMPLATE_TEST_CASE_SIG("Damping: rigid motion goes on as without", "[damping]", ((int dim), dim), 2,
 		       3)
 {
-	auto run = [](const Damping& damping) {
+	auto run = [](const Damping& damping, bool rigidMotion) {
 		auto batch = singleGrain<dim>(coarse<dim>(), dampedGrain<dim>(damping));
 		typename WholeGrain<dim>::Angular omega;
 		omega.setZero();
@@ -171,17 +141,21 @@ TEMPLATE_TEST_CASE_SIG("Damping: rigid motion goes on as without", "[damping]", 
 		batch.place(0, Mat<dim>::Identity(), Vec<dim>::Constant(3), spinMatrix<dim>(omega));
 		Scene<dim> scene;
 		scene.settings.trackEnergy = true;
+		scene.settings.rigidMotion = rigidMotion;
 		scene.add(std::move(batch));
 		for (int n = 0; n < 200; ++n)
 			scene.advance(2e-5);
 		return scene;
 	};
-	const auto damped = run({ 1e4, 1e-5 });
-	const EnergyBalance& e = damped.system.energy();
-	CHECK(std::abs(e.damping) < 1e-6 * e.kinetic);
-	const auto a = damped.whole(0), b = run({}).whole(0);
-	CHECK((a.velocity - b.velocity).norm() < 1e-12 * b.velocity.norm());
-	CHECK((a.angularVelocity - b.angularVelocity).norm() < 1e-6 * b.angularVelocity.norm());
+	for (bool rigidMotion : { false, true }) {
+		const auto damped = run({ 1e4, 1e-5 }, rigidMotion);
+		const EnergyBalance& e = damped.system.energy();
+		CHECK(std::abs(e.damping) < 1e-6 * e.kinetic);
+		const auto a = damped.whole(0), b = run({}, false).whole(0);
+		CHECK((a.velocity - b.velocity).norm() < 1e-12 * b.velocity.norm());
+		CHECK((a.angularVelocity - b.angularVelocity).norm() <
+		      1e-6 * b.angularVelocity.norm());
+	}
 }
 
 TEST_CASE("Damping: a squeezed disk at rest carries the force it carries without", "[damping]")
@@ -196,8 +170,7 @@ TEST_CASE("Damping: a squeezed disk at rest carries the force it carries without
 		int steps = 0;
 		while (scene.time < 0.05) {
 			if (scene.time > 0.002) top.plane.velocity.setZero();
-			const StepReport report =
-				scene.advance(0.9 * scene.system.presentCriticalTimeStep());
+			const StepReport report = scene.advance(1e-5);
 			if (scene.time < 0.04) continue;
 			for (const Contact<2>& c : top.contacts)
 				sum -= c.impulse[1] / report.kick;
@@ -241,23 +214,27 @@ TEST_CASE("Damping: stable at the critical step, not far above", "[damping]")
 		Random random(1);
 		shake(batch, 0, 1e-9, random);
 		Scene<2> scene;
+		scene.settings.rigidMotion = false;
 		scene.add(std::move(batch));
 		const double dt = share * scene.system.criticalTimeStep();
-		for (int n = 0; n < 1000; ++n)
-			scene.advance(dt);
+		try {
+			for (int n = 0; n < 200; ++n)
+				scene.advance(dt);
+		} catch (const StepError&) {
+			return std::numeric_limits<double>::infinity();
+		}
 		double largest = 0;
 		for (int I = 0; I < scene.batchOf(0).reference->nodes(); ++I)
-			largest = std::max(largest,
-					   (scene.batchOf(0).x.get(0, I) / 0.01 -
-					    scene.batchOf(0).reference->nodePosition[I])
-						   .norm());
+			largest = std::max(largest, (scene.batchOf(0).x.get(0, I) / 0.01 -
+						     scene.batchOf(0).reference->nodePosition[I])
+							    .norm());
 		return largest / 1e-9;
 	};
 	for (const Damping& damping : { Damping { 30 / time, 0 }, Damping { 0, 0.3 * time },
 					Damping { 30 / time, 0.3 * time } }) {
 		CAPTURE(damping.mass, damping.stiffness);
 		CHECK(growth(damping, 1) < 100);
-		CHECK_THROWS_AS(growth(damping, 1.15), StepError);
+		CHECK(growth(damping, 1.1) > 1e4);
 	}
 }
 
@@ -269,6 +246,7 @@ TEST_CASE("Damping: stable while strongly stretched", "[damping]")
 		deform<2>(batch, 0, Vec<2>(a, b).asDiagonal());
 		Scene<2> scene;
 		scene.add(std::move(batch));
+		scene.settings.rigidMotion = false;
 		for (int n = 0; n < 500; ++n)
 			scene.advance(scene.system.presentCriticalTimeStep());
 		CHECK((scene.whole(0).velocity).norm() < 1e-9);
@@ -307,7 +285,8 @@ TEST_CASE("Damping: inadmissible values and formulations are named", "[damping]"
 	auto complaint = [](const Damping& damping, const Scheme& scheme = {}) {
 		return complaintOf([&] {
 			makeGrainSet<2>(makeGrainTemplate<2>(coarse<2>()), Law::neoHookean,
-					Condition::planeStrain, { dampedGrain<2>(damping) }, scheme);
+					Condition::planeStrain, { dampedGrain<2>(damping) },
+					scheme);
 		});
 	};
 	CHECK(complaint({ -1, 0 }).find("massDamping = -1") != std::string::npos);

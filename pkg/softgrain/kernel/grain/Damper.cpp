@@ -22,8 +22,8 @@ template <int dim> ViscousLanes viscousLanes(const Batch<dim>& batch, int block)
 	for (int l = 0; l < laneWidth; ++l) {
 		const int g = batch.grainInLane(block, l);
 		const GrainParameters<dim>& grain = batch.grain[g];
-		lanes.lambda[l] = grain.damping.stiffness *
-				  grain.constants.effectiveLambda(batch.condition);
+		lanes.lambda[l] =
+			grain.damping.stiffness * grain.constants.effectiveLambda(batch.condition);
 		lanes.mu[l] = grain.damping.stiffness * grain.constants.mu();
 		lanes.inverseRadius[l] = 1 / grain.radius;
 		lanes.volumeOverRadius[l] = batch.pointScale[g] / grain.radius;
@@ -74,8 +74,8 @@ template <int dim> struct Rate {
 			for (int c = 0; c < dim; ++c) {
 				Lanes twice = {};
 				for (int a = 0; a < dim; ++a)
-					twice += F[a][b] * velocity[a][c] +
-						 F[a][c] * velocity[a][b];
+					twice +=
+						F[a][b] * velocity[a][c] + F[a][c] * velocity[a][b];
 				S[b][c] = lanes.mu * twice;
 				if (b == c) S[b][c] += lanes.lambda * trace;
 			}
@@ -110,7 +110,8 @@ public:
 			gatherRate(p, rate);
 			Lanes P[dim][dim];
 			rate.stress(lanes_,
-				    projected ? loadLanes(&trace_[p * laneWidth]) : rate.trace(), P);
+				    projected ? loadLanes(&trace_[p * laneWidth]) : rate.trace(),
+				    P);
 			stretch = larger(detail::largestSquaredStretch(rate.F), stretch);
 			scatter(p, P, force);
 		}
@@ -199,8 +200,7 @@ template <int dim> void Damper<dim>::forget(int g)
 	rateStiffening_[g] = 1;
 }
 
-template <int dim>
-void Damper<dim>::addMassDamping(const Batch<dim>& batch, int g, double kick)
+template <int dim> void Damper<dim>::addMassDamping(const Batch<dim>& batch, int g, double kick)
 {
 	const double share = -std::expm1(-batch.grain[g].damping.mass * kick);
 	const WholeGrain<dim> whole = wholeGrain(batch, g);

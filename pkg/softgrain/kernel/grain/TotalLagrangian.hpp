@@ -111,7 +111,7 @@ private:
 	mutable Batch<dim> batch_;       ///< nodes of rigid grains are written when asked for
 	std::vector<OwnNodes> ownNodes_; ///< none unless `useContactNodes` was called
 	mutable std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
-	std::optional<Damper<dim>> damper_;    ///< where a grain is damped
+	std::optional<Damper<dim>> damper_;                           ///< where a grain is damped
 	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
 	double shareSum_; ///< largest sum of sizes of the shares of a contact node
 

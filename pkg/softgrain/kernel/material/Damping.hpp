@@ -15,7 +15,10 @@ struct Damping {
 	double stiffness = 0;
 
 	bool acts() const { return mass > 0 || stiffness > 0; }
-	bool operator==(const Damping&) const = default;
+	bool operator==(const Damping& o) const
+	{
+		return mass == o.mass && stiffness == o.stiffness;
+	}
 	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 	void validate() const
 	{

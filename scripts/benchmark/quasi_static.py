@@ -1,0 +1,137 @@
+"""How far from quasi-static loading is, measured: speed of walls, damping, mass scaling.
+
+Run it with YADE: ``scripts/yade -n -x scripts/benchmark/quasi_static.py --out DIR``. Two scenes: a
+disk between plates, and the compaction of ``scripts/compaction.py`` with few coarse grains. Prints
+tables, which also go to ``DIR/quasi_static.md``; what they say:
+``doc/decisions/0016-quasi-static.md``.
+"""
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+from yade import FrictMat, O, utils
+
+import softgrain as sg
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import compaction  # noqa: E402
+
+YOUNG, DENSITY, RADIUS = 1e6, 1000.0, 0.01
+IMPEDANCE = math.sqrt(DENSITY * YOUNG * 0.55 / (1.45 * 0.1))  # rho c, nu = 0.45 [Pa s/m]
+APPROACH = (0.05, 0.1, 0.2)  # of the plates, over the diameter
+PHI = (0.84, 0.88, 0.92)
+
+
+def squeeze(speed, zeta, **material):
+    """Mean force at both plates over E D from each approach to 4 % more, and energy ratio there."""
+    O.reset()
+    soft = sg.SoftMat(young=YOUNG, poisson=0.45, density=DENSITY, **material)
+    O.bodies.append(sg.soft_disk((0, 0, 0), RADIUS, soft, zeta=zeta))
+    plates = [
+        utils.wall(y, axis=1, sense=s, material=FrictMat(frictionAngle=0))
+        for y, s in ((-RADIUS, 1), (RADIUS, -1))
+    ]
+    bottom, top = O.bodies.append(plates)
+    O.engines = sg.engines()
+    sg.set_time_step()
+    O.bodies[top].state.vel = (0, -speed, 0)
+    rows = []
+    for approach in APPROACH:
+        forces, ratios = [], []
+        while (gone := (RADIUS - O.bodies[top].state.pos[1]) / (2 * RADIUS)) < 1.04 * approach:
+            O.step()
+            if gone > approach:
+                forces.append([sg.wall_force(top)[1], -sg.wall_force(bottom)[1]])
+                ratios.append(sg.quasi_static()["kinetic_over_elastic"])
+        force = np.mean(forces, axis=0) / (YOUNG * 2 * RADIUS)
+        rows.append((force, np.mean(ratios)))
+    return rows
+
+
+def compact(out, speed, grains, zeta, scaling=1, **material):
+    """Stress over E at bottom and top, energy ratio and unbalanced force at each phi; steps."""
+    O.reset()
+    options = compaction.parse_options(
+        [
+            *("--grains", str(grains), "--zeta", str(zeta), "--speed", str(speed)),
+            *("--until-phi", str(PHI[-1]), "--out", str(out / "compaction")),
+        ]
+    )
+    box = compaction.prepare_rigid(options)
+    compaction.make_soft(options)
+    for name, value in material.items():
+        setattr(O.materials["grains"], name, value)
+    sg.scale_mass(scaling)
+    recorder, _ = compaction.compact(options, box)
+    records = {name: np.array(values, float) for name, values in recorder.records.items()}
+    names = ("stress_over_E", "stress_top_over_E", "kinetic_over_elastic", "unbalanced_force")
+    width = 0.005  # records of a window of phi, averaged
+    rows = []
+    for phi in PHI:
+        near = np.abs(records["phi"] - phi) <= width
+        rows.append([records[name][near].mean() for name in names])
+    return rows, int(sg.integrator().steps)
+
+
+def table(title, head, rows):
+    lines = [f"### {title}", "", "| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
+    lines += ["| " + " | ".join(map(str, row)) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def speeds_of_plates(zeta):
+    """Share: rho c v over F/D of the slow run."""
+    slow = squeeze(0.01, zeta)
+    rows = []
+    for speed in (0.05, 0.2, 0.8, 3.2):
+        for approach, (force, ratio), (exact, _) in zip(APPROACH, squeeze(speed, zeta), slow):
+            share = IMPEDANCE * speed / (YOUNG * exact.mean())
+            errors = [f"{100 * e:.2g} %" for e in force / exact.mean() - 1]
+            rows.append((speed, approach, f"{share:.2g}", *errors, f"{ratio:.2g}"))
+    head = ("v [m/s]", "delta/D", "share", "error top", "error bottom", "kinetic/elastic")
+    return table("A disk between plates", head, rows)
+
+
+def compactions(out, grains, zeta):
+    runs = [
+        ("v = 0.5", {"speed": 0.5}),
+        ("v = 0.125", {"speed": 0.125}),
+        ("v = 0.03", {"speed": 0.03}),
+        ("v = 0.125, alpha = 200/s", {"speed": 0.125, "massDamping": 200}),
+        ("v = 0.125, alpha = 2000/s", {"speed": 0.125, "massDamping": 2000}),
+        ("v = 0.125, beta = 1e-5 s", {"speed": 0.125, "stiffnessDamping": 1e-5}),
+        ("v = 0.125, mass x 16", {"speed": 0.125, "scaling": 16}),
+    ]
+    rows = []
+    for name, choices in runs:
+        records, steps = compact(out, grains=grains, zeta=zeta, **choices)
+        root = math.sqrt(choices.get("scaling", 1))
+        for phi, (bottom, top, ratio, unbalanced) in zip(PHI, records):
+            share = root * IMPEDANCE * choices["speed"] / (YOUNG * max(bottom, top))
+            figures = (bottom, top, share, ratio, unbalanced)
+            rows.append((name, phi, *(f"{figure:.2g}" for figure in figures), steps))
+    head = ("run", "phi", "bottom/E", "top/E", "share", "kinetic/elastic", "unbalanced", "steps")
+    return table(f"Compaction of {grains} grains, mu = 0.3", head, rows)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--grains", type=int, default=30, help="of the compaction [-]")
+    parser.add_argument("--zeta", type=float, default=0.25, help="relative resolution [-]")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the tables")
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    with open(options.out / "quasi_static.md", "w") as file:
+        for text in (
+            speeds_of_plates(options.zeta),
+            compactions(options.out, options.grains, options.zeta),
+        ):
+            print(text, flush=True)
+            file.write(text + "\n")
+
+
+if __name__ == "__main__":
+    main()
