@@ -249,9 +249,9 @@ def test_indicator_counts_weight():
 def test_suggested_speed():
     """share stress/(rho c), of the grain with the largest impedance."""
     add_disk()
-    expected = 0.05 * 0.01 * YOUNG / (DENSITY * WAVE_SPEED)
+    expected = 0.1 * 0.01 * YOUNG / (DENSITY * WAVE_SPEED)
     assert sg.suggest_speed() == pytest.approx(expected, rel=1e-12)
-    assert sg.suggest_speed(stress=0.1 * YOUNG, share=0.1) == pytest.approx(20 * expected)
+    assert sg.suggest_speed(stress=0.1 * YOUNG, share=0.2) == pytest.approx(20 * expected)
     sg.scale_mass(4)
     assert sg.suggest_speed() == pytest.approx(0.5 * expected, rel=1e-12)
     add_disk((5 * RADIUS, 0, 0), material=soft_material(density=16 * DENSITY))
@@ -265,10 +265,10 @@ def test_suggested_speed_out_of_range(argument):
         sg.suggest_speed(**argument)
 
 
-def press(share=None, speed=None, stress=0.05 * YOUNG):
+def press(share=None, speed=None, stress=0.05 * YOUNG, **material):
     """Force at both plates of a disk, averaged from there to 1.1 times the approach at which the
     slow force over the diameter is `stress`, and kinetic over elastic energy in the middle."""
-    add_disk()
+    add_disk(material=soft_material(**material))
     bottom = add_wall(-RADIUS, 1)
     top = add_wall(RADIUS, 1)
     ready()
@@ -292,5 +292,7 @@ def test_suggested_speed_holds_what_it_promises():
         force, indicator = press(share=share)
         assert np.abs(force / slow - 1).max() < share
         assert indicator < share**2
+    _, indicator = press(share=0.03, massDamping=2000)  # undamped, vibrations hold more than that
+    assert indicator < 0.03**2
     force, _ = press(share=1.0, stress=0.5 * YOUNG)  # a speed for ten times the stress
     assert np.abs(force / slow - 1).max() > 0.3
