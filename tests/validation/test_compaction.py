@@ -56,6 +56,9 @@ def check(folder, result, until):
     np.testing.assert_allclose(bottom.mean(), top.mean(), rtol=0.05)
     assert 0.02 < bottom[-1] < 1
     assert 4 < result["coordination"][-1] < 7
+    for name in ("kinetic_over_elastic", "unbalanced_force"):
+        indicator = np.array(result[name], float)[late]
+        assert (0 < indicator).all() and (indicator < 0.3).all()
     positions = np.load(folder / "positions.npy")
     assert positions.shape == (len(result["phi"]) + 1, result["grains"], 2)
     for name in PICTURES:

@@ -93,7 +93,7 @@ TEST_CASE("Damping: each mode of a disk decays as the formula says", "[damping]"
 		       Damping { 2 / time, 0.05 * time } })
 			for (int mode : { 3, 10, 40, -1 }) { // the first three are rigid
 				CAPTURE(damping.mass, damping.stiffness, mode);
-				CHECK(deviation(damping, r, mode) < 1e-4);
+				CHECK(deviation(damping, r, mode) < 1e-8);
 			}
 }
 
