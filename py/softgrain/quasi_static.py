@@ -68,8 +68,8 @@ def suggest_speed(stress=None, share=0.1):
     A wall that moves at ``v`` sends waves of the stress ``rho c v`` into the grains it touches,
     with ``c`` the speed of pressure waves, and what moves at ``v`` has at most
     ``(rho c v/stress)²`` times the elastic energy of a body under the uniaxial ``stress``. So
-    ``v = share stress/(rho c)``: force errors then stay below ``share`` (measured: a fifth of it or
-    less), and the kinetic energy of the imposed motion below ``share²`` of the elastic one, once
+    ``v = share stress/(rho c)``: force errors then stay below ``share`` (measured: mostly far
+    below), and the kinetic energy of the imposed motion below ``share²`` of the elastic one, once
     the stress is reached. Vibrations that contacts excite come on top and stay, however slowly the
     wall moves, unless they are damped (``SoftMat.massDamping``). The grain with the largest
     ``rho c`` counts, mass scaling included.

@@ -27,7 +27,7 @@ PHI = (0.84, 0.88, 0.92)
 
 
 def squeeze(speed, zeta, **material):
-    """Mean force at both plates over E D from each approach to 10 % more, and energy ratio there."""
+    """Mean force at both plates over E D from each approach to 1.1 of it, and energy ratio."""
     O.reset()
     soft = sg.SoftMat(young=YOUNG, poisson=0.45, density=DENSITY, **material)
     O.bodies.append(sg.soft_disk((0, 0, 0), RADIUS, soft, zeta=zeta))
@@ -53,7 +53,8 @@ def squeeze(speed, zeta, **material):
 
 
 def compact(out, speed, grains, zeta, scaling=1, **material):
-    """Stress over E at bottom and top, energy ratio and unbalanced force at each phi; steps."""
+    """Stress over E at bottom and top, energy ratio and unbalanced force at each phi; steps; time
+    of forces and velocities in a step [s]."""
     O.reset()
     options = compaction.parse_options(
         [
@@ -66,6 +67,8 @@ def compact(out, speed, grains, zeta, scaling=1, **material):
     for name, value in material.items():
         setattr(O.materials["grains"], name, value)
     sg.scale_mass(scaling)
+    O.timingEnabled = True
+    sg.reset_times()
     recorder, _ = compaction.compact(options, box)
     records = {name: np.array(values, float) for name, values in recorder.records.items()}
     names = ("stress_over_E", "stress_top_over_E", "kinetic_over_elastic", "unbalanced_force")
@@ -74,7 +77,11 @@ def compact(out, speed, grains, zeta, scaling=1, **material):
     for phi in PHI:
         near = np.abs(records["phi"] - phi) <= width
         rows.append([records[name][near].mean() for name in names])
-    return rows, int(sg.integrator().steps)
+    times = sg.phase_times()
+    steps = int(sg.integrator().steps)
+    bulk = sum(times[phase][0] for phase in ("updateForces", "predictVelocities")) / steps
+    O.timingEnabled = False
+    return rows, steps, bulk
 
 
 def table(title, head, rows):
@@ -118,13 +125,25 @@ def compactions(out, grains, zeta):
     ]
     rows = []
     for name, choices in runs:
-        records, steps = compact(out, grains=grains, zeta=zeta, **choices)
+        records, steps, bulk = compact(out, grains=grains, zeta=zeta, **choices)
         root = math.sqrt(choices.get("scaling", 1))
         for phi, (bottom, top, ratio, unbalanced) in zip(PHI, records):
             share = root * IMPEDANCE * choices["speed"] / (YOUNG * max(bottom, top))
             figures = (bottom, top, share, ratio, unbalanced)
-            rows.append((name, phi, *(f"{figure:.2g}" for figure in figures), steps))
-    head = ("run", "phi", "bottom/E", "top/E", "share", "kinetic/elastic", "unbalanced", "steps")
+            rows.append(
+                (name, phi, *(f"{figure:.2g}" for figure in figures), steps, f"{1e6 * bulk:.0f}")
+            )
+    head = (
+        "run",
+        "phi",
+        "bottom/E",
+        "top/E",
+        "share",
+        "kinetic/elastic",
+        "unbalanced",
+        "steps",
+        "bulk [us]",
+    )
     return table(f"Compaction of {grains} grains, mu = 0.3", head, rows)
 
 
