@@ -6,7 +6,6 @@ Formulas: ``doc/theory.md``, section 3; measured: ``doc/decisions/0016-quasi-sta
 import math
 import warnings
 
-import numpy as np
 from yade import NewtonIntegrator, O, Vector3, wrapper
 
 from softgrain import build
@@ -50,7 +49,7 @@ def _ratio(numerator, denominator):
 def _mean_net_force(bodies):
     gravity = next((e.gravity for e in O.engines if isinstance(e, NewtonIntegrator)), Vector3())
     sums = [O.forces.f(b.id) + gravity * (b.state.mass / b.material.massScaling) for b in bodies]
-    return np.mean([force.norm() for force in sums])
+    return math.fsum(force.norm() for force in sums) / len(sums)
 
 
 def _mean_contact_force():
@@ -59,7 +58,8 @@ def _mean_contact_force():
         for i in O.interactions
         if i.isReal and isinstance(i.phys, wrapper.SoftPhys) and i.phys.activeContacts > 0
     ]
-    return np.mean(forces) if forces else 0.0
+    # fsum: the order of O.interactions depends on threads
+    return math.fsum(forces) / len(forces) if forces else 0.0
 
 
 def suggest_speed(stress=None, share=0.1):
