@@ -12,6 +12,9 @@ set -euo pipefail
 platform_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd -P)
 repo=$(cd "$platform_dir/../.." && pwd -P)
 
+# Threads that wait give their processor up soon: on a busy machine those they wait for need it.
+export GOMP_SPINCOUNT=${GOMP_SPINCOUNT-3000}
+
 yade_version=2025.2.0
 mirror=${SOFTGRAIN_DEBIAN_MIRROR:-http://deb.debian.org/debian}
 
