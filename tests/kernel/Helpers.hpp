@@ -125,6 +125,17 @@ template <int dim> void deform(Batch<dim>& batch, int g, const Mat<dim>& F)
 		batch.x.set(g, I, batch.grain[g].radius * (F * batch.reference->nodePosition[I]));
 }
 
+/// Makes the first grain deformed, noisy, spinning and flying.
+template <int dim> void makeNoisy(Batch<dim>& batch, Random& random)
+{
+	deform<dim>(batch, 0, random.deformation<dim>(0.1));
+	for (int I = 0; I < batch.reference->nodes(); ++I)
+		batch.v.set(0, I, random.vector<dim>(0.5));
+	const Mat<dim> A = random.matrix<dim>(20);
+	batch.moveRigidly(0, Vec<dim>::Zero(), Mat<dim>::Identity(), Vec<dim>::Zero(),
+			  random.vector<dim>(), A - A.transpose());
+}
+
 /// Adds noise to the nodal positions, up to `size` radii.
 template <int dim> void shake(Batch<dim>& batch, int g, double size, Random& random)
 {

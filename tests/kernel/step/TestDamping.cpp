@@ -69,12 +69,7 @@ template <int dim> Scene<dim> noisyGrain(const Damping& damping, const TemplateR
 {
 	Random random(1);
 	auto batch = singleGrain<dim>(r, dampedGrain<dim>(damping));
-	deform<dim>(batch, 0, random.deformation<dim>(0.1));
-	for (int I = 0; I < batch.reference->nodes(); ++I)
-		batch.v.set(0, I, random.vector<dim>(0.5));
-	const Mat<dim> A = random.matrix<dim>(20);
-	batch.moveRigidly(0, Vec<dim>::Zero(), Mat<dim>::Identity(), Vec<dim>::Zero(),
-			  random.vector<dim>(), A - A.transpose());
+	makeNoisy(batch, random);
 	Scene<dim> scene;
 	scene.settings.trackEnergy = true;
 	scene.settings.rigidMotion = false;

@@ -63,12 +63,7 @@ TEMPLATE_TEST_CASE_SIG("Free flight: momenta are conserved to rounding", "[step]
 {
 	Random random(1);
 	auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.2 : 0.35));
-	deform<dim>(batch, 0, random.deformation<dim>(0.1)); // so that it vibrates while it flies
-	for (int I = 0; I < batch.reference->nodes(); ++I)
-		batch.v.set(0, I, random.vector<dim>(0.5));
-	const Mat<dim> A = random.matrix<dim>(20);
-	batch.moveRigidly(0, Vec<dim>::Zero(), Mat<dim>::Identity(), Vec<dim>::Zero(),
-			  random.vector<dim>(), A - A.transpose());
+	makeNoisy(batch, random);
 	Scene<dim> scene;
 	scene.courant = 0.3; // the noise is a strong motion
 	scene.add(std::move(batch));

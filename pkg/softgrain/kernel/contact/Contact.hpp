@@ -4,6 +4,7 @@
 #include "Vector.hpp"
 #include "reference/Outline.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <tuple>
@@ -74,6 +75,11 @@ template <int dim> struct ContactList {
 	ContactCandidates candidates;
 	int tested = 0; ///< nodes that the last search measured against the other body
 
+	/// Keeps the deepest; `pointSpacing` is the mean dr of the two grains, m.
+	void noteOverlap(double gap, double pointSpacing)
+	{
+		deepest = std::max(deepest, -gap / pointSpacing);
+	}
 	/// By first body; its planes in the order of their names, then its grains.
 	std::tuple<int, bool, int> sweepOrder() const
 	{

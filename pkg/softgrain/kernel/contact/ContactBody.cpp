@@ -50,6 +50,14 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 		n.normalize();
 }
 
+template <int dim> std::vector<int> ContactBody<dim>::nodesIn(const Box<dim>& region) const
+{
+	std::vector<int> found;
+	for (int s = 0; s < nodes(); ++s)
+		if (region.contains(position[s])) found.push_back(s);
+	return found;
+}
+
 template <int dim> Vec<dim> ContactBody<dim>::areaOfFacet(int facet) const
 {
 	return (dim == 2 ? 1. : 0.5) * facetNormal(position, mesh->facet[facet]);

@@ -71,6 +71,8 @@ template <int dim> struct ContactBody {
 	}
 	bool isSharp(int node) const { return mesh->sharp.count(node) > 0; }
 
+	/// Nodes in a region, in their order.
+	std::vector<int> nodesIn(const Box<dim>& region) const;
 	/// Outward normal of a facet; its length is the area (2D: length) of the facet.
 	Vec<dim> areaOfFacet(int facet) const;
 	/// Outward unit normal at a node of a facet: that of the smooth outline, at a sharp node

@@ -43,8 +43,9 @@ template <int dim> SolverReport solve(ContactProblem<dim>& problem, double toler
 	std::vector<ContactBody<dim>> bodies(1);
 	bodies[0].delassus = &problem.delassus;
 	bodies[0].delassusScale = 1;
-	bodies[0].velocity = bodies[0].position = problem.freeVelocity;
-	bodies[0].impulse.assign(problem.contacts(), Vec<dim>::Zero());
+	bodies[0].velocity = problem.freeVelocity;
+	bodies[0].position.assign(problem.contacts(), Vec<dim>::Zero());
+	bodies[0].impulse = bodies[0].position;
 	std::vector<ContactList<dim>> lists(problem.contacts());
 	std::vector<ContactList<dim>*> pointers;
 	for (int k = 0; k < problem.contacts(); ++k) {

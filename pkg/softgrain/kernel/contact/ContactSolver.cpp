@@ -45,28 +45,14 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 	}
 	const int colours = static_cast<int>(colourEnd_.size());
 	threads_ = std::clamp(count_ / (pairsPerThread * std::max(colours, 1)), 1, threads);
-	forEachPair([&](PairSolver<dim>& pair) {
-		pair.prepare(bodies, *ordered[&pair - pairs_.data()], dt, settings);
-	});
+	forEachPair(SweepOrder::forwards,
+		    [&](int k) { pairs_[k].prepare(bodies, *ordered[k], dt, settings); });
 }
 
-template <int dim> template <class Visit> void ContactSolver<dim>::forEachPair(Visit&& visit)
+template <int dim>
+template <class Visit>
+void ContactSolver<dim>::forEachPair(SweepOrder order, Visit&& visit)
 {
-#pragma omp parallel num_threads(threads_) if (threads_ > 1)
-	{
-		int begin = 0;
-		for (int end : colourEnd_) {
-#pragma omp for schedule(static)
-			for (int k = begin; k < end; ++k)
-				visit(pairs_[k]);
-			begin = end;
-		}
-	}
-}
-
-template <int dim> double ContactSolver<dim>::sweep(SweepOrder order)
-{
-	auto visit = [&](int k) { change_[k] = pairs_[k].sweep(order); };
 	const int colours = static_cast<int>(colourEnd_.size());
 #pragma omp parallel num_threads(threads_) if (threads_ > 1)
 	for (int i = 0; i < colours; ++i) {
@@ -76,6 +62,11 @@ template <int dim> double ContactSolver<dim>::sweep(SweepOrder order)
 		for (int k = begin; k < colourEnd_[colour]; ++k)
 			visit(k);
 	}
+}
+
+template <int dim> double ContactSolver<dim>::sweep(SweepOrder order)
+{
+	forEachPair(order, [&](int k) { change_[k] = pairs_[k].sweep(order); });
 	SweepChange sum;
 	for (const SweepChange& change : change_)
 		sum += change;
@@ -99,7 +90,7 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 		report.residual = residual();
 		report.converged = report.residual <= settings_.tolerance;
 	}
-	forEachPair([](PairSolver<dim>& pair) { pair.finish(); });
+	forEachPair(SweepOrder::forwards, [&](int k) { pairs_[k].finish(); });
 	for (int k = 0; k < count_; ++k)
 		report.active += pairs_[k].active();
 	return report;

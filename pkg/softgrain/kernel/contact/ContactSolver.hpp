@@ -51,8 +51,8 @@ public:
 	ContactProblem<dim> problem() const;
 
 private:
-	/// Calls with all pairs, colour by colour; `visit` may not throw.
-	template <class Visit> void forEachPair(Visit&& visit);
+	/// Calls with the numbers of all pairs, colour by colour; `visit` may not throw.
+	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit);
 	double sweep(SweepOrder order); ///< relative change of the impulses, in the residual's norm
 	SparseRows<double> delassus() const;
 

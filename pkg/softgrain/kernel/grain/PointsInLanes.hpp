@@ -44,6 +44,15 @@ template <int dim> double* firstNumber(Strip<dim>& strip, unsigned point)
 	return &strip.tensor[point / laneWidth][0][0][point % laneWidth];
 }
 
+/// Calls `use(run, products across its line)` for the runs of a strip.
+template <int dim, int order, class Use>
+void forEachRun(const PointLines<dim>& lines, const Strip<dim>& strip, Use&& use)
+{
+	const int runs = runsBegin(lines, strip.lines.end);
+	for (int r = runsBegin(lines, strip.lines.begin); r < runs; ++r)
+		use(lines.run[r], acrossLine<dim, order>(lines, lines.run[r].line));
+}
+
 template <int dim, int order>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& lines,
 						     const std::array<const double*, dim>& x,
@@ -51,10 +60,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& line
 {
 	constexpr int nodes = nodesAcross<dim, order>;
 	const int stripBegin = strip.pointsBegin(lines);
-	const int runs = runsBegin(lines, strip.lines.end);
-	for (int r = runsBegin(lines, strip.lines.begin); r < runs; ++r) {
-		const auto run = lines.run[r];
-		const double* across = acrossLine<dim, order>(lines, run.line);
+	forEachRun<dim, order>(lines, strip, [&](const auto& run, const double* across) {
 		AcrossSums<dim> sum = {};
 		for (int k = 0; k < nodes; ++k)
 			for (int a = 0; a < dim; ++a) {
@@ -80,7 +86,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& line
 					F[(k + c) * laneWidth] = whole[c];
 			}
 		}
-	}
+	});
 }
 
 template <int dim, int order>
@@ -90,10 +96,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lin
 {
 	constexpr int nodes = nodesAcross<dim, order>;
 	const int stripBegin = strip.pointsBegin(lines);
-	const int runs = runsBegin(lines, strip.lines.end);
-	for (int r = runsBegin(lines, strip.lines.begin); r < runs; ++r) {
-		const auto run = lines.run[r];
-		const double* across = acrossLine<dim, order>(lines, run.line);
+	forEachRun<dim, order>(lines, strip, [&](const auto& run, const double* across) {
 		AcrossSums<dim> sum = {};
 		for (int i = run.begin; i < run.end; ++i) {
 			const Row value = rowAt(lines.point[i].value),
@@ -114,7 +117,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lin
 					value -= across[q * nodes + k] * sum[q][a];
 				rowAt(node) = value;
 			}
-	}
+	});
 }
 
 } // namespace detail

@@ -8,17 +8,6 @@
 
 namespace softgrain {
 
-template <class Renew> void Freshness::renew(Renew&& renewNow)
-{
-	int found = stale;
-	if (state_.compare_exchange_strong(found, busy)) {
-		renewNow();
-		state_.store(fresh, std::memory_order_release);
-		state_.notify_all();
-	} else if (found == busy)
-		state_.wait(busy);
-}
-
 template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 {
 	const GrainTemplate<dim>& reference = set->reference();
@@ -50,18 +39,6 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 	sets_.push_back(std::move(set));
 	listGrains();
 	forcesFresh_ = false;
-}
-
-template <int dim>
-template <class Phase>
-void System<dim>::forEachOf(const std::vector<int>& chosen, int threads, Phase&& phase)
-{
-	const int count = static_cast<int>(chosen.size());
-#pragma omp parallel for schedule(static) num_threads(threads)
-	for (int k = 0; k < count; ++k) {
-		const int g = chosen[k];
-		phase(g, *sets_[place_[g].set], place_[g].index);
-	}
 }
 
 /// Lists of active and rigid grains as the sets say.
@@ -122,68 +99,6 @@ template <int dim> double System<dim>::presentCriticalTimeStep() const
 	return criticalTimeStep(stiffening(), rateStiffening());
 }
 
-namespace {
-
-template <int dim>
-double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to)
-{
-	double squared = 0;
-	for (std::size_t s = 0; s < to.size(); ++s)
-		squared = std::max(squared, (to[s] - from[s]).squaredNorm());
-	return std::sqrt(squared);
-}
-
-} // namespace
-
-template <int dim> void System<dim>::renewOutline(int g)
-{
-	ContactBody<dim>& body = bodies_[g];
-	lastPosition_[g].swap(body.position);
-	surface_[g].expire();
-	renewSurface(g);
-	body.travelled += farthestWay<dim>(lastPosition_[g], body.position);
-}
-
-template <int dim> void System<dim>::renewSurface(int g) const
-{
-	surface_[g].renew([this, g] { measureSurface(g); });
-}
-
-template <int dim> void System<dim>::measureSurface(int g) const
-{
-	ContactBody<dim>& body = bodies_[g];
-	setOf(g).contactPositions(indexInSet(g), body.position);
-	body.updateGeometry();
-	if (gridSpacing_ > 0) updateGridNodes(g);
-}
-
-template <int dim> void System<dim>::updateSurface(int g)
-{
-	renewOutline(g);
-	bodies_[g].fastest = setOf(g).fastestContactNode(indexInSet(g));
-}
-
-/// Of the present positions, dt after the last ones; that of a rigid grain is left to who asks.
-template <int dim> void System<dim>::followMotion(int g, double dt)
-{
-	ContactBody<dim>& body = bodies_[g];
-	body.fastest = setOf(g).fastestContactNode(indexInSet(g));
-	if (isRigid(g)) {
-		body.travelled += dt * body.fastest;
-		surface_[g].expire();
-	} else
-		renewOutline(g);
-}
-
-/// What the grain gives to the common grid at its present place.
-template <int dim> void System<dim>::updateGridNodes(int g) const
-{
-	GridPoints<dim> points;
-	setOf(g).massPoints(indexInSet(g), points.position, points.mass);
-	bodies_[g].gridSpacing = gridSpacing_;
-	bodies_[g].gridNode = nodesOnGrid(points, gridSpacing_);
-}
-
 /// Grid nodes in contact become the contact nodes of their grains.
 template <int dim> void System<dim>::useGridNodes(const std::vector<ContactList<dim>*>& lists)
 {
@@ -201,12 +116,6 @@ template <int dim> void System<dim>::useGridNodes(const std::vector<ContactList<
 		if (!used[g].empty())
 			setOf(g).useContactNodes(indexInSet(g),
 						 pointShares(bodies_[g].gridNode, used[g]));
-}
-
-template <int dim> void System<dim>::updateSurfaces(int threads)
-{
-	forEachOf(all_, threads, [this](int g, auto&&...) { updateSurface(g); });
-	forcesFresh_ = false;
 }
 
 namespace {
@@ -251,94 +160,6 @@ template <int dim> double System<dim>::rateStiffening() const
 	for (int g : damped_)
 		largest = std::max(largest, setOf(g).rateStiffening(indexInSet(g)));
 	return largest;
-}
-
-namespace {
-
-/// Gaps that both bodies together could close in two steps at their present speeds, and never less
-/// than a twentieth of the point spacing, for grains that are just being accelerated.
-double reachOf(double speed, double dt, double pointSpacing)
-{
-	return std::max(2 * dt * speed, 0.05 * pointSpacing);
-}
-
-} // namespace
-
-template <int dim> double System<dim>::reach(int first, int second, double dt) const
-{
-	const ContactBody<dim>&a = bodies_[first], &b = bodies_[second];
-	return reachOf(a.fastest + b.fastest, dt, std::min(a.pointSpacing, b.pointSpacing));
-}
-
-template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, double dt) const
-{
-	return reachOf(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing);
-}
-
-template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const
-{
-	if (isRigid(g)) {
-		const RigidBounds<dim> bounds = setOf(g).rigidBounds(indexInSet(g));
-		return { bounds.centre, bounds.radius + bounds.bulge };
-	}
-	const ContactBody<dim>& own = body(g);
-	// the outline bulges out of its facets by less than half of an edge
-	return { own.box.centre(),
-		 0.5 * (own.box.high - own.box.low).norm() + 0.5 * own.longestEdge };
-}
-
-/// Of two outlines that are further apart nothing is a contact: on the common grid each gives mass
-/// to nodes up to a step of the grid away.
-template <int dim> double System<dim>::outsideReach(double reach) const
-{
-	return reach + 2 * gridSpacing_;
-}
-
-template <int dim> bool System<dim>::areFarApart(int first, int second, double reach) const
-{
-	if (!isRigid(first) && !isRigid(second)) return false;
-	const Ball a = ballAbout(first), b = ballAbout(second);
-	const double distance = a.radius + b.radius + outsideReach(reach);
-	return (a.centre - b.centre).squaredNorm() > distance * distance;
-}
-
-template <int dim> bool System<dim>::isFarFrom(int g, const Plane<dim>& plane, double reach) const
-{
-	if (!isRigid(g)) return false;
-	const Ball ball = ballAbout(g);
-	return (ball.centre - plane.point).dot(plane.normal) > ball.radius + outsideReach(reach);
-}
-
-template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) const
-{
-	const bool onPlane = list.second < 0;
-	const double within =
-		onPlane ? reach(list.first, list.plane, dt) : reach(list.first, list.second, dt);
-	if (onPlane ? isFarFrom(list.first, list.plane, within)
-		    : areFarApart(list.first, list.second, within)) {
-		list.contacts.clear();
-		list.deepest = 0;
-		return false;
-	}
-	if (onPlane)
-		findContacts(body(list.first), within, list);
-	else
-		findContacts(body(list.first), body(list.second), within, list);
-	return true;
-}
-
-template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double margin) const
-{
-	auto holds = [&box](const Box<dim>& own) {
-		return (own.low.array() >= box.low.array()).all() &&
-		       (own.high.array() <= box.high.array()).all();
-	};
-	if (isRigid(g)) {
-		const RigidBounds<dim> bounds = setOf(g).rigidBounds(indexInSet(g));
-		const Box<dim> about { bounds.centre, bounds.centre };
-		if (holds(about.grown(bounds.radius + margin))) return true;
-	}
-	return holds(body(g).box.grown(margin));
 }
 
 /// Forces at t_n act from the middle of the last step to the middle of this one. (With the length

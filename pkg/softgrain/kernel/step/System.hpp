@@ -54,7 +54,7 @@ struct StepReport {
 	double deepest = 0;    ///< largest overlap of the step, in dr
 	double stiffening = 1; ///< largest over all grains
 	double kick = 0; ///< time over which the forces at t_n acted; impulse / kick is a force, s
-	int activeGrains = 0; ///< computed, neither at rest nor moved rigidly
+	int activeGrains = 0; ///< computed, not moved as rigid bodies
 };
 
 struct StepSettings {
@@ -208,5 +208,17 @@ private:
 	bool forcesFresh_ = false;
 	long updatedPoints_ = 0; ///< since the end of the last step
 };
+
+template <int dim>
+template <class Phase>
+void System<dim>::forEachOf(const std::vector<int>& chosen, int threads, Phase&& phase)
+{
+	const int count = static_cast<int>(chosen.size());
+#pragma omp parallel for schedule(static) num_threads(threads)
+	for (int k = 0; k < count; ++k) {
+		const int g = chosen[k];
+		phase(g, *sets_[place_[g].set], place_[g].index);
+	}
+}
 
 } // namespace softgrain

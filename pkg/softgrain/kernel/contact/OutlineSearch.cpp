@@ -1,0 +1,381 @@
+#include "contact/OutlineSearch.hpp"
+#include "contact/OutlineCurve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace softgrain {
+
+template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactBody<dim>& b)
+{
+	constexpr double deepestContact = 1.5; // in dr
+	return deepestContact * std::max(a.pointSpacing, b.pointSpacing);
+}
+
+namespace {
+
+/// Barycentric coordinates of the point of a segment nearest to `x`.
+std::array<double, 2> nearestOnFacet(const Vec<2>& x, const std::array<Vec<2>, 2>& corner)
+{
+	const Vec<2> edge = corner[1] - corner[0];
+	const double t = std::clamp((x - corner[0]).dot(edge) / edge.squaredNorm(), 0., 1.);
+	return { 1 - t, t };
+}
+
+/// The same for a triangle, by the regions of its corners, edges and inside (Ericson, Real-Time
+/// Collision Detection, 2005, 5.1.5).
+std::array<double, 3> nearestOnFacet(const Vec<3>& x, const std::array<Vec<3>, 3>& corner)
+{
+	const Vec<3> ab = corner[1] - corner[0], ac = corner[2] - corner[0];
+	const Vec<3> ax = x - corner[0], bx = x - corner[1], cx = x - corner[2];
+	const double d1 = ab.dot(ax), d2 = ac.dot(ax), d3 = ab.dot(bx), d4 = ac.dot(bx),
+		     d5 = ab.dot(cx), d6 = ac.dot(cx);
+	if (d1 <= 0 && d2 <= 0) return { 1, 0, 0 };
+	if (d3 >= 0 && d4 <= d3) return { 0, 1, 0 };
+	if (d6 >= 0 && d5 <= d6) return { 0, 0, 1 };
+	const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+	if (vc <= 0 && d1 >= 0 && d3 <= 0) return { 1 - d1 / (d1 - d3), d1 / (d1 - d3), 0 };
+	if (vb <= 0 && d2 >= 0 && d6 <= 0) return { 1 - d2 / (d2 - d6), 0, d2 / (d2 - d6) };
+	if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+		const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+		return { 0, 1 - w, w };
+	}
+	const double sum = va + vb + vc;
+	return { va / sum, vb / sum, vc / sum };
+}
+
+template <int dim> struct PlaceOnOutline {
+	int facet = -1;
+	std::array<double, dim> weight {};
+	double squaredDistance = std::numeric_limits<double>::infinity();
+};
+
+/// A facet and a ball that holds it.
+template <int dim> struct FacetNear {
+	int facet;
+	Vec<dim> centre;
+	double radius;
+};
+
+/// Nearest place to `x` on those of the facets of `body` that `admissible` lets pass.
+template <int dim, class Admissible>
+PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body,
+				 const std::vector<FacetNear<dim>>& facets, Admissible&& admissible)
+{
+	PlaceOnOutline<dim> best;
+	double distance = std::numeric_limits<double>::infinity();
+	for (const FacetNear<dim>& f : facets) {
+		const double farthest = distance + f.radius;
+		if ((x - f.centre).squaredNorm() > farthest * farthest) continue;
+		if (!admissible(f.facet)) continue;
+		std::array<Vec<dim>, dim> corner;
+		for (int i = 0; i < dim; ++i)
+			corner[i] = body.position[body.mesh->facet[f.facet][i]];
+		const auto weight = nearestOnFacet(x, corner);
+		Vec<dim> nearest = Vec<dim>::Zero();
+		for (int i = 0; i < dim; ++i)
+			nearest += weight[i] * corner[i];
+		const double squared = (x - nearest).squaredNorm();
+		if (squared >= best.squaredDistance) continue;
+		best = { f.facet, weight, squared };
+		distance = std::sqrt(squared);
+	}
+	return best;
+}
+
+/// The nearest place of all is wanted.
+constexpr auto anyFacet = [](int) { return true; };
+
+/// Gap and normal at a place on a 2D outline: of the smooth curve over the facet. What leans on the
+/// curve moves and pushes its nodes with the curve's own weights.
+void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
+		Contact<2>& contact)
+{
+	const OutlineCurve curve(body, place.facet);
+	const OutlineCurve::Place foot = curve.nearest(x, place.weight[1]);
+	contact.partners = mostPartners<2>;
+	contact.facet = place.facet;
+	contact.partner = curve.nodes();
+	contact.weight = curve.weights(foot.t);
+	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
+	contact.gap = (x - foot.position).dot(contact.normal);
+}
+
+/// The same in 3D: between its vertices the outline bulges over the flat facet by
+/// 1/2 sum_(i<j) w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second
+/// order.
+void measureGap(const Vec<3>& x, const ContactBody<3>& body, const PlaceOnOutline<3>& place,
+		Contact<3>& contact)
+{
+	const auto& vertex = body.mesh->facet[place.facet];
+	Vec<3> foot = Vec<3>::Zero(), normal = Vec<3>::Zero();
+	double bulge = 0;
+	for (int i = 0; i < 3; ++i) {
+		foot += place.weight[i] * body.position[vertex[i]];
+		normal += place.weight[i] * body.normalAt(place.facet, vertex[i]);
+		for (int j = 0; j < i; ++j)
+			bulge += 0.5 * place.weight[i] * place.weight[j] *
+				 (body.normalAt(place.facet, vertex[j]) -
+				  body.normalAt(place.facet, vertex[i]))
+					 .dot(body.position[vertex[j]] - body.position[vertex[i]]);
+	}
+	contact.partners = mostPartners<3>;
+	contact.facet = place.facet;
+	contact.partner = vertex;
+	contact.weight = place.weight;
+	contact.normal = normal.normalized();
+	contact.gap = (x - foot).dot(contact.normal) - bulge;
+}
+
+/// Whether the place nearest to `x` is a sharp edge or corner of the outline with `x` beyond the
+/// end of the facet: no facet lies under `x` then, and the distance to the edge is the gap.
+template <int dim>
+bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place,
+		  Contact<dim>& contact)
+{
+	Vec<dim> foot = Vec<dim>::Zero();
+	for (int i = 0; i < dim; ++i) {
+		const int vertex = body.mesh->facet[place.facet][i];
+		if (place.weight[i] > 0 && !body.isSharp(vertex)) return false;
+		foot += place.weight[i] * body.position[vertex];
+	}
+	const Vec<dim> apart = x - foot;
+	const Vec<dim> normal = body.areaOfFacet(place.facet).normalized();
+	if ((apart - apart.dot(normal) * normal).norm() < 1e-9 * body.pointSpacing) return false;
+	contact.normal = apart.normalized();
+	contact.gap = apart.norm();
+	return true;
+}
+
+/// Facets that may reach into a region, in their order.
+template <int dim>
+std::vector<FacetNear<dim>> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
+{
+	const Box<dim> around = region.grown(body.longestEdge);
+	std::vector<FacetNear<dim>> found;
+	for (std::size_t f = 0; f < body.mesh->facet.size(); ++f) {
+		const auto& vertex = body.mesh->facet[f];
+		if (!around.contains(body.position[vertex[0]])) continue;
+		FacetNear<dim> near { static_cast<int>(f), Vec<dim>::Zero(), 0 };
+		for (int i : vertex)
+			near.centre += body.position[i] / dim;
+		for (int i : vertex)
+			near.radius =
+				std::max(near.radius, (body.position[i] - near.centre).norm());
+		found.push_back(near);
+	}
+	return found;
+}
+
+/// Nodes of `body` that may be inside `other` or within reach of it.
+template <int dim>
+std::vector<int> nodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other,
+			   double reach, double margin)
+{
+	std::vector<int> found = body.nodesIn(other.box.grown(margin));
+	// The ball is the tighter of the two for round grains. The outline bulges out of its facets
+	// by less than an eighth of the longest edge (3D: 0.29 of it).
+	const double radius = other.circumradius + reach + 0.3 * other.longestEdge;
+	const Vec<dim> centre = other.box.centre();
+	std::erase_if(found, [&](int s) {
+		return (body.position[s] - centre).squaredNorm() > radius * radius;
+	});
+	return found;
+}
+
+/// A contact; what lies deeper is none, but is known by its depth.
+template <int dim>
+void append(const ContactKey& key, Contact<dim>& contact, const ContactBody<dim>& body,
+	    const ContactBody<dim>& other, ContactList<dim>& list)
+{
+	list.noteOverlap(contact.gap, 0.5 * (body.pointSpacing + other.pointSpacing));
+	if (contact.gap < -contactDepth(body, other)) return;
+	contact.key = key;
+	list.contacts.push_back(contact);
+}
+
+/// The contact of a node with a place on an outline, but for its key.
+template <int dim>
+Contact<dim> contactAt(const Vec<dim>& x, const ContactBody<dim>& other,
+		       const PlaceOnOutline<dim>& place)
+{
+	Contact<dim> contact;
+	measureGap(x, other, place, contact);
+	return contact;
+}
+
+/// Calls `use(node, facets)` for the nodes of `body` that may be within reach of the outline of
+/// `other`, with the facets that may be the nearest.
+template <int dim, class Use>
+void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach,
+		  ContactList<dim>& list, Use&& use)
+{
+	// The outline bulges out of the box of its vertices, and the facet nearest to a node that
+	// overlaps may lie outside the common region: both by less than a contact depth.
+	const double margin = std::max(reach, contactDepth(body, other));
+	const auto nodes = nodesNear(body, other, reach, margin);
+	if (nodes.empty()) return;
+	const auto facets = facetsIn(other, body.box.grown(margin));
+	if (facets.empty()) return;
+	list.tested += static_cast<int>(nodes.size());
+	for (int s : nodes)
+		use(s, facets);
+}
+
+/// Nodes of `body` against the outline of `other`, where one of them has corners.
+template <int dim>
+void nodesAgainstCorners(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
+			 double reach, ContactList<dim>& list)
+{
+	const double deep = contactDepth(body, other);
+	// Near a corner the nearest facet need not be the one that a node lies against: there only
+	// facets count that the node faces.
+	forNodesNear(body, other, reach, list, [&](int s, const auto& facets) {
+		const Vec<dim>& x = body.position[s];
+		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, [&](int f) {
+			return body.facesAgainst(s, other.areaOfFacet(f).normalized());
+		});
+		// None near: the node lies against no side of the grain, but it may be inside.
+		const bool faces = place.squaredDistance <= deep * deep;
+		if (!faces) place = nearestPlace(x, other, facets, anyFacet);
+		Contact<dim> contact = contactAt(x, other, place);
+		if (isBeyondEdge(x, other, place, contact) && !body.facesAgainst(s, contact.normal))
+			return;
+		if (contact.gap < (faces ? reach : -deep))
+			append({ side, s, -1 }, contact, body, other, list);
+	});
+}
+
+template <int dim>
+void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
+			 double reach, ContactList<dim>& list)
+{
+	forNodesNear(body, other, reach, list, [&](int s, const auto& facets) {
+		const Vec<dim>& x = body.position[s];
+		Contact<dim> contact =
+			contactAt(x, other, nearestPlace(x, other, facets, anyFacet));
+		if (contact.gap < reach) append({ side, s, -1 }, contact, body, other, list);
+	});
+}
+
+template <int dim>
+void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
+		    ContactList<dim>& list)
+{
+	ContactCandidates& candidates = list.candidates;
+	forNodesNear(body, other, candidates.covered, list, [&](int s, const auto& facets) {
+		const Vec<dim>& x = body.position[s];
+		const auto place = nearestPlace(x, other, facets, anyFacet);
+		if (contactAt(x, other, place).gap < candidates.covered)
+			candidates.nodes.push_back({ side, s, place.facet });
+	});
+}
+
+/// Candidates are looked for this far beyond the reach, in dr: much less makes them short-lived,
+/// much more makes too many.
+constexpr double candidateMargin = 0.3;
+
+/// A place on the outline between nodes moves by no more than 1.25 times the most that a node does
+/// (sum of the sizes of the weights of OutlineCurve).
+constexpr double outlinePerNode = 1.25;
+
+template <int dim>
+void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
+		     ContactList<dim>& list)
+{
+	ContactCandidates& candidates = list.candidates;
+	const double travelled = first.travelled + second.travelled;
+	const double since = travelled - candidates.travelled; // negative: of other bodies
+	if (since >= 0 && reach + outlinePerNode * since <= candidates.covered) return;
+	candidates.nodes.clear();
+	candidates.covered =
+		reach + candidateMargin * std::min(first.pointSpacing, second.pointSpacing);
+	candidates.travelled = travelled;
+	findCandidates(first, second, 0, list);
+	findCandidates(second, first, 1, list);
+}
+
+PlaceOnOutline<2> placeOnFacet(const Vec<2>& x, const ContactBody<2>& body, int facet)
+{
+	const auto& [begin, end] = body.mesh->facet[facet];
+	const auto weight = nearestOnFacet(x, { body.position[begin], body.position[end] });
+	const Vec<2> nearest = weight[0] * body.position[begin] + weight[1] * body.position[end];
+	return { facet, weight, (x - nearest).squaredNorm() };
+}
+
+/// Nearest place to `x`, from facet to facet as long as the next is nearer (of two as near, as at a
+/// common end, the first in order).
+PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int facet)
+{
+	const int count = static_cast<int>(body.mesh->facet.size());
+	PlaceOnOutline<2> best = placeOnFacet(x, body, facet);
+	for (int step : { 1, count - 1 })
+		while (true) {
+			const auto next = placeOnFacet(x, body, (best.facet + step) % count);
+			const bool nearer = next.squaredDistance < best.squaredDistance;
+			const bool first = next.squaredDistance == best.squaredDistance &&
+					   next.facet < best.facet;
+			if (!nearer && !first) break;
+			best = next;
+		}
+	return best;
+}
+
+/// Whether a node is so far outside that it need not be measured against the curve: the curve
+/// bulges out of its facet, and at the end of a facet the gap may be a little less than the
+/// distance.
+bool isOutOfReach(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
+		  double reach)
+{
+	const Vec<2>& start = body.position[body.mesh->facet[place.facet][0]];
+	if ((x - start).dot(body.areaOfFacet(place.facet)) <= 0) return false;
+	const double distance = std::sqrt(place.squaredDistance) - 1.5 * reach;
+	return distance > 0 && distance > OutlineCurve(body, place.facet).bulge();
+}
+
+void contactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
+			  ContactList<2>& list)
+{
+	list.tested += static_cast<int>(list.candidates.nodes.size());
+	for (ContactCandidates::Node& node : list.candidates.nodes) {
+		const ContactBody<2>& body = node.side == 0 ? first : second;
+		const ContactBody<2>& other = node.side == 0 ? second : first;
+		const Vec<2>& x = body.position[node.node];
+		const auto place = followOutline(x, other, node.facet);
+		node.facet = place.facet;
+		if (isOutOfReach(x, other, place, reach)) continue;
+		Contact<2> contact = contactAt(x, other, place);
+		if (contact.gap < reach)
+			append({ node.side, node.node, -1 }, contact, body, other, list);
+	}
+}
+
+} // namespace
+
+template <int dim>
+void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
+			 double reach, ContactList<dim>& list)
+{
+	const bool corners = !first.mesh->sharp.empty() || !second.mesh->sharp.empty();
+	if (corners) {
+		nodesAgainstCorners(first, second, 0, reach, list);
+		nodesAgainstCorners(second, first, 1, reach, list);
+	} else if constexpr (dim == 2) {
+		renewCandidates(first, second, reach, list);
+		contactsOfCandidates(first, second, reach, list);
+	} else {
+		nodesAgainstOutline(first, second, 0, reach, list);
+		nodesAgainstOutline(second, first, 1, reach, list);
+	}
+}
+
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template double contactDepth<dim>(const ContactBody<dim>&, const ContactBody<dim>&);       \
+	template void findOutlineContacts<dim>(const ContactBody<dim>&, const ContactBody<dim>&,   \
+					       double, ContactList<dim>&);
+SOFTGRAIN_INSTANTIATE(2)
+SOFTGRAIN_INSTANTIATE(3)
+#undef SOFTGRAIN_INSTANTIATE
+
+} // namespace softgrain

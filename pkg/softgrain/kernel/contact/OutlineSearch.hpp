@@ -1,0 +1,19 @@
+// Nodes of each of two bodies against the outline of the other: the search behind
+// ContactGeometry::surface.
+#pragma once
+
+#include "contact/Contact.hpp"
+#include "contact/ContactBody.hpp"
+
+namespace softgrain {
+
+/// How deep a node may lie in the other grain and still be a contact, m: from deeper it would be
+/// pushed to whichever side is nearest.
+template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactBody<dim>& b);
+
+/// Appends the contacts with a gap below `reach` (m, > 0) to `list`, in the order of their keys.
+template <int dim>
+void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
+			 double reach, ContactList<dim>& list);
+
+} // namespace softgrain

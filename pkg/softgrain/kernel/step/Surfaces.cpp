@@ -1,0 +1,193 @@
+// Surfaces of the grains of a system: when they are made anew, and what lies within reach of them.
+#include "step/System.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softgrain {
+
+template <class Renew> void Freshness::renew(Renew&& renewNow)
+{
+	int found = stale;
+	if (state_.compare_exchange_strong(found, busy)) {
+		renewNow();
+		state_.store(fresh, std::memory_order_release);
+		state_.notify_all();
+	} else if (found == busy)
+		state_.wait(busy);
+}
+
+namespace {
+
+template <int dim>
+double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to)
+{
+	double squared = 0;
+	for (std::size_t s = 0; s < to.size(); ++s)
+		squared = std::max(squared, (to[s] - from[s]).squaredNorm());
+	return std::sqrt(squared);
+}
+
+} // namespace
+
+template <int dim> void System<dim>::renewOutline(int g)
+{
+	ContactBody<dim>& body = bodies_[g];
+	lastPosition_[g].swap(body.position);
+	surface_[g].expire();
+	renewSurface(g);
+	body.travelled += farthestWay<dim>(lastPosition_[g], body.position);
+}
+
+template <int dim> void System<dim>::renewSurface(int g) const
+{
+	surface_[g].renew([this, g] { measureSurface(g); });
+}
+
+template <int dim> void System<dim>::measureSurface(int g) const
+{
+	ContactBody<dim>& body = bodies_[g];
+	setOf(g).contactPositions(indexInSet(g), body.position);
+	body.updateGeometry();
+	if (gridSpacing_ > 0) updateGridNodes(g);
+}
+
+template <int dim> void System<dim>::updateSurface(int g)
+{
+	renewOutline(g);
+	bodies_[g].fastest = setOf(g).fastestContactNode(indexInSet(g));
+}
+
+/// Of the present positions, dt after the last ones; that of a rigid grain is left to who asks.
+template <int dim> void System<dim>::followMotion(int g, double dt)
+{
+	ContactBody<dim>& body = bodies_[g];
+	body.fastest = setOf(g).fastestContactNode(indexInSet(g));
+	if (isRigid(g)) {
+		body.travelled += dt * body.fastest;
+		surface_[g].expire();
+	} else
+		renewOutline(g);
+}
+
+/// What the grain gives to the common grid at its present place.
+template <int dim> void System<dim>::updateGridNodes(int g) const
+{
+	GridPoints<dim> points;
+	setOf(g).massPoints(indexInSet(g), points.position, points.mass);
+	bodies_[g].gridSpacing = gridSpacing_;
+	bodies_[g].gridNode = nodesOnGrid(points, gridSpacing_);
+}
+
+template <int dim> void System<dim>::updateSurfaces(int threads)
+{
+	forEachOf(all_, threads, [this](int g, auto&&...) { updateSurface(g); });
+	forcesFresh_ = false;
+}
+
+namespace {
+
+/// Gaps that both bodies together could close in two steps at their present speeds, and never less
+/// than a twentieth of the point spacing, for grains that are just being accelerated.
+double reachOf(double speed, double dt, double pointSpacing)
+{
+	return std::max(2 * dt * speed, 0.05 * pointSpacing);
+}
+
+} // namespace
+
+template <int dim> double System<dim>::reach(int first, int second, double dt) const
+{
+	const ContactBody<dim>&a = bodies_[first], &b = bodies_[second];
+	return reachOf(a.fastest + b.fastest, dt, std::min(a.pointSpacing, b.pointSpacing));
+}
+
+template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, double dt) const
+{
+	return reachOf(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing);
+}
+
+template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const
+{
+	if (isRigid(g)) {
+		const RigidBounds<dim> bounds = setOf(g).rigidBounds(indexInSet(g));
+		return { bounds.centre, bounds.radius + bounds.bulge };
+	}
+	const ContactBody<dim>& own = body(g);
+	// the outline bulges out of its facets by less than half of an edge
+	return { own.box.centre(),
+		 0.5 * (own.box.high - own.box.low).norm() + 0.5 * own.longestEdge };
+}
+
+/// Of two outlines that are further apart nothing is a contact: on the common grid each gives mass
+/// to nodes up to a step of the grid away.
+template <int dim> double System<dim>::outsideReach(double reach) const
+{
+	return reach + 2 * gridSpacing_;
+}
+
+template <int dim> bool System<dim>::areFarApart(int first, int second, double reach) const
+{
+	if (!isRigid(first) && !isRigid(second)) return false;
+	const Ball a = ballAbout(first), b = ballAbout(second);
+	const double distance = a.radius + b.radius + outsideReach(reach);
+	return (a.centre - b.centre).squaredNorm() > distance * distance;
+}
+
+template <int dim> bool System<dim>::isFarFrom(int g, const Plane<dim>& plane, double reach) const
+{
+	if (!isRigid(g)) return false;
+	const Ball ball = ballAbout(g);
+	return (ball.centre - plane.point).dot(plane.normal) > ball.radius + outsideReach(reach);
+}
+
+template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) const
+{
+	const bool onPlane = list.second < 0;
+	const double within =
+		onPlane ? reach(list.first, list.plane, dt) : reach(list.first, list.second, dt);
+	if (onPlane ? isFarFrom(list.first, list.plane, within)
+		    : areFarApart(list.first, list.second, within)) {
+		list.contacts.clear();
+		list.deepest = 0;
+		return false;
+	}
+	if (onPlane)
+		findContacts(body(list.first), within, list);
+	else
+		findContacts(body(list.first), body(list.second), within, list);
+	return true;
+}
+
+template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double margin) const
+{
+	auto holds = [&box](const Box<dim>& own) {
+		return (own.low.array() >= box.low.array()).all() &&
+		       (own.high.array() <= box.high.array()).all();
+	};
+	if (isRigid(g)) {
+		const RigidBounds<dim> bounds = setOf(g).rigidBounds(indexInSet(g));
+		const Box<dim> about { bounds.centre, bounds.centre };
+		if (holds(about.grown(bounds.radius + margin))) return true;
+	}
+	return holds(body(g).box.grown(margin));
+}
+
+template void System<2>::updateSurfaces(int);
+template void System<2>::updateSurface(int);
+template void System<2>::renewSurface(int) const;
+template void System<2>::followMotion(int, double);
+template double System<2>::reach(int, int, double) const;
+template double System<2>::reach(int, const Plane<2>&, double) const;
+template bool System<2>::search(ContactList<2>&, double) const;
+template bool System<2>::isInside(int, const Box<2>&, double) const;
+template void System<3>::updateSurfaces(int);
+template void System<3>::updateSurface(int);
+template void System<3>::renewSurface(int) const;
+template void System<3>::followMotion(int, double);
+template double System<3>::reach(int, int, double) const;
+template double System<3>::reach(int, const Plane<3>&, double) const;
+template bool System<3>::search(ContactList<3>&, double) const;
+template bool System<3>::isInside(int, const Box<3>&, double) const;
+
+} // namespace softgrain
