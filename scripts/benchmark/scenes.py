@@ -192,11 +192,21 @@ def bulk(options):
     return soft_figures(options)
 
 
+def compaction_options(options, *further):
+    return compaction.parse_options(
+        [
+            f"--grains={options.grains}",
+            f"--zeta={options.zeta}",
+            f"--node-spacing={options.node_spacing}",
+            f"--out={tempfile.mkdtemp()}",
+            *further,
+        ]
+    )
+
+
 def rigid_packing(options):
     """Rigid disks pressed to RIGID_PHI, in the box of the compaction; its options and box."""
-    case = compaction.parse_options(
-        [f"--grains={options.grains}", f"--zeta={options.zeta}", f"--out={tempfile.mkdtemp()}"]
-    )
+    case = compaction_options(options)
     box = compaction.prepare_rigid(case)
     press(box, case.speed, RIGID_PHI)
     return case, box
@@ -237,15 +247,7 @@ def rigid(options):
 
 def paper(options):
     """The compaction of the paper from loose to ``until_phi``, with its energy balance."""
-    out = tempfile.mkdtemp()
-    case = compaction.parse_options(
-        [
-            f"--grains={options.grains}",
-            f"--zeta={options.zeta}",
-            f"--until-phi={options.until_phi}",
-            f"--out={out}",
-        ]
-    )
+    case = compaction_options(options, f"--until-phi={options.until_phi}")
     box = compaction.prepare_rigid(case)
     compaction.make_soft(case)
     O.timingEnabled = True

@@ -49,6 +49,8 @@ struct ContactCandidates {
 	struct Node {
 		int side, node; ///< as in ContactKey
 		int facet;      ///< of the other body: the nearest when it was last looked for
+		/// Its gap is at least this less what the outlines may have travelled, m.
+		double clearance;
 	};
 	std::vector<Node> nodes;
 	double covered = 0;   ///< all nodes with a smaller gap are in it, m

@@ -84,6 +84,13 @@ template <int dim> std::vector<Vec<dim>> ContactBody<dim>::nodeAreas() const
 	return area;
 }
 
+template <int dim> void ContactBody<dim>::prepareSolve()
+{
+	impulse.assign(velocity.size(), Vec<dim>::Zero());
+	if (surfaceMobility)
+		velocity.resize(velocity.size() + surfaceMobility->padding(), Vec<dim>::Zero());
+}
+
 template <int dim> double ContactBody<dim>::mobility(int node, int other) const
 {
 	for (int k = delassus->begin(node); k < delassus->end(node); ++k)

@@ -4,9 +4,9 @@
 
 #include "Vector.hpp"
 #include "contact/CommonGrid.hpp"
-#include "reference/FacetMobility.hpp"
 #include "reference/Outline.hpp"
 #include "reference/SparseRows.hpp"
+#include "reference/SurfaceMobility.hpp"
 
 #include <vector>
 
@@ -32,8 +32,8 @@ template <int dim> struct ContactBody {
 	const OutlineMesh<dim>* mesh =
 		nullptr; ///< facets; without any the contact nodes are disks (spheres)
 	const SparseRows<double>* delassus = nullptr;
-	const FacetMobility<dim>* facetMobility =
-		nullptr; ///< of `delassus`; null where places are borne node by node
+	const SurfaceMobility<dim>* surfaceMobility =
+		nullptr; ///< the same as `delassus` for sweeps; null where there is none
 	const SparseRows<double>* overlap =
 		nullptr;          ///< sum_I N_I(Xs) N_I(Xs'), for averages along the outline
 	double delassusScale = 0; ///< 1/(rho R^dim); table times this is W_ss', 1/kg
@@ -44,7 +44,8 @@ template <int dim> struct ContactBody {
 	std::vector<Vec<dim>> position; ///< xs at t_n, m
 	std::vector<Vec<dim>>
 		normal; ///< outward unit normals at the contact nodes; empty without facets
-	std::vector<Vec<dim>> velocity; ///< vs at t_n + dt/2, being solved, m/s
+	/// vs at t_n + dt/2, being solved, m/s. Behind the nodes is room for `surfaceMobility`.
+	std::vector<Vec<dim>> velocity;
 	std::vector<Vec<dim>>
 		velocityBefore;        ///< vs at t_n - dt/2, m/s; empty unless energies are tracked
 	std::vector<Vec<dim>> impulse; ///< sum of the reactions on each node, N s
@@ -87,6 +88,9 @@ template <int dim> struct ContactBody {
 	/// m^(dim-1).
 	std::vector<Vec<dim>> nodeAreas() const;
 
+	/// Room for sweeps behind `velocity`; zero impulses. For bodies in contact, before the
+	/// solve.
+	void prepareSolve();
 	/// Renews normals and box after `position` was set.
 	void updateGeometry();
 	/// W_ss', 1/kg; 0 for nodes that do not feel each other.

@@ -259,6 +259,15 @@ void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& o
 	});
 }
 
+/// Candidates are looked for this far beyond the reach, in dr: much less makes them short-lived,
+/// much more makes too many.
+constexpr double candidateMargin = 0.3;
+
+/// How far a node and a place on the other outline may have come towards each other: such a place
+/// moves by no more than 1.25 times the most that a node does (sum of the sizes of the weights of
+/// OutlineCurve).
+double approached(double travelled) { return 1.25 * travelled; }
+
 template <int dim>
 void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
 		    ContactList<dim>& list)
@@ -267,18 +276,12 @@ void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other,
 	forNodesNear(body, other, candidates.covered, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
 		const auto place = nearestPlace(x, other, facets, anyFacet);
-		if (contactAt(x, other, place).gap < candidates.covered)
-			candidates.nodes.push_back({ side, s, place.facet });
+		const double gap = contactAt(x, other, place).gap;
+		if (gap < candidates.covered)
+			candidates.nodes.push_back(
+				{ side, s, place.facet, gap + approached(candidates.travelled) });
 	});
 }
-
-/// Candidates are looked for this far beyond the reach, in dr: much less makes them short-lived,
-/// much more makes too many.
-constexpr double candidateMargin = 0.3;
-
-/// A place on the outline between nodes moves by no more than 1.25 times the most that a node does
-/// (sum of the sizes of the weights of OutlineCurve).
-constexpr double outlinePerNode = 1.25;
 
 template <int dim>
 void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
@@ -287,7 +290,7 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 	ContactCandidates& candidates = list.candidates;
 	const double travelled = first.travelled + second.travelled;
 	const double since = travelled - candidates.travelled; // negative: of other bodies
-	if (since >= 0 && reach + outlinePerNode * since <= candidates.covered) return;
+	if (since >= 0 && reach + approached(since) <= candidates.covered) return;
 	candidates.nodes.clear();
 	candidates.covered =
 		reach + candidateMargin * std::min(first.pointSpacing, second.pointSpacing);
@@ -322,32 +325,37 @@ PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int
 	return best;
 }
 
-/// Whether a node is so far outside that it need not be measured against the curve: the curve
-/// bulges out of its facet, and at the end of a facet the gap may be a little less than the
-/// distance.
-bool isOutOfReach(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
-		  double reach)
+/// A bound of the gap of a node from below that is cheaper than the gap; nothing that would help
+/// for nodes inside. (The curve bulges out of its facet, and at the end of a facet the gap may be a
+/// little less than the distance.)
+double leastGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place)
 {
 	const Vec<2>& start = body.position[body.mesh->facet[place.facet][0]];
-	if ((x - start).dot(body.areaOfFacet(place.facet)) <= 0) return false;
-	const double distance = std::sqrt(place.squaredDistance) - 1.5 * reach;
-	return distance > 0 && distance > OutlineCurve(body, place.facet).bulge();
+	if ((x - start).dot(body.areaOfFacet(place.facet)) <= 0)
+		return -std::numeric_limits<double>::infinity();
+	return (std::sqrt(place.squaredDistance) - OutlineCurve(body, place.facet).bulge()) / 1.5;
 }
 
 void contactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
 			  ContactList<2>& list)
 {
-	list.tested += static_cast<int>(list.candidates.nodes.size());
+	const double way = approached(first.travelled + second.travelled);
 	for (ContactCandidates::Node& node : list.candidates.nodes) {
+		if (node.clearance - way >= reach) continue;
+		++list.tested;
 		const ContactBody<2>& body = node.side == 0 ? first : second;
 		const ContactBody<2>& other = node.side == 0 ? second : first;
 		const Vec<2>& x = body.position[node.node];
 		const auto place = followOutline(x, other, node.facet);
 		node.facet = place.facet;
-		if (isOutOfReach(x, other, place, reach)) continue;
-		Contact<2> contact = contactAt(x, other, place);
-		if (contact.gap < reach)
-			append({ node.side, node.node, -1 }, contact, body, other, list);
+		double gap = leastGap(x, other, place);
+		if (gap < reach) {
+			Contact<2> contact = contactAt(x, other, place);
+			gap = contact.gap;
+			if (gap < reach)
+				append({ node.side, node.node, -1 }, contact, body, other, list);
+		}
+		node.clearance = gap + way;
 	}
 }
 

@@ -19,21 +19,20 @@ double biasOf(double gap, double pointSpacing, double dt, const SolverSettings& 
 	return std::max(settings.overlapRelaxation * excess / dt, -settings.overlapSpeed);
 }
 
-/// Adds W_k J to the velocity of each node that is moved. (J is a copy: the compiler cannot know
-/// that no velocity is part of it.)
-template <int dim, class Mobility>
-void move(std::vector<Vec<dim>>& velocity, const Mobility& moved, const Vec<dim> J)
+/// v_s += w W_s,node J of all nodes s.
+template <int dim> void push(ContactBody<dim>& body, int node, double w, const Vec<dim>& J)
 {
-	Vec<dim>* v = velocity.data();
-	for (int k = 0; k < moved.count; ++k)
-		addScaled<dim>(v[moved.column[k]], moved.value[k], J);
+	const SparseRows<double>& W = *body.delassus;
+	for (int k = W.begin(node); k < W.end(node); ++k)
+		addScaled<dim>(body.velocity[W.column[k]], w * W.value[k], J);
 }
 
 } // namespace
 
 template <int dim>
-void PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list,
-			      double dt, const SolverSettings& settings)
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
+PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
+			 const SolverSettings& settings)
 {
 	list_ = &list;
 	first_ = &bodies[list.first];
@@ -42,7 +41,6 @@ void PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 	friction_ = list.friction;
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
-	reservePartnerMobility();
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 		const Contact<dim>& contact = list.contacts[k];
 		Constraint& c = constraints_[k];
@@ -50,75 +48,32 @@ void PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 		c.impulse = onCone<dim>(contact.impulse, contact.normal, friction_);
 		c.node = contact.key.node;
 		c.onFirst = contact.key.side == 0;
-		c.partners = contact.partners;
+		c.facet = contact.facet;
+		c.partners = static_cast<signed char>(contact.partners);
 		c.partner = contact.partner;
 		c.weight = contact.weight;
 		const ContactBody<dim>& body = *own(c);
 		c.bias = biasOf(contact.gap, body.pointSpacing, dt, settings);
-		const SparseRows<double>& table = *body.delassus;
-		const int begin = table.begin(c.node);
-		c.moved = { table.column.data() + begin, table.value.data() + begin,
-			    table.end(c.node) - begin };
-		c.W = body.mobility(c.node, c.node);
-		if (c.partners > 0) c.W += findPartnerMobility(contact, c);
+		c.W = body.surfaceMobility
+			      ? body.delassusScale * body.surfaceMobility->ofNode(c.node)
+			      : body.mobility(c.node, c.node);
+		if (c.partners > 0) c.W += partnerMobility(c);
 		c.inverseW = 1 / c.W;
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
 	}
 }
 
-/// Room for all rows, since contacts point into them.
-template <int dim> void PairSolver<dim>::reservePartnerMobility()
+/// The partner's share of W.
+template <int dim> double PairSolver<dim>::partnerMobility(const Constraint& c) const
 {
-	std::size_t entries = 0;
-	for (const Contact<dim>& contact : list_->contacts) {
-		if (contact.partners == 0) continue;
-		const ContactBody<dim>& partner = contact.key.side == 0 ? *second_ : *first_;
-		if (partner.facetMobility)
-			entries += partner.facetMobility->mostColumns();
-		else
-			for (int i = 0; i < contact.partners; ++i)
-				entries += partner.delassus->end(contact.partner[i]) -
-					   partner.delassus->begin(contact.partner[i]);
-	}
-	partnerValue_.clear();
-	partnerColumn_.clear();
-	partnerValue_.reserve(entries);
-	partnerColumn_.reserve(entries);
-}
-
-/// Finds what the impulse moves of the partner; returns the partner's share of W. Neighbouring
-/// partner nodes move almost the same nodes: over a facet their rows are added up once, not in
-/// every sweep.
-template <int dim>
-double PairSolver<dim>::findPartnerMobility(const Contact<dim>& contact, Constraint& c)
-{
-	const ContactBody<dim>& partner = *other(c);
-	const std::size_t begin = partnerValue_.size();
-	if (partner.facetMobility) {
-		const FacetMobility<dim>& facets = *partner.facetMobility;
-		const int count = facets.columns(contact.facet);
-		partnerValue_.resize(begin + count);
-		c.movedPartner = { facets.column(contact.facet), partnerValue_.data() + begin,
-				   count };
-		return partner.delassusScale *
-		       facets.combine(contact.facet, contact.weight, partnerValue_.data() + begin);
-	}
+	const ContactBody<dim>& body = *other(c);
+	if (body.surfaceMobility)
+		return body.delassusScale * body.surfaceMobility->ofPlace(c.facet, c.weight);
 	double W = 0;
-	const SparseRows<double>& table = *partner.delassus;
-	for (int i = 0; i < contact.partners; ++i) {
-		const int node = contact.partner[i];
-		for (int k = table.begin(node); k < table.end(node); ++k) {
-			partnerColumn_.push_back(table.column[k]);
-			partnerValue_.push_back(contact.weight[i] * table.value[k]);
-		}
-		for (int j = 0; j < contact.partners; ++j)
-			W += contact.weight[i] * contact.weight[j] *
-			     partner.mobility(node, contact.partner[j]);
-	}
-	const std::size_t columns = partnerValue_.size() - begin;
-	c.movedPartner = { partnerColumn_.data() + partnerColumn_.size() - columns,
-			   partnerValue_.data() + begin, static_cast<int>(columns) };
+	for (int i = 0; i < c.partners; ++i)
+		for (int j = 0; j < c.partners; ++j)
+			W += c.weight[i] * c.weight[j] * body.mobility(c.partner[i], c.partner[j]);
 	return W;
 }
 
@@ -140,12 +95,28 @@ template <int dim> Vec<dim> PairSolver<dim>::solvedImpulse(const Constraint& c) 
 
 template <int dim> void PairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
-	move<dim>(own(c)->velocity, c.moved, own(c)->delassusScale * J);
-	if (c.partners > 0)
-		move<dim>(other(c)->velocity, c.movedPartner, -other(c)->delassusScale * J);
+	ContactBody<dim>& body = *own(c);
+	const Vec<dim> scaled = body.delassusScale * J;
+	if (body.surfaceMobility)
+		body.surfaceMobility->push(body.velocity.data(), c.node, scaled);
+	else
+		push<dim>(body, c.node, 1, scaled);
+	if (c.partners > 0) pushPartner(c, J);
 }
 
-template <int dim> [[gnu::flatten]] SweepChange PairSolver<dim>::sweep(SweepOrder order)
+template <int dim> void PairSolver<dim>::pushPartner(const Constraint& c, const Vec<dim>& J)
+{
+	ContactBody<dim>& body = *other(c);
+	const Vec<dim> scaled = -body.delassusScale * J;
+	if (body.surfaceMobility)
+		body.surfaceMobility->push(body.velocity.data(), c.facet, c.weight, scaled);
+	else
+		for (int i = 0; i < c.partners; ++i)
+			push<dim>(body, c.partner[i], c.weight[i], scaled);
+}
+
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweep(SweepOrder order)
 {
 	SweepChange sum;
 	auto visit = [&](Constraint& c) {
@@ -164,7 +135,7 @@ template <int dim> [[gnu::flatten]] SweepChange PairSolver<dim>::sweep(SweepOrde
 	return sum;
 }
 
-template <int dim> [[gnu::flatten]] ResidualSum PairSolver<dim>::residual() const
+template <int dim> SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS ResidualSum PairSolver<dim>::residual() const
 {
 	ResidualSum sum;
 	for (const Constraint& c : constraints_)

@@ -81,23 +81,17 @@ public:
 
 	int contacts() const { return static_cast<int>(constraints_.size()); }
 
-	/// What an impulse on contact nodes moves: node column[k] by value[k], times a scale.
-	struct Mobility {
-		const int* column;
-		const double* value;
-		int count;
-	};
 	struct Constraint {
 		Vec<dim> normal, impulse;
 		double bias;     ///< b, m/s
 		double W;        ///< 1/kg
 		double inverseW; ///< kg
-		int node;        ///< of the body on which the impulse acts
-		bool onFirst;    ///< which body that is
-		int partners;    ///< nodes of the other body that bear it
-		std::array<int, mostPartners<dim>> partner;
 		std::array<double, mostPartners<dim>> weight;
-		Mobility moved, movedPartner; ///< of both bodies
+		std::array<int, mostPartners<dim>> partner;
+		int node;             ///< of the body on which the impulse acts
+		int facet;            ///< as in Contact
+		signed char partners; ///< nodes of the other body that bear it
+		bool onFirst;         ///< which body the impulse acts on
 	};
 	const std::vector<Constraint>& constraints() const { return constraints_; }
 	double friction() const { return friction_; }
@@ -124,8 +118,8 @@ private:
 				  std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	Vec<dim> solvedImpulse(const Constraint& c) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
-	void reservePartnerMobility();
-	double findPartnerMobility(const Contact<dim>& contact, Constraint& c);
+	double partnerMobility(const Constraint& c) const;
+	void pushPartner(const Constraint& c, const Vec<dim>& J);
 
 	ContactBody<dim>* first_ = nullptr;
 	ContactBody<dim>* second_ = nullptr; ///< null for a plane
@@ -134,10 +128,6 @@ private:
 	double friction_ = 0;
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;
-	/// sum_i w_i W_is of all nodes s of the partner that an impulse on a contact moves, contact
-	/// after contact; columns only where they are not those of a facet.
-	std::vector<double> partnerValue_;
-	std::vector<int> partnerColumn_;
 };
 
 } // namespace softgrain

@@ -88,6 +88,18 @@ void nodesOnCommonGrid(const ContactBody<dim>& body, double reach, ContactList<d
 	}
 }
 
+/// Empties the list; returns the contacts it had. They stay valid until the next search of this
+/// thread: memory goes round among the lists, none is asked for in every step.
+template <int dim> const std::vector<Contact<dim>>& beginSearch(ContactList<dim>& list)
+{
+	thread_local std::vector<Contact<dim>> last;
+	last.swap(list.contacts);
+	list.contacts.clear();
+	list.deepest = 0;
+	list.tested = 0;
+	return last;
+}
+
 /// Grid nodes have no lasting number in a body, but a name in the grid.
 template <int dim>
 void carryImpulsesByName(const std::vector<Contact<dim>>& last, std::vector<Contact<dim>>& present)
@@ -131,10 +143,7 @@ template <int dim>
 void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
 		  ContactList<dim>& list)
 {
-	std::vector<Contact<dim>> last;
-	last.swap(list.contacts);
-	list.deepest = 0;
-	list.tested = 0;
+	auto& last = beginSearch(list);
 	const double margin =
 		first.isSurface() ? std::max(reach, contactDepth(first, second)) : reach;
 	if (!first.box.grown(margin).overlaps(second.box)) return;
@@ -154,10 +163,7 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 template <int dim>
 void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
 {
-	std::vector<Contact<dim>> last;
-	last.swap(list.contacts);
-	list.deepest = 0;
-	list.tested = 0;
+	auto& last = beginSearch(list);
 	if (body.isOnGrid()) {
 		nodesOnCommonGrid(body, reach, list);
 		carryImpulsesByName(last, list.contacts);

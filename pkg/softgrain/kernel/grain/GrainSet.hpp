@@ -42,11 +42,11 @@ template <int dim> struct RigidBounds {
 /// Throws std::invalid_argument unless a saved list has the size that the discretisation needs.
 void requireSize(const char* what, const std::vector<double>& numbers, int expected);
 
-/// Mobility of a grain's contact nodes: `scale` times `table` is W_ss', 1/kg. The same by facet
-/// where that is known for good.
+/// Mobility of a grain's contact nodes: `scale` times `table` is W_ss', 1/kg. The same laid out for
+/// sweeps where it is known for good.
 template <int dim> struct ContactMobility {
 	const SparseRows<double>* table;
-	const FacetMobility<dim>* facets;
+	const SurfaceMobility<dim>* surface;
 	double scale;
 };
 

@@ -51,8 +51,9 @@ public:
 		const double scale = 1 / batch_.massScale[g];
 		if (usesOwnNodes(g)) return { &ownNodes_[g].delassus, nullptr, scale };
 		const GrainTemplate<dim>& reference = *batch_.reference;
-		const bool byFacet = !reference.contactMesh.facet.empty();
-		return { &reference.delassus, byFacet ? &reference.facetMobility : nullptr, scale };
+		const bool hasFacets = !reference.contactMesh.facet.empty();
+		return { &reference.delassus, hasFacets ? &reference.surfaceMobility : nullptr,
+			 scale };
 	}
 	void contactVelocities(int g, std::vector<Vec<dim>>& at) const override;
 	void contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const override;

@@ -103,7 +103,8 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 	for (const ShapeFunction<dim>& shape : shapes.value)
 		grain->contactShapes.value.push_back(shape.N);
 	grain->delassus = delassusTable(grain->contactShapes, grain->nodeMass);
-	grain->facetMobility = FacetMobility<dim>(grain->contactMesh, grain->delassus);
+	if (!grain->contactMesh.facet.empty())
+		grain->surfaceMobility = SurfaceMobility<dim>(grain->contactMesh, grain->delassus);
 	grain->overlap = delassusTable(grain->contactShapes,
 				       std::vector<double>(grain->nodeMass.size(), 1.));
 	return grain;

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "Vector.hpp"
-#include "reference/FacetMobility.hpp"
 #include "reference/Outline.hpp"
 #include "reference/PointLines.hpp"
 #include "reference/PressureSpace.hpp"
 #include "reference/Quadrature.hpp"
 #include "reference/ShapeFunction.hpp"
 #include "reference/SparseRows.hpp"
+#include "reference/SurfaceMobility.hpp"
 
 #include <memory>
 #include <tuple>
@@ -77,8 +77,8 @@ template <int dim> struct GrainTemplate {
 		   ///< ContactGeometry::nodes: what a contact may lie off the outline
 	SparseRows<double> contactShapes; ///< row s: nodes I with N_I(Xs)
 	SparseRows<double> delassus;      ///< W_ss' = sum_I N_I(Xs) N_I(Xs') / mI, a banded table
-	FacetMobility<dim> facetMobility; ///< of W, by facet
-	SparseRows<double> overlap;       ///< as W, without the masses
+	SurfaceMobility<dim> surfaceMobility; ///< W for the sweeps; only where there are facets
+	SparseRows<double> overlap;           ///< as W, without the masses
 
 	int nodes() const { return static_cast<int>(nodePosition.size()); }
 	int points() const { return static_cast<int>(pointPosition.size()); }

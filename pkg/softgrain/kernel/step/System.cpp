@@ -188,11 +188,11 @@ template <int dim> void System<dim>::gatherContacts(int g, bool trackEnergy)
 	ContactBody<dim>& body = bodies_[g];
 	const ContactMobility<dim> mobility = set.contactMobility(k);
 	body.delassus = mobility.table;
-	body.facetMobility = mobility.facets;
+	body.surfaceMobility = mobility.surface;
 	body.delassusScale = mobility.scale;
 	set.contactVelocities(k, body.velocity);
 	if (trackEnergy) set.contactVelocitiesBefore(k, body.velocityBefore);
-	body.impulse.assign(body.velocity.size(), Vec<dim>::Zero());
+	body.prepareSolve();
 }
 
 /// The new velocities; stops before anything moves if one is not finite.

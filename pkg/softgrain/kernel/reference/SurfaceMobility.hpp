@@ -1,0 +1,155 @@
+// W of the surface of a template, laid out for the sweeps: what an impulse on a contact node, or on
+// a place over a facet, does to the velocities of all contact nodes.
+#pragma once
+
+#include "material/Lanes.hpp"
+#include "reference/Outline.hpp"
+#include "reference/SparseRows.hpp"
+
+namespace softgrain {
+
+/// 2D: nodes that feel each other follow one another along the outline, so that what an impulse
+/// moves are some *blocks* of four nodes side by side, the first block following the last one:
+/// where the number of nodes is no multiple of four, velocities have room for those that are
+/// missing in the last block (`padding`).
+class OutlineMobility {
+public:
+	using Shares = std::array<double, mostPartners<2>>;
+
+	OutlineMobility() = default;
+	OutlineMobility(const OutlineMesh<2>& mesh, const SparseRows<double>& delassus);
+
+	int padding() const
+	{
+		return blocks_ * nodesPerBlock - static_cast<int>(ownOfNode_.size());
+	}
+	double ofNode(int node) const { return ownOfNode_[node]; } ///< W_ss
+	/// W of a place that the nodes of the facet bear with these shares.
+	double ofPlace(int facet, const Shares& share) const;
+	/// v_s' += W_s's J.
+	void push(Vec<2>* v, int node, const Vec<2>& J) const;
+	void push(Vec<2>* v, int facet, const Shares& share, const Vec<2>& J) const;
+
+private:
+	static constexpr int carriers = mostPartners<2>;
+	static constexpr int nodesPerBlock = laneWidth / 2;
+
+	template <class Row> void pushRow(Vec<2>* v, int begin, const Vec<2>& J, Row&& row) const;
+
+	int blocks_ = 0;                              ///< of the ring
+	int width_ = 0;                               ///< of a row, in pairs of blocks
+	std::vector<int> beginOfNode_, beginOfFacet_; ///< first block of the row
+	std::vector<LaneSlot> rowOfNode_;             ///< [node][pair of blocks]
+	std::vector<LaneSlot> rowOfFacet_;            ///< [facet][pair of blocks][carrier]
+	std::vector<double> ownOfNode_;
+	std::vector<std::array<std::array<double, carriers>, carriers>> ownOfFacet_;
+};
+
+/// 3D: the rows of W of the nodes that carry a facet, on their common columns.
+class FacetMobility {
+public:
+	using Shares = std::array<double, mostPartners<3>>;
+
+	FacetMobility() = default;
+	FacetMobility(const OutlineMesh<3>& mesh, const SparseRows<double>& delassus);
+
+	int padding() const { return 0; }
+	double ofNode(int node) const { return ownOfNode_[node]; }
+	double ofPlace(int facet, const Shares& share) const;
+	void push(Vec<3>* v, int node, const Vec<3>& J) const;
+	void push(Vec<3>* v, int facet, const Shares& share, const Vec<3>& J) const;
+
+private:
+	static constexpr int carriers = mostPartners<3>;
+
+	SparseRows<double> rowOfNode_;
+	SparseRows<std::array<double, carriers>> rowsOfFacet_;
+	std::vector<double> ownOfNode_;
+	std::vector<std::array<std::array<double, carriers>, carriers>> ownOfFacet_;
+};
+
+template <int dim>
+using SurfaceMobility = std::conditional_t<dim == 2, OutlineMobility, FacetMobility>;
+
+// --- inline, since sweeps consist of it ----------------------------------------------------------
+
+namespace detail {
+
+/// sum_ij w_i w_j W_ij
+template <std::size_t n>
+double quadraticForm(const std::array<std::array<double, n>, n>& W, const std::array<double, n>& w)
+{
+	double sum = 0;
+	for (std::size_t j = 0; j < n; ++j) {
+		double row = 0;
+		for (std::size_t i = 0; i < n; ++i)
+			row += w[i] * W[i][j];
+		sum += w[j] * row;
+	}
+	return sum;
+}
+
+} // namespace detail
+
+inline double OutlineMobility::ofPlace(int facet, const Shares& share) const
+{
+	return detail::quadraticForm(ownOfFacet_[facet], share);
+}
+
+inline double FacetMobility::ofPlace(int facet, const Shares& share) const
+{
+	return detail::quadraticForm(ownOfFacet_[facet], share);
+}
+
+/// row(k) is the row of W at the k-th pair of its blocks.
+template <class Row>
+void OutlineMobility::pushRow(Vec<2>* v, int begin, const Vec<2>& J, Row&& row) const
+{
+	const Lanes both = { J[0], J[1], J[0], J[1], J[0], J[1], J[0], J[1] };
+	double* ring = v[0].data();
+	int block = begin;
+	auto push = [&](const Lanes& W) {
+		double* at = ring + block * laneWidth;
+		storeLanes(at, loadLanes(at) + W * both);
+		block = block + 1 < blocks_ ? block + 1 : 0;
+	};
+	for (int k = 0; k < width_; ++k) {
+		const Lanes W = row(k);
+		push(__builtin_shuffle(W, LaneBits { 0, 0, 1, 1, 2, 2, 3, 3 }));
+		push(__builtin_shuffle(W, LaneBits { 4, 4, 5, 5, 6, 6, 7, 7 }));
+	}
+}
+
+inline void OutlineMobility::push(Vec<2>* v, int node, const Vec<2>& J) const
+{
+	const LaneSlot* W = &rowOfNode_[node * width_];
+	pushRow(v, beginOfNode_[node], J, [W](int k) { return W[k].value; });
+}
+
+inline void OutlineMobility::push(Vec<2>* v, int facet, const Shares& share, const Vec<2>& J) const
+{
+	const LaneSlot* W = &rowOfFacet_[facet * width_ * carriers];
+	pushRow(v, beginOfFacet_[facet], J, [&](int k) {
+		Lanes sum = share[0] * W[k * carriers].value;
+		for (int i = 1; i < carriers; ++i)
+			sum += share[i] * W[k * carriers + i].value;
+		return sum;
+	});
+}
+
+inline void FacetMobility::push(Vec<3>* v, int node, const Vec<3>& J) const
+{
+	for (int k = rowOfNode_.begin(node); k < rowOfNode_.end(node); ++k)
+		addScaled<3>(v[rowOfNode_.column[k]], rowOfNode_.value[k], J);
+}
+
+inline void FacetMobility::push(Vec<3>* v, int facet, const Shares& share, const Vec<3>& J) const
+{
+	for (int k = rowsOfFacet_.begin(facet); k < rowsOfFacet_.end(facet); ++k) {
+		const auto& W = rowsOfFacet_.value[k];
+		addScaled<3>(v[rowsOfFacet_.column[k]],
+			     share[0] * W[0] + share[1] * W[1] + share[2] * W[2], J);
+	}
+}
+
+} // namespace softgrain
