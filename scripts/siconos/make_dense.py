@@ -2,9 +2,9 @@
 
     scripts/yade -n -x scripts/siconos/make_dense.py --out FILE.npz [--grains 400]
 
-Beside the arrays of ``SoftGrainIntegrator.contactProblem``: ``sweeps`` and ``residual`` of that
-step, and ``seconds_per_sweep``, the median over ``--steps`` steps of the time of the phase ``solve``,
-measuring the residual included, over its number of sweeps. For ``speed.py``.
+For ``speed.py``. Beside the arrays of ``SoftGrainIntegrator.contactProblem``: ``sweeps`` and
+``residual`` of that step, and ``seconds_per_sweep``, the median over ``--steps`` steps of the time
+of the phase ``solve``, measuring the residual included, over its number of sweeps.
 """
 
 import argparse

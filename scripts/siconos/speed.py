@@ -8,8 +8,8 @@ Runs outside YADE, with the Siconos of Debian 12 (Debian 13 has none):
     apt-get install python3-siconos python3-numpy python3-scipy
 
 Both on one thread, from the same impulses, those of the step before. Siconos gets W as a sparse
-matrix of 2 x 2 blocks (``fc2d_nsgs_sbm``). Both are timed up to the residual that softgrain reached;
-the residual is softgrain's (doc/theory.md) for both.
+matrix of 2 x 2 blocks (``fc2d_nsgs_sbm``). Both are timed up to the residual that softgrain
+reached; the residual is softgrain's (doc/theory.md) for both.
 """
 
 import argparse
