@@ -92,7 +92,8 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.angularVelocity = body.state->angVel;
 	d.orientation = body.state->ori;
 	d.origin = stateOrigin;
-	d.state = { savedPositions, savedVelocities, savedGradients, savedRigidMotion, savedForces };
+	d.state = { savedPositions, savedVelocities, savedGradients, savedRigidMotion,
+		    savedForces };
 	return d;
 }
 

@@ -116,7 +116,9 @@ def test_equal_grains_are_not_touched():
         np.testing.assert_array_equal(states[0][name], states[1][name], err_msg=name)
 
 
-@pytest.mark.parametrize("method", [{"velocityUpdate": "flip"}, {"formulation": "updated"}], ids=str)
+@pytest.mark.parametrize(
+    "method", [{"velocityUpdate": "flip"}, {"formulation": "updated"}], ids=str
+)
 def test_velocities_at_points_need_every_step(method):
     add_disk(**method)
     add_disk((5 * RADIUS, 0, 0), RADIUS / RATIO, **method)

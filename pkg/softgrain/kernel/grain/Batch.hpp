@@ -44,8 +44,7 @@ void appendField(const NodalField<dim>& field, int g, int nodes, std::vector<dou
 		numbers.insert(numbers.end(), field.of(g)[I].data(), field.of(g)[I].data() + dim);
 }
 
-template <int dim>
-void setField(NodalField<dim>& field, int g, int nodes, const double* numbers)
+template <int dim> void setField(NodalField<dim>& field, int g, int nodes, const double* numbers)
 {
 	for (int I = 0; I < nodes; ++I)
 		field.set(g, I, Eigen::Map<const Vec<dim>>(numbers + I * dim));

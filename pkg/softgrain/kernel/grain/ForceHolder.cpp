@@ -7,8 +7,7 @@ namespace softgrain {
 namespace {
 
 /// Sum of force times displacement rate over the nodes, W.
-template <int dim>
-double power(const Batch<dim>& batch, const NodalField<dim>& velocity, int g)
+template <int dim> double power(const Batch<dim>& batch, const NodalField<dim>& velocity, int g)
 {
 	const Vec<dim>*f = batch.force.of(g), *v = velocity.of(g);
 	double sum = 0;
@@ -69,8 +68,7 @@ void ForceHolder<dim>::append(const Batch<dim>& batch, int g, std::vector<double
 	appendField(batch.force, g, batch.reference->nodes(), numbers);
 }
 
-template <int dim>
-void ForceHolder<dim>::restore(Batch<dim>& batch, int g, const double* numbers)
+template <int dim> void ForceHolder<dim>::restore(Batch<dim>& batch, int g, const double* numbers)
 {
 	of_[g].holds = true;
 	of_[g].energy = *numbers++;

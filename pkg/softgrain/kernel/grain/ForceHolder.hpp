@@ -1,9 +1,10 @@
-// Grains whose forces act for several steps. A force that acts from step k to step k + m - 1 is that
-// of the positions which the grain reaches in the middle of these kicks, if it flies on as it does:
+// Grains whose forces act for several steps. A force that acts from step k to step k + m - 1 is
+// that of the positions which the grain reaches in the middle of these kicks, if it flies on as it
+// does:
 //     f = f(x + a v),      a = (m - 1) dt/2
-// Over the m steps together this is a drift by a, a kick by m dt and a drift by the rest: the step of
-// a grain that steps by m dt, with the same critical step and the same invariants, but its forces
-// come smoothly, as contact needs them (doc/decisions/0018-multirate.md).
+// Over the m steps together this is a drift by a, a kick by m dt and a drift by the rest: the step
+// of a grain that steps by m dt, with the same critical step and the same invariants, but its
+// forces come smoothly, as contact needs them (doc/decisions/0018-multirate.md).
 #pragma once
 
 #include "grain/GrainSet.hpp"
@@ -34,12 +35,18 @@ public:
 	/// Moves them back and keeps the forces found.
 	void hold(Batch<dim>& batch, int g, const ForceSchedule& schedule);
 	/// Elastic energy of the present positions as far as the force held tells, into the report.
-	void report(Batch<dim>& batch, int g) const { batch.report[g].elasticEnergy = of_[g].energy; }
+	void report(Batch<dim>& batch, int g) const
+	{
+		batch.report[g].elasticEnergy = of_[g].energy;
+	}
 	/// What a move by dt with `batch.vNext` makes of it.
 	void followMove(const Batch<dim>& batch, int g, double dt);
 
 	/// What is held, for saving, and back; so many numbers.
-	static int numberCount(const Batch<dim>& batch) { return 2 + batch.reference->nodes() * dim; }
+	static int numberCount(const Batch<dim>& batch)
+	{
+		return 2 + batch.reference->nodes() * dim;
+	}
 	void append(const Batch<dim>& batch, int g, std::vector<double>& numbers) const;
 	void restore(Batch<dim>& batch, int g, const double* numbers);
 

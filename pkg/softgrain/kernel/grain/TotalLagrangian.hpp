@@ -118,7 +118,7 @@ private:
 	mutable std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
 	std::optional<Damper<dim>> damper_;                           ///< where a grain is damped
 	ForceHolder<dim> holder_;
-	std::vector<int> computed_; ///< grains in the active blocks of the batch
+	std::vector<int> computed_;            ///< grains in the active blocks of the batch
 	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
 	double shareSum_; ///< largest sum of sizes of the shares of a contact node
 

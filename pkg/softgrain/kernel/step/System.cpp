@@ -48,9 +48,9 @@ template <int dim> void System<dim>::measureTimeSteps()
 	undampedTimeStep_ = std::numeric_limits<double>::infinity();
 	for (int g = 0; g < grains(); ++g)
 		if (!setOf(g).parameters(indexInSet(g)).damping.acts())
-			undampedTimeStep_ = std::min(
-				undampedTimeStep_,
-				setOf(g).criticalTimeStep(indexInSet(g)) / rate_[g]);
+			undampedTimeStep_ =
+				std::min(undampedTimeStep_,
+					 setOf(g).criticalTimeStep(indexInSet(g)) / rate_[g]);
 }
 
 template <int dim> void System<dim>::setMultirate(bool on)
@@ -62,8 +62,8 @@ template <int dim> void System<dim>::setMultirate(bool on)
 	for (int g = 0; g < grains(); ++g) {
 		const GrainSet<dim>& set = setOf(g);
 		const int k = indexInSet(g);
-		timeSteps.push_back(dampedTimeStep(set.criticalTimeStep(k),
-						   set.parameters(k).damping, 1, 1));
+		timeSteps.push_back(
+			dampedTimeStep(set.criticalTimeStep(k), set.parameters(k).damping, 1, 1));
 	}
 	rate_ = on ? ratesOf(timeSteps) : std::vector<int>(grains(), 1);
 	for (int g = 0; g < grains(); ++g)
@@ -76,8 +76,7 @@ template <int dim> void System<dim>::setMultirate(bool on)
 
 /// Rates of grains with these critical steps: each divides the next, so that slow grains are
 /// computed together.
-template <int dim>
-std::vector<int> System<dim>::ratesOf(const std::vector<double>& timeSteps) const
+template <int dim> std::vector<int> System<dim>::ratesOf(const std::vector<double>& timeSteps) const
 {
 	constexpr double rounding = 1e-9; // ten times as long is ten times, not nine
 	std::vector<int> ascending = all_;
@@ -88,8 +87,8 @@ std::vector<int> System<dim>::ratesOf(const std::vector<double>& timeSteps) cons
 	for (int g : ascending) {
 		if (!setOf(g).mayHoldForces()) continue;
 		const double shortest = timeSteps[ascending.front()];
-		rate *= std::max(
-			1, static_cast<int>((1 + rounding) * timeSteps[g] / shortest / rate));
+		rate *= std::max(1,
+				 static_cast<int>((1 + rounding) * timeSteps[g] / shortest / rate));
 		rates[g] = rate;
 	}
 	return rates;
