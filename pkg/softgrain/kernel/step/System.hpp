@@ -134,7 +134,9 @@ public:
 	/// hand.
 	void updateSurfaces(int threads);
 	void updateSurface(int g);
-	void invalidateForces() { forcesFresh_ = false; } ///< after state was set by hand
+	/// After state was set by hand; by other means than those of GrainSet only at the start,
+	/// while no grain holds forces.
+	void invalidateForces() { forcesFresh_ = false; }
 	/// Internal forces and tangent stiffening of the present positions; throws StepError for an
 	/// inverted point. `step` uses them if they are fresh.
 	void updateForces(int threads);
