@@ -156,6 +156,8 @@ public:
 	{
 		return system_.presentCriticalTimeStep();
 	}
+	void setMultirate(bool on) override { system_.setMultirate(on); }
+	int rate(int g) const override { return system_.rate(g); }
 	double pointSpacing(int g) const override
 	{
 		return parameters(g).radius * system_.setOf(g).reference().pointSpacing();

@@ -103,6 +103,9 @@ public:
 	virtual int idOf(int g) const = 0;
 	virtual double criticalTimeStep() const = 0;        ///< of the undeformed grains, s
 	virtual double presentCriticalTimeStep() const = 0; ///< as deformed now, s
+	/// System::setMultirate and System::rate.
+	virtual void setMultirate(bool on) = 0;
+	virtual int rate(int g) const = 0;
 	virtual double slowestWave() const = 0;       ///< smallest speed of pressure waves, m/s
 	virtual double pointSpacing(int g) const = 0; ///< dr, m
 	virtual void updateForces(int threads) = 0;   ///< throws StepError

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cctype>
+#include <map>
 
 namespace yade {
 
@@ -117,6 +118,17 @@ py::dict SoftGrainIntegrator::energyDict() const
 	return d;
 }
 
+py::dict SoftGrainIntegrator::ratesDict() const
+{
+	std::map<int, int> grainsAt;
+	for (int g = 0; assembly_ && g < assembly_->grains(); ++g)
+		++grainsAt[assembly_->rate(g)];
+	py::dict d;
+	for (const auto& [rate, count] : grainsAt)
+		d[rate] = count;
+	return d;
+}
+
 py::dict SoftGrainIntegrator::contactProblem() const
 {
 	return softgrain::toDict(assembly_ ? assembly_->contactProblem()
@@ -127,6 +139,7 @@ void SoftGrainIntegrator::saveContinuation()
 {
 	const auto state = assembly_->continuation();
 	lastStep = state.lastStep;
+	stepCount = static_cast<Real>(state.steps);
 	workSums = { state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads,
 		     state.sums.damping };
 }

@@ -86,6 +86,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 		SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
 		if (grain.assembly) continuation = grain.assembly->continuation();
 		grain.fetchState();
+		if (grain.assembly) grain.savedForces.clear(); // materials may have changed
 		grains.push_back(grain.describe(*body));
 	}
 	const auto assembly = softgrain::GrainAssembly::create(grains);

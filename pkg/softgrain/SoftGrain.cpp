@@ -92,7 +92,8 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.angularVelocity = body.state->angVel;
 	d.orientation = body.state->ori;
 	d.origin = stateOrigin;
-	d.state = { savedPositions, savedVelocities, savedGradients, savedRigidMotion };
+	d.state = { savedPositions, savedVelocities, savedGradients, savedRigidMotion,
+		    savedForces };
 	return d;
 }
 
@@ -104,6 +105,7 @@ void SoftGrain::fetchState()
 	savedVelocities = std::move(state.v);
 	savedGradients = std::move(state.F);
 	savedRigidMotion = std::move(state.rigid);
+	savedForces = std::move(state.held);
 }
 
 void SoftGrain::postLoad(SoftGrain&)

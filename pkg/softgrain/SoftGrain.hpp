@@ -61,7 +61,8 @@ public:
 		((vector<Real>, savedPositions, , Attr::hidden, "Positions of the state (GrainState) relative to stateOrigin as last fetched."))
 		((vector<Real>, savedVelocities, , Attr::hidden, "Velocities of the state as last fetched."))
 		((vector<Real>, savedGradients, , Attr::hidden, "Deformation gradients of the state as last fetched (formulation 'updated')."))
-		((vector<Real>, savedRigidMotion, , Attr::hidden, "Motion of a grain that moves rigidly as last fetched; else empty.")),
+		((vector<Real>, savedRigidMotion, , Attr::hidden, "Motion of a grain that moves rigidly as last fetched; else empty."))
+		((vector<Real>, savedForces, , Attr::hidden, "Forces that act beyond the next step (SoftGrainIntegrator.multirate) as last fetched; else empty.")),
 		createIndex();,
 		.def("outline", &SoftGrain::outlineArray, "Present positions of the contact nodes, in 2D counter-clockwise: array (n, 3) [m].")
 		.def("nodes", &SoftGrain::nodesArray, "Present positions of the background nodes (formulation 'updated': of the material points, since nodes keep nothing): array (n, dim) [m].")

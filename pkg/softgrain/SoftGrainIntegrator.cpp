@@ -65,6 +65,7 @@ void SoftGrainIntegrator::advance()
 	if (!assembly_) return;
 	checkEngines();
 	if (loaded_) continueSavedRun();
+	assembly_->setMultirate(multirate);
 	clock_.end("assembleScene");
 	applyUserMotions();
 	clock_.end("applyUserMotions");
@@ -107,6 +108,7 @@ void SoftGrainIntegrator::continueSavedRun()
 	if (workSums.size() != 5) return;
 	softgrain::Continuation state;
 	state.lastStep = lastStep;
+	state.steps = std::lround(stepCount);
 	state.sums.friction = workSums[0];
 	state.sums.impact = workSums[1];
 	state.sums.planes = workSums[2];

@@ -21,6 +21,9 @@ SCENES = Path(__file__).resolve().with_name("scenes.py")
 BUILD = Path(_softgrain.__file__).resolve().parents[2]
 ROOFLINE = "softgrain_benchmark_roofline"
 
+#: Cases of different sizes: all grains computed in every step, or each at a rate of its own.
+ONE_STEP, OWN_STEPS = "radii 1 : 10, one step", "radii 1 : 10, own steps"
+
 #: Floating-point operations counted for a contact visited by a sweep in 2D: its impulse changes the
 #: velocities of some 15 nodes on either side, two operations for each component.
 FLOPS_PER_VISIT = 2 * 15 * 2 * 2
@@ -44,6 +47,7 @@ def cases():
     fewer = {"grains": 1000}
     balls = {"dim": 3, "zeta": 0.2, "node_spacing": 2, "grains": 64, "steps": 10}
     fewer_balls = {"grains": 16, "steps": 20}
+    pressed = {"grains": 30, "zeta": 0.2}
     return [
         Case("bulk, h = 2 dr", "bulk", {"steps": 20}, **bulk, node_spacing=2),
         Case("bulk, h = 1.25 dr", "bulk", {"steps": 20}, **bulk),
@@ -59,6 +63,8 @@ def cases():
         Case("at rest, all computed", "sleeping", fewer, grains=10000, steps=5),
         Case("at rest, skipped", "sleeping", fewer, grains=10000, steps=5, skip=True),
         Case("mixed", "mixed", small, **packing),
+        Case(ONE_STEP, "sizes", pressed, grains=100, zeta=0.15, steps=100),
+        Case(OWN_STEPS, "sizes", pressed, grains=100, zeta=0.15, steps=100, multirate=True),
         Case("save and load", "saving", {**small, "repeat": 3}, grains=400),
     ]
 
@@ -151,6 +157,8 @@ EXTRAS = {
     "save": ("save, s", 1),
     "load": ("load and first step, s", 1),
     "bytes": ("file, MB", 1e-6),
+    "whole": ("point updates before, millions", 1e-6),
+    "force": ("force on the wall, N/m", 1),
     "skipping": ("grains at rest skipped: 1", 1),
 }
 
@@ -192,6 +200,8 @@ def compare(columns):
         point = "all phases, ns a point"
         ratio("updated over total", point, "bulk, updated", "bulk, h = 1.25 dr", threads)
         ratio("many over few grains, a point and step", point, "scale, many", "scale, few", threads)
+        for what in (step, "point updates before, millions", "force on the wall, N/m"):
+            ratio(f"one step over own steps: {what}", what, ONE_STEP, OWN_STEPS, threads)
         ratio("skipped over computed", step, "at rest, skipped", "at rest, all computed", threads)
         for name in dict.fromkeys(name for name, _ in columns):
             one, more = cost.get((name, 1), {}), cost.get((name, threads), {})

@@ -39,6 +39,8 @@ SPREAD = compaction.RADIUS_SPREAD
 RIGID_PHI = 0.80  # of the packing made by rigid DEM: its overlaps are small still
 DENSE_PHI = 0.87  # of the dense packing, undeformed areas: jammed, at a stress of some 0.02 E
 PRESSING_SPEED = 2.0  # m/s, of the soft grains up to there; then that of the paper
+SIZES_GAP = 0.02  # sizes: between the big disks at the start, over their diameter
+SIZES_STRAIN, SIZES_WINDOW = 0.12, 0.005  # sizes: strain before, and while the force is measured
 SETTLING_STEPS = 200  # at that speed, before measuring
 #: Attributes of SoftGrainIntegrator that skip grains at rest or in free flight, where it has them.
 SKIPPING = ("rigidMotion", "sleep")
@@ -315,6 +317,43 @@ def mixed(options):
     return soft_figures(options)
 
 
+def sizes(options):
+    """Big disks in a hexagonal lattice between walls, and in gaps of it a tenth as many small ones,
+    of a tenth of their radius, pressed until the gaps have closed. With ``--multirate`` the big
+    ones take steps of their own. *force* is the mean on the wall that presses, just before the
+    measured steps [N/m], *whole* the point updates up to these."""
+    across = math.isqrt(options.grains)
+    place = np.indices((across, options.grains // across)).reshape(2, -1).T[:, ::-1]
+    column, row = place[:, 1], place[:, 0]
+    spacing = 2 * RADIUS * (1 + SIZES_GAP)
+    x = spacing * (0.5 + column + 0.5 * (row % 2))
+    y = spacing * (0.5 + math.sqrt(0.75) * row)
+    big = np.column_stack([x, y, 0 * x])
+    inside = big[(column < across - 1) & (row < row.max())]
+    gaps = inside + spacing * np.array([0.5, math.sqrt(1 / 12), 0])
+    small = gaps[np.linspace(0, len(gaps) - 1, options.grains // 10).astype(int)]
+    fill(big, RADIUS * np.random.default_rng(1).uniform(0.97, 1, len(big)), options)
+    fill(small, np.full(len(small), RADIUS / 10), options)
+    width, height = spacing * (across + 0.5), y.max() + spacing / 2
+    rough = FrictMat(frictionAngle=math.atan(0.3))
+    walls = [(0, 0, 1), (width, 0, -1), (0, 1, 1), (height, 1, -1)]
+    ids = O.bodies.append(
+        [yade.utils.wall(at, axis, sense=sense, material=rough) for at, axis, sense in walls]
+    )
+    start(multirate=options.multirate)
+    skip(False)
+    top = O.bodies[ids[-1]]
+    top.state.vel = (0, -PRESSING_SPEED / 2, 0)
+    while top.state.pos[1] > height * (1 - SIZES_STRAIN):
+        O.step()
+    forces = []
+    while top.state.pos[1] > height * (1 - SIZES_STRAIN - SIZES_WINDOW):
+        O.step()
+        forces.append(abs(sg.wall_force(top.id)[1]))
+    figures = {"force": statistics.fmean(forces), "whole": sg.integrator().pointsUpdated}
+    return {**soft_figures(options), **figures, "dt": O.dt}
+
+
 def saving(options):
     """The dense packing saved and loaded again; *load* includes the first step after it, in which
     the grains are assembled."""
@@ -339,7 +378,7 @@ def scene(options):
     return {**soft_figures(options), "dt": O.dt}
 
 
-CASES = (bulk, dense, rigid, paper, scale, sleeping, mixed, saving, scene)
+CASES = (bulk, dense, rigid, paper, scale, sleeping, mixed, sizes, saving, scene)
 
 
 def parse_options():
@@ -358,6 +397,7 @@ def parse_options():
     add("--repeat", type=int, default=5, help="repetitions [-]")
     add("--until-phi", type=float, default=0.98, help="paper: packing fraction to stop at [-]")
     add("--skip", action="store_true", help="sleeping: let the integrator skip grains")
+    add("--multirate", action="store_true", help="sizes: let grains take steps of their own")
     add("--scene", type=Path, help="scene: file to load")
     return parser.parse_args()
 

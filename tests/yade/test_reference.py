@@ -48,6 +48,7 @@ class Case:
     pic_share: float = 0.0
     mass_damping: float = 0.0  # 1/s
     stiffness_damping: float = 0.0  # s
+    rates: tuple = (1, 1)  # steps between computations of the forces, as the plugin finds them
 
     @property
     def recipes(self):
@@ -94,9 +95,13 @@ CASES = {
     # the outline bulges out of the box of its nodes
     "sparse outline": Case(surface_spacing=2.8, zeta=(0.25, 0.25), centres=HEAD_ON),
     "damped": Case(mass_damping=3000.0, stiffness_damping=1e-5),
-    "damped, plane stress": Case("planeStress", stiffness_damping=1e-5),
+    "damped, plane stress": Case("planeStress", stiffness_damping=1e-5, rates=(2, 1)),
     "damped, projected": Case(
         volumetric="projected", zeta=(0.25, 0.25), mass_damping=3000.0, stiffness_damping=1e-5
+    ),
+    "multirate": Case(zeta=(0.45, 0.12), rates=(3, 1)),
+    "multirate, damped": Case(
+        zeta=(0.45, 0.12), rates=(3, 1), mass_damping=3000.0, stiffness_damping=1e-6
     ),
     "flip": Case(velocity_update="flip"),
     "flip with a share of PIC, points": Case(
@@ -209,6 +214,7 @@ def run_in_yade(name):
                 sg.integrator().sweeps,
             )
         )
+    assert set(sg.integrator().rates()) == set(case.rates)
     return O.dt, snapshots
 
 
@@ -233,6 +239,8 @@ def build_oracle(case):
         )
         for g in case.kernel_order
     ]
+    for grain, g in zip(grains, case.kernel_order):
+        grain.rate = case.rates[g]
     walls = []
     for axis, coordinate, velocity, friction in case.walls:
         position = np.zeros(2)

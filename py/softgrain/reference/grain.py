@@ -20,6 +20,8 @@ class Grain:
         mass (ndarray): lumped nodal masses [kg per metre of thickness], shape (nodes,).
         contact_shape (ndarray): N_I(Xs), shape (contact nodes, nodes).
         point_velocity (ndarray): v_p [m/s], shape (points, 2); None where velocities stay at nodes.
+        rate (int): steps from one computation of the forces to the next.
+        force, viscous_force (ndarray): those that act now [N per metre], shape (nodes, 2).
         point_spacing (float): dr [m].
         contact_radius (float): radius of the disk about a contact node [m]; 0 on a surface.
     """
@@ -43,6 +45,7 @@ class Grain:
         self.material = material
         self.radius = radius
         self.pic_share = pic_share
+        self.rate = 1
         arm = radius * self.template.node_position
         self.x = np.array(centre) + arm
         self.v = _rigid_velocity(arm, velocity, spin)
@@ -74,6 +77,20 @@ class Grain:
     def lay_grid(self):
         """Nothing: the grid stays in the reference configuration."""
 
+    def find_forces(self, step, dt):
+        """Forces that act in this step, at every `rate`-th step anew: of the positions expected in
+        the middle of the kicks until then. In the first two steps anew as well, since the first
+        cannot know dt."""
+        if step > 1 and step % self.rate:
+            return
+        kicks = self.rate - step % self.rate
+        present = self.x
+        if step > 0:
+            self.x = present + 0.5 * (kicks - 1) * dt * self.v
+        self.force = self.internal_force()
+        self.viscous_force = self._viscous_force()
+        self.x = present
+
     def deformation_gradient(self):
         """F = sum_I x_I (x) G_I(Xp), shape (points, 2, 2)."""
         return np.einsum("Ia,pIb->pab", self.x, self.template.point_gradient) / self.radius
@@ -88,19 +105,23 @@ class Grain:
         volume = self.template.point_volume * self.radius**DIM
         return -np.einsum("p,pab,pIb->Ia", volume, P, G)
 
-    def damping_impulse(self, dt):
-        """Of both terms of Rayleigh damping in a step dt [N s per metre], shape (nodes, 2)."""
+    def _viscous_force(self):
+        """Of the damping that is proportional to stiffness."""
         F_rate = np.einsum("Ia,pIb->pab", self.v, self.template.point_gradient) / self.radius
         P = self.material.viscous_piola(
             self.deformation_gradient(), F_rate, self.template.volume_projection
         )
+        return self._force_of(P)
+
+    def damping_impulse(self, dt):
+        """Of both terms of Rayleigh damping in a step dt [N s per metre], shape (nodes, 2)."""
         arm = self.x - self.centre
         mean = self.mass @ self.v / self.mass.sum()
         inertia = self.mass @ (arm**2).sum(axis=1)
         spin = self.mass @ (arm[:, 0] * self.v[:, 1] - arm[:, 1] * self.v[:, 0]) / inertia
         relative = self.v - _rigid_velocity(arm, mean, spin)
         share = 1 - np.exp(-self.material.mass_damping * dt)
-        return dt * self._force_of(P) - share * self.mass[:, None] * relative
+        return dt * self.viscous_force - share * self.mass[:, None] * relative
 
     def move(self, dt):
         """x_I += dt v_I; the new velocities become the present ones, by way of the points if they
@@ -161,6 +182,10 @@ class UpdatedGrain:
         self.lay_grid()
 
     has_surface = Grain.has_surface
+
+    def find_forces(self, step, dt):
+        """Forces that act in this step."""
+        self.force = self.internal_force()
 
     def damping_impulse(self, dt):
         """None: this formulation has no damping of its own."""

@@ -36,6 +36,7 @@ class System:
     settings: SolverSettings = field(default_factory=SolverSettings)
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(2))  #: m/s^2
     contacts: list = field(default_factory=list)  #: of the last step, as (pair, Contact), in order
+    steps: int = 0  #: so far
 
     def step(self, dt):
         """Advance all bodies by dt [s].
@@ -47,10 +48,12 @@ class System:
         """
         for grain in self.grains:
             grain.lay_grid()
+            grain.find_forces(self.steps, dt)
         self.find_contacts(dt)
         self.predict_velocities(dt)
         report = self.solve_contacts(dt)
         self.move(dt)
+        self.steps += 1
         return report
 
     def find_contacts(self, dt):
@@ -77,7 +80,7 @@ class System:
     def predict_velocities(self, dt):
         """v_I += dt (f_I / m_I + gravity) + damping: the velocities without contact."""
         for grain in self.grains:
-            acceleration = grain.internal_force() / grain.mass[:, None] + self.gravity
+            acceleration = grain.force / grain.mass[:, None] + self.gravity
             damping = grain.damping_impulse(dt) / grain.mass[:, None]
             grain.v_next = grain.v + dt * acceleration + damping
 

@@ -238,7 +238,7 @@ TEMPLATE_TEST_CASE_SIG("Formulations: contact velocities answer to impulses as W
 	set->place(0, random.rotation<dim>(), random.vector<dim>(), Mat<dim>::Zero());
 	set->moveRigidly(0, Mat<dim>::Identity(), random.vector<dim>(0.01), Vec<dim>::Zero(),
 			 Mat<dim>::Zero());
-	set->updateForces(1);
+	set->updateForces({});
 	set->predictVelocities(0, 1e-5, {});
 	const ContactMobility<dim> W = set->contactMobility(0);
 	std::vector<Vec<dim>> before, after;
@@ -279,7 +279,7 @@ TEST_CASE("Formulations: mobility of contact nodes stays bounded wherever the gr
 		set->place(0, random.rotation<2>(), Vec<2>::Zero(), Mat<2>::Zero());
 		set->moveRigidly(0, Mat<2>::Identity(), random.vector<2>(0.01), Vec<2>::Zero(),
 				 Mat<2>::Zero());
-		set->updateForces(1);
+		set->updateForces({});
 		const ContactMobility<2> W = set->contactMobility(0);
 		for (int s = 0; s < W.table->rows(); ++s)
 			for (int k = W.table->begin(s); k < W.table->end(s); ++k)
@@ -381,7 +381,7 @@ TEMPLATE_TEST_CASE_SIG("Formulations: moving a grain rigidly moves all of it", "
 		CHECK((moved.velocity - turn * whole.velocity - push).norm() < 1e-13);
 		CHECK((moved.rotation - turn * whole.rotation).norm() < 1e-12);
 		CHECK((moved.centre - whole.centre - shift).norm() < 1e-14);
-		set->updateForces(1);
+		set->updateForces({});
 		CHECK(set->report(0).elasticEnergy < 1e-12);
 		for (const auto& point : set->points(0))
 			CHECK((point.F - turn * Q).norm() < 1e-11);

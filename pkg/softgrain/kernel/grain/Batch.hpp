@@ -36,6 +36,20 @@ private:
 	std::vector<Vec<dim>> data_;
 };
 
+/// The numbers of a grain, for saving, and back.
+template <int dim>
+void appendField(const NodalField<dim>& field, int g, int nodes, std::vector<double>& numbers)
+{
+	for (int I = 0; I < nodes; ++I)
+		numbers.insert(numbers.end(), field.of(g)[I].data(), field.of(g)[I].data() + dim);
+}
+
+template <int dim> void setField(NodalField<dim>& field, int g, int nodes, const double* numbers)
+{
+	for (int I = 0; I < nodes; ++I)
+		field.set(g, I, Eigen::Map<const Vec<dim>>(numbers + I * dim));
+}
+
 /// What distinguishes one grain of a batch from the next.
 template <int dim> struct GrainParameters {
 	double radius = 0; ///< m

@@ -200,6 +200,18 @@ template <int dim> void Damper<dim>::forget(int g)
 	rateStiffening_[g] = 1;
 }
 
+template <int dim> void Damper<dim>::append(int g, std::vector<double>& numbers) const
+{
+	numbers.push_back(rateStiffening_[g]);
+	appendField(force_, g, nodes_, numbers);
+}
+
+template <int dim> void Damper<dim>::restore(int g, const double* numbers)
+{
+	rateStiffening_[g] = *numbers++;
+	setField(force_, g, nodes_, numbers);
+}
+
 template <int dim> void Damper<dim>::addMassDamping(const Batch<dim>& batch, int g, double kick)
 {
 	const double share = -std::expm1(-batch.grain[g].damping.mass * kick);

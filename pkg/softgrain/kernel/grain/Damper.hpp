@@ -27,6 +27,11 @@ public:
 	/// A grain that is undeformed has no forces of this kind.
 	void forget(int g);
 
+	/// What the last `updateForces` found of a grain, for saving, and back; so many numbers.
+	int numberCount() const { return 1 + nodes_ * dim; }
+	void append(int g, std::vector<double>& numbers) const;
+	void restore(int g, const double* numbers);
+
 	/// Adds j_I/m_I to `batch.vNext`.
 	void addImpulses(Batch<dim>& batch, int g, double kick);
 	/// Adds what these impulses dissipate, the halves with the velocities before and after t_n.

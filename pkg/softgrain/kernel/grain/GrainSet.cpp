@@ -32,6 +32,12 @@ template <int dim> void GrainSet<dim>::endRigidMotion(int) { refuseRigidMotion()
 
 template <int dim> RigidBounds<dim> GrainSet<dim>::rigidBounds(int) const { refuseRigidMotion(); }
 
+template <int dim> void GrainSet<dim>::setRate(int, int steps)
+{
+	if (steps != 1)
+		throw std::logic_error("this formulation computes its forces in every step");
+}
+
 template <int dim>
 void GrainSet<dim>::massPoints(int, std::vector<Vec<dim>>&, std::vector<double>&) const
 {

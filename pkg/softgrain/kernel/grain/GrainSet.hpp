@@ -20,6 +20,14 @@ template <int dim> struct BodyLoad {
 	bool isZero() const { return acceleration.isZero(0) && angular.isZero(0); }
 };
 
+/// When the forces of a grain are computed: at steps that are multiples of its rate, to act until
+/// the next of these (doc/decisions/0018-multirate.md).
+struct ForceSchedule {
+	int threads = 1;
+	long step = 0; ///< number of the step at hand
+	double dt = 0; ///< length of the last step, taken for that of the next ones, s; 0: unknown
+};
+
 /// All that one grain goes on from, component by component, as its formulation keeps it: total
 /// Lagrangian x of the nodes and v of the nodes ('flip': of the points); updated Lagrangian x and v
 /// of the points, then of the contact nodes, and F of the points.
@@ -29,6 +37,7 @@ struct GrainState {
 	std::vector<double> F;     ///< deformation gradients, column by column
 	std::vector<double> rigid; ///< RigidMotion::numbers of a grain that moves rigidly, x and v
 				   ///< being what follows from it; else empty
+	std::vector<double> held;  ///< forces that act beyond the next step; else empty
 };
 
 /// Ball about the outline of a grain that moves rigidly.
@@ -78,11 +87,19 @@ public:
 	virtual void arrangeGrains() {}
 	virtual RigidBounds<dim> rigidBounds(int g) const;
 
+	// --- grains with steps of their own (doc/decisions/0018-multirate.md) --------------------
+
+	virtual bool mayHoldForces() const { return false; }
+	/// Forces of a grain are computed in every so many steps, 1 at the start.
+	virtual void setRate(int g, int steps);
+
 	// --- the phases of a step ---------------------------------------------------------------
 
-	/// Internal forces of the present positions and `report`, of active grains. Parallel; the
-	/// result does not depend on the number of threads.
-	virtual void updateForces(int threads) = 0;
+	/// Internal forces and `report` of active grains, of the present positions; where they act
+	/// for several steps, of the positions expected in the middle of these, and only in the
+	/// first of them. Returns for how many grains they were computed. Parallel; the result does
+	/// not depend on the number of threads.
+	virtual int updateForces(const ForceSchedule& schedule) = 0;
 	virtual const BulkReport& report(int g) const = 0;
 	/// v* = v + kick (f/m + load).
 	virtual void predictVelocities(int g, double kick, const BodyLoad<dim>& load) = 0;

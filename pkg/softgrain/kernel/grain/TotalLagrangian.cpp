@@ -2,6 +2,7 @@
 #include "grain/CriticalTimeStep.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace softgrain {
 
@@ -40,12 +41,15 @@ template <int dim>
 TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch, const Scheme& scheme)
 	: batch_(std::move(batch))
 	, ownNodes_(batch_.grains())
+	, holder_(batch_.grains())
+	, computed_(batch_.grains())
 	, criticalTimeStep_(criticalTimeSteps(*batch_.reference, batch_.condition, batch_.grain))
 	, shareSum_(largestShareSum(*batch_.reference))
 	, rigid_(batch_.grains())
 	, isRigid_(batch_.grains(), 0)
 	, nodesWritten_(batch_.grains(), 1)
 {
+	std::iota(computed_.begin(), computed_.end(), 0);
 	if (scheme.hasPointVelocities()) {
 		pointVelocities_.emplace(batch_, scheme.picShare);
 		for (double& step : criticalTimeStep_)
@@ -124,6 +128,7 @@ template <int dim> void TotalLagrangian<dim>::beginRigidMotion(int g)
 	isRigid_[g] = 1;
 	nodesWritten_[g] = 0;
 	batch_.report[g] = {};
+	holder_.forget(g);
 }
 
 template <int dim> void TotalLagrangian<dim>::endRigidMotion(int g)
@@ -136,10 +141,54 @@ template <int dim> void TotalLagrangian<dim>::endRigidMotion(int g)
 
 template <int dim> void TotalLagrangian<dim>::arrangeGrains()
 {
-	std::vector<int> active, rigid;
+	std::vector<int> active;
 	for (int g = 0; g < grains(); ++g)
-		(isRigid_[g] ? rigid : active).push_back(g);
-	batch_.arrange(active, rigid);
+		if (!isRigid_[g]) active.push_back(g);
+	computeFirst(std::move(active));
+}
+
+/// Lays the grains into the blocks that are computed, in their order.
+template <int dim> void TotalLagrangian<dim>::computeFirst(std::vector<int> chosen)
+{
+	std::vector<int> others;
+	auto next = chosen.begin();
+	for (int g = 0; g < grains(); ++g)
+		if (next != chosen.end() && *next == g)
+			++next;
+		else
+			others.push_back(g);
+	batch_.arrange(chosen, others);
+	computed_ = std::move(chosen);
+}
+
+template <int dim>
+template <class Visit>
+void TotalLagrangian<dim>::forEachSlow(int threads, Visit&& visit)
+{
+	const int count = static_cast<int>(computed_.size());
+#pragma omp parallel for schedule(static) num_threads(threads)
+	for (int k = 0; k < count; ++k)
+		if (holder_.rate(computed_[k]) > 1) visit(computed_[k]);
+}
+
+template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& schedule)
+{
+	const int threads = schedule.threads;
+	if (holder_.isNeeded()) {
+		std::vector<int> due;
+		for (int g = 0; g < grains(); ++g)
+			if (!isRigid_[g] && holder_.isDue(g, schedule))
+				due.push_back(g);
+			else if (holder_.holds(g))
+				holder_.report(batch_, g);
+		if (due != computed_) computeFirst(std::move(due));
+		forEachSlow(threads, [&](int g) { holder_.lookAhead(batch_, g, schedule); });
+	}
+	computeInternalForce(batch_, threads);
+	if (damper_) damper_->updateForces(batch_, threads);
+	if (holder_.isNeeded())
+		forEachSlow(threads, [&](int g) { holder_.hold(batch_, g, schedule); });
+	return static_cast<int>(computed_.size());
 }
 
 template <int dim> RigidBounds<dim> TotalLagrangian<dim>::rigidBounds(int g) const
@@ -322,6 +371,7 @@ template <int dim> void TotalLagrangian<dim>::move(int g, double dt)
 
 template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
 {
+	holder_.followMove(batch_, g, dt);
 	const Vec<dim>* vNext = batch_.vNext.of(g);
 	Vec<dim>*x = batch_.x.of(g), *v = batch_.v.of(g);
 	for (int I = 0; I < nodes(); ++I) {
@@ -455,6 +505,7 @@ void TotalLagrangian<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>
 {
 	isRigid_[g] = 0;
 	nodesWritten_[g] = 1;
+	holder_.forget(g);
 	batch_.place(g, rotation, velocity, spin);
 	if (!pointVelocities_) return;
 	pointVelocities_->takeFromNodes(batch_, g);
@@ -470,6 +521,7 @@ void TotalLagrangian<dim>::moveRigidly(int g, const Mat<dim>& rotation, const Ve
 		nodesWritten_[g] = 0;
 		return;
 	}
+	holder_.forget(g); // forces turn with the grain
 	const Vec<dim> centre = whole(g).centre;
 	batch_.moveRigidly(g, centre, rotation, shift, velocity, spin);
 	if (!pointVelocities_) return;
@@ -485,6 +537,7 @@ template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
 	writeNodes(g);
 	GrainState s;
 	if (isRigid_[g]) s.rigid = rigid_[g].numbers();
+	s.held = heldForces(g);
 	auto append = [](std::vector<double>& list, const Vec<dim>& value) {
 		list.insert(list.end(), value.data(), value.data() + dim);
 	};
@@ -521,6 +574,27 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 			batch_.v.set(g, k, v);
 	}
 	if (pointVelocities_) pointVelocities_->mapToNodes(batch_, g);
+	setHeldForces(g, s.held);
+}
+
+template <int dim> std::vector<double> TotalLagrangian<dim>::heldForces(int g) const
+{
+	std::vector<double> numbers;
+	if (!holder_.holds(g)) return numbers;
+	holder_.append(batch_, g, numbers);
+	if (damper_) damper_->append(g, numbers);
+	return numbers;
+}
+
+template <int dim>
+void TotalLagrangian<dim>::setHeldForces(int g, const std::vector<double>& numbers)
+{
+	holder_.forget(g);
+	if (numbers.empty()) return;
+	const int own = ForceHolder<dim>::numberCount(batch_);
+	requireSize("forces", numbers, own + (damper_ ? damper_->numberCount() : 0));
+	holder_.restore(batch_, g, numbers.data());
+	if (damper_) damper_->restore(g, numbers.data() + own);
 }
 
 template class TotalLagrangian<2>;

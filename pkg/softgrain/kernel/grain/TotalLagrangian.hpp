@@ -5,6 +5,7 @@
 #pragma once
 
 #include "grain/Damper.hpp"
+#include "grain/ForceHolder.hpp"
 #include "grain/GrainSet.hpp"
 #include "grain/PointVelocities.hpp"
 #include "grain/RigidMotion.hpp"
@@ -39,11 +40,10 @@ public:
 	{
 		return damper_ && !isRigid_[g] ? damper_->rateStiffening(g) : 1;
 	}
-	void updateForces(int threads) override
-	{
-		computeInternalForce(batch_, threads);
-		if (damper_) damper_->updateForces(batch_, threads);
-	}
+	/// Where velocities live at the points, they are smoothed in every step.
+	bool mayHoldForces() const override { return !pointVelocities_; }
+	void setRate(int g, int steps) override { holder_.setRate(g, steps); }
+	int updateForces(const ForceSchedule& schedule) override;
 	const BulkReport& report(int g) const override { return batch_.report[g]; }
 	void predictVelocities(int g, double kick, const BodyLoad<dim>& load) override;
 	ContactMobility<dim> contactMobility(int g) override
@@ -99,6 +99,10 @@ private:
 	void measureShapes();
 	/// Energy of the motion apart from the rigid one, J.
 	double vibrationEnergy(int g, const WholeGrain<dim>& whole) const;
+	void computeFirst(std::vector<int> grains);
+	template <class Visit> void forEachSlow(int threads, Visit&& visit);
+	std::vector<double> heldForces(int g) const;
+	void setHeldForces(int g, const std::vector<double>& numbers);
 	/// If the grain moves rigidly and somebody wants to know its nodes.
 	void writeNodes(int g) const;
 	void moveNodes(int g, double dt);
@@ -113,6 +117,8 @@ private:
 	std::vector<OwnNodes> ownNodes_; ///< none unless `useContactNodes` was called
 	mutable std::optional<PointVelocities<dim>> pointVelocities_; ///< with VelocityUpdate::flip
 	std::optional<Damper<dim>> damper_;                           ///< where a grain is damped
+	ForceHolder<dim> holder_;
+	std::vector<int> computed_;            ///< grains in the active blocks of the batch
 	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
 	double shareSum_; ///< largest sum of sizes of the shares of a contact node
 

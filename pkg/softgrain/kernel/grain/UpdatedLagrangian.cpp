@@ -108,10 +108,10 @@ template <int dim> void UpdatedLagrangian<dim>::fillUp(int g)
 
 // --- the phases of a step -----------------------------------------------------------------------
 
-template <int dim> void UpdatedLagrangian<dim>::updateForces(int threads)
+template <int dim> int UpdatedLagrangian<dim>::updateForces(const ForceSchedule& schedule)
 {
 	const int count = grains(), order = reference_->recipe.order;
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(static) num_threads(schedule.threads)
 	for (int g = 0; g < count; ++g) {
 		UpdatedGrain<dim>& grain = grain_[g];
 		if (!grain.layGrid(order, widestStretch * 2 * parameters_[g].radius)) continue;
@@ -121,6 +121,7 @@ template <int dim> void UpdatedLagrangian<dim>::updateForces(int threads)
 			for (int a = 0; a < dim; ++a)
 				grain.grid.velocity[a][I] /= grain.grid.mass[I];
 	}
+	return count;
 }
 
 template <int dim> Vec<dim> UpdatedLagrangian<dim>::nodeAt(int g, int node) const

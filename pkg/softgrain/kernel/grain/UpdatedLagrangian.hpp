@@ -29,7 +29,7 @@ public:
 	const GrainParameters<dim>& parameters(int g) const override { return parameters_[g]; }
 	double criticalTimeStep(int g) const override { return criticalTimeStep_[g]; }
 
-	void updateForces(int threads) override;
+	int updateForces(const ForceSchedule& schedule) override;
 	const BulkReport& report(int g) const override { return grain_[g].report; }
 	void predictVelocities(int g, double kick, const BodyLoad<dim>& load) override;
 	ContactMobility<dim> contactMobility(int g) override;

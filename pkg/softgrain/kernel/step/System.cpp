@@ -37,8 +37,61 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 	loads_.resize(place_.size());
 	surface_.resize(place_.size());
 	sets_.push_back(std::move(set));
+	rate_.resize(place_.size(), 1);
+	ratesChosen_ = false;
 	listGrains();
 	forcesFresh_ = false;
+}
+
+template <int dim> void System<dim>::measureTimeSteps()
+{
+	undampedTimeStep_ = std::numeric_limits<double>::infinity();
+	for (int g = 0; g < grains(); ++g)
+		if (!setOf(g).parameters(indexInSet(g)).damping.acts())
+			undampedTimeStep_ =
+				std::min(undampedTimeStep_,
+					 setOf(g).criticalTimeStep(indexInSet(g)) / rate_[g]);
+}
+
+template <int dim> void System<dim>::setMultirate(bool on)
+{
+	if (ratesChosen_ && on == multirate_) return;
+	multirate_ = on;
+	ratesChosen_ = true;
+	std::vector<double> timeSteps;
+	for (int g = 0; g < grains(); ++g) {
+		const GrainSet<dim>& set = setOf(g);
+		const int k = indexInSet(g);
+		timeSteps.push_back(
+			dampedTimeStep(set.criticalTimeStep(k), set.parameters(k).damping, 1, 1));
+	}
+	rate_ = on ? ratesOf(timeSteps) : std::vector<int>(grains(), 1);
+	for (int g = 0; g < grains(); ++g)
+		setOf(g).setRate(indexInSet(g), rate_[g]);
+	for (const auto& set : sets_)
+		set->arrangeGrains();
+	measureTimeSteps();
+	forcesFresh_ = false;
+}
+
+/// Rates of grains with these critical steps: each divides the next, so that slow grains are
+/// computed together.
+template <int dim> std::vector<int> System<dim>::ratesOf(const std::vector<double>& timeSteps) const
+{
+	constexpr double rounding = 1e-9; // ten times as long is ten times, not nine
+	std::vector<int> ascending = all_;
+	std::stable_sort(ascending.begin(), ascending.end(),
+			 [&](int a, int b) { return timeSteps[a] < timeSteps[b]; });
+	std::vector<int> rates(grains(), 1);
+	int rate = 1;
+	for (int g : ascending) {
+		if (!setOf(g).mayHoldForces()) continue;
+		const double shortest = timeSteps[ascending.front()];
+		rate *= std::max(1,
+				 static_cast<int>((1 + rounding) * timeSteps[g] / shortest / rate));
+		rates[g] = rate;
+	}
+	return rates;
 }
 
 /// Lists of active and rigid grains as the sets say.
@@ -89,7 +142,8 @@ double System<dim>::criticalTimeStep(double stiffening, double rateStiffening) c
 		const int k = indexInSet(g);
 		smallest = std::min(smallest, dampedTimeStep(set.criticalTimeStep(k),
 							     set.parameters(k).damping, stiffening,
-							     rateStiffening));
+							     rateStiffening) /
+						      rate_[g]);
 	}
 	return smallest;
 }
@@ -135,10 +189,10 @@ template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 template <int dim> void System<dim>::updateForces(int threads)
 {
 	listGrains();
+	const ForceSchedule schedule { threads, continuation_.steps, continuation_.lastStep };
 	for (const auto& set : sets_)
-		set->updateForces(threads);
-	for (int g : active_)
-		updatedPoints_ += setOf(g).reference().points();
+		updatedPoints_ +=
+			static_cast<long>(set->updateForces(schedule)) * set->reference().points();
 	for (int g : active_) {
 		const int point = setOf(g).report(indexInSet(g)).invertedPoint;
 		if (point >= 0) throw StepError(g, point, whatStopped(setOf(g), indexInSet(g)));
@@ -284,6 +338,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 		followMotion(g, settings.dt);
 	});
 	continuation_.lastStep = settings.dt;
+	++continuation_.steps;
 	forcesFresh_ = false;
 	clock.end("move");
 	report.work.points = std::exchange(updatedPoints_, 0);

@@ -70,6 +70,7 @@ struct StepSettings {
 struct Continuation {
 	EnergyBalance sums;  ///< works up to half a step after t_n
 	double lastStep = 0; ///< length of the last step, s; 0 before the first
+	long steps = 0;      ///< so far
 };
 
 /// Whether a surface follows the state; it is renewed when it is asked for. Whoever asks first
@@ -121,12 +122,21 @@ public:
 	/// The same as deformed now: with the largest stiffening of all grains.
 	double presentCriticalTimeStep() const;
 
+	/// Whether forces of grains with a longer critical step are computed in every so many steps
+	/// only: as often as fits into their own undeformed critical step. To be called after all
+	/// sets were added.
+	void setMultirate(bool on);
+	/// Steps from one computation of the forces of a grain to the next.
+	int rate(int g) const { return rate_[g]; }
+
 	/// Renews contact-node positions and outlines from the state; those of grains that move
 	/// rigidly when somebody asks. Called by `step` at its end; call it after setting state by
 	/// hand.
 	void updateSurfaces(int threads);
 	void updateSurface(int g);
-	void invalidateForces() { forcesFresh_ = false; } ///< after state was set by hand
+	/// After state was set by hand; by other means than those of GrainSet only at the start,
+	/// while no grain holds forces.
+	void invalidateForces() { forcesFresh_ = false; }
 	/// Internal forces and tangent stiffening of the present positions; throws StepError for an
 	/// inverted point. `step` uses them if they are fresh.
 	void updateForces(int threads);
@@ -175,6 +185,8 @@ private:
 	double outsideReach(double reach) const;
 	void chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion);
 	void listGrains();
+	std::vector<int> ratesOf(const std::vector<double>& timeSteps) const;
+	void measureTimeSteps();
 
 	double criticalTimeStep(double stiffening, double rateStiffening) const;
 	void renewOutline(int g);
@@ -195,8 +207,10 @@ private:
 	std::vector<char> listedRigid_; ///< by grain: in `rigid_`, else in `active_`
 	std::vector<int> active_, rigid_, all_;
 	std::vector<BodyLoad<dim>> loads_;
+	std::vector<int> rate_; ///< by grain
+	bool multirate_ = false, ratesChosen_ = false;
 	std::vector<int> damped_; ///< grains with damping
-	/// Smallest undeformed critical step of the others, s.
+	/// Smallest undeformed critical step over the rate of the others, s.
 	double undampedTimeStep_ = std::numeric_limits<double>::infinity();
 	ContactSolver<dim> solver_;
 	std::vector<char> finite_;    ///< by grain, of the step at hand

@@ -1,0 +1,65 @@
+// Grains whose forces act for several steps. A force that acts from step k to step k + m - 1 is
+// that of the positions which the grain reaches in the middle of these kicks, if it flies on as it
+// does:
+//     f = f(x + a v),      a = (m - 1) dt/2
+// Over the m steps together this is a drift by a, a kick by m dt and a drift by the rest: the step
+// of a grain that steps by m dt, with the same critical step and the same invariants, but its
+// forces come smoothly, as contact needs them (doc/decisions/0018-multirate.md).
+#pragma once
+
+#include "grain/GrainSet.hpp"
+
+namespace softgrain {
+
+template <int dim> class ForceHolder {
+public:
+	explicit ForceHolder(int grains)
+		: of_(grains)
+	{
+	}
+
+	int rate(int g) const { return of_[g].rate; }
+	void setRate(int g, int steps);
+	/// Whether some grain is not computed in every step.
+	bool isNeeded() const { return slow_ > 0; }
+	bool holds(int g) const { return of_[g].holds; }
+	void forget(int g) { of_[g].holds = false; }
+
+	bool isDue(int g, const ForceSchedule& schedule) const
+	{
+		return !of_[g].holds || schedule.step % of_[g].rate == 0;
+	}
+	/// Moves the nodes to where the forces are wanted; those of the present wait in
+	/// `batch.vNext`, which nobody needs before the next velocities.
+	void lookAhead(Batch<dim>& batch, int g, const ForceSchedule& schedule) const;
+	/// Moves them back and keeps the forces found.
+	void hold(Batch<dim>& batch, int g, const ForceSchedule& schedule);
+	/// Elastic energy of the present positions as far as the force held tells, into the report.
+	void report(Batch<dim>& batch, int g) const
+	{
+		batch.report[g].elasticEnergy = of_[g].energy;
+	}
+	/// What a move by dt with `batch.vNext` makes of it.
+	void followMove(const Batch<dim>& batch, int g, double dt);
+
+	/// What is held, for saving, and back; so many numbers.
+	static int numberCount(const Batch<dim>& batch)
+	{
+		return 2 + batch.reference->nodes() * dim;
+	}
+	void append(const Batch<dim>& batch, int g, std::vector<double>& numbers) const;
+	void restore(Batch<dim>& batch, int g, const double* numbers);
+
+private:
+	struct Held {
+		int rate = 1; ///< steps between computations
+		bool holds = false;
+		double energy = 0; ///< elastic, of the present positions, to first order, J
+	};
+	double lead(int g, const ForceSchedule& schedule) const;
+
+	std::vector<Held> of_;
+	int slow_ = 0; ///< grains with a rate above 1
+};
+
+} // namespace softgrain

@@ -1,0 +1,171 @@
+"""Grains with a long critical step beside grains with a short one."""
+
+import numpy as np
+import pytest
+from scenes import RADIUS, add_disk, add_wall, present_state, ready, run, soft_material
+from yade import O
+
+import softgrain as sg
+
+RATIO = 10
+
+
+def pressed(ratio=RATIO, speed=0.5, **engine):
+    """A disk between a wall and two small disks on another wall, pressed; returns both walls."""
+    O.reset()
+    small = RADIUS / ratio
+    add_disk((0, RADIUS + 1.9 * small, 0))
+    for side in (-1, 1):
+        add_disk((side * 1.2 * small, small, 0), small)
+    walls = add_wall(0, 1, friction=0.5), add_wall(2 * RADIUS + 1.9 * small, 1, friction=0.5)
+    walls[1].state.vel = (0, -speed, 0)
+    ready(rigidMotion=False, **engine)
+    O.trackEnergy = True
+    return walls
+
+
+def points_of(body):
+    return len(body.shape.points()["volume"])
+
+
+def test_rates_follow_size_and_stiffness():
+    add_disk()
+    add_disk((5 * RADIUS, 0, 0), 0.3 * RADIUS)
+    add_disk((10 * RADIUS, 0, 0), material=soft_material(young=1e8))
+    ready()
+    assert sg.integrator().rates() == {}
+    run(1)
+    assert sg.integrator().rates() == {1: 1, 3: 1, 9: 1}
+    sg.integrator().multirate = False
+    run(1)
+    assert sg.integrator().rates() == {1: 3}
+
+
+def test_dt_is_that_of_the_most_demanding_grain():
+    pressed()
+    big, *small = sg.soft_bodies()
+    run(3)
+    critical = sg.integrator().criticalDt
+    assert critical == pytest.approx(sg.critical_time_step(), rel=0.05)
+    assert 0.7 * 0.5 * critical <= O.dt <= 0.5 * critical * (1 + 1e-6)
+    for body in small:
+        O.bodies.erase(body.id)
+    assert sg.critical_time_step() > 0.99 * RATIO * critical
+    pressed()
+    run(3)
+    O.dt = 1.01 * sg.critical_time_step()
+    with pytest.raises(RuntimeError, match="O.dt = .* is outside the admissible range"):
+        run(1)
+
+
+def test_points_that_are_updated():
+    """A slow grain counts once in as many steps as its rate."""
+    pressed()
+    big, *small = sg.soft_bodies()
+    engine = sg.integrator()
+    run(2 * RATIO)
+    before = engine.pointsUpdated
+    run(6 * RATIO)
+    expected = 6 * points_of(big) + 6 * RATIO * sum(points_of(b) for b in small)
+    assert engine.pointsUpdated - before == expected
+
+
+def test_many_big_and_few_small_grains():
+    """Size ratio 10: at least five times fewer point updates where one grain in ten is small."""
+    for k in range(20):
+        add_disk((3 * RADIUS * k, 0, 0))
+    for k in range(2):
+        add_disk((3 * RADIUS * k, 3 * RADIUS, 0), RADIUS / 10)
+    updates = []
+    for multirate in (True, False):
+        ready(rigidMotion=False, multirate=multirate)
+        run(2 * RATIO)
+        updates.append(sg.integrator().pointsUpdated)
+        run(10 * RATIO)
+        updates[-1] = sg.integrator().pointsUpdated - updates[-1]
+    assert updates[1] >= 5 * updates[0]
+
+
+def test_force_and_energy_are_those_of_short_steps():
+    forces, tremors = [], []
+    for multirate in (True, False):
+        bottom, top = pressed(multirate=multirate)
+        seen = []
+        balance = None
+        while O.time < 3e-3:
+            run(1)
+            balance = balance or sg.Balance()
+            if O.time > 1e-3:
+                seen.append([abs(sg.wall_force(wall.id)[1]) for wall in (bottom, top)])
+        assert abs(balance.error()) < 3e-3
+        seen = np.array(seen)
+        forces.append(seen.mean(axis=0))
+        tremors.append(np.abs(np.diff(seen, axis=0)).mean(axis=0) / seen.mean(axis=0))
+    np.testing.assert_allclose(forces[0], forces[1], rtol=0.01)
+    assert (tremors[0] < 2 * tremors[1] + 1e-3).all()
+
+
+def test_equal_grains_are_not_touched():
+    """Critical steps that differ by less than a factor of two: the same bits with and without."""
+    states = []
+    for multirate in (True, False):
+        pressed(ratio=1.9, multirate=multirate)
+        run(150)
+        states.append(present_state())
+    for name in states[0]:
+        np.testing.assert_array_equal(states[0][name], states[1][name], err_msg=name)
+
+
+@pytest.mark.parametrize(
+    "method", [{"velocityUpdate": "flip"}, {"formulation": "updated"}], ids=str
+)
+def test_velocities_at_points_need_every_step(method):
+    add_disk(**method)
+    add_disk((5 * RADIUS, 0, 0), RADIUS / RATIO, **method)
+    ready()
+    run(3)
+    assert sg.integrator().rates() == {1: 2}
+
+
+@pytest.mark.parametrize("suffix", ("yade.bz2", "xml.gz"))
+@pytest.mark.parametrize("damping", (0.0, 1e-6))
+def test_save_and_load_between_two_computations(damping, suffix, tmp_path):
+    pressed()
+    for body in sg.soft_bodies():
+        body.material.stiffnessDamping = damping
+    run(3 * RATIO + 4)
+    O.save(str(tmp_path / f"scene.{suffix}"))
+    run(5 * RATIO)
+    after = present_state()
+    O.load(str(tmp_path / f"scene.{suffix}"))
+    run(5 * RATIO)
+    assert sg.integrator().rates() == {1: 2, max(sg.integrator().rates()): 1}
+    found = present_state()
+    for name in after:
+        np.testing.assert_array_equal(found[name], after[name], err_msg=name)
+
+
+def test_material_may_change_between_two_computations():
+    """Forces of the material before are not used any more."""
+    pressed()
+    run(3 * RATIO + 4)
+    body = sg.soft_bodies()[0]
+    body.material.young = 2e6
+    before = sg.integrator().pointsUpdated
+    run(1)
+    assert sg.integrator().pointsUpdated - before == sum(map(points_of, sg.soft_bodies()))
+
+
+def test_grain_that_waits_rigidly():
+    """A slow grain goes over to rigid motion and back."""
+    disk = add_disk()
+    add_disk((1.2 * RADIUS, 0, 0), RADIUS / RATIO)
+    disk.state.vel = (1, 0, 0)
+    ready()
+    O.trackEnergy = True
+    run(50)
+    assert sg.integrator().activeGrains == 0
+    run(400)
+    assert sg.integrator().energy()["impact"] != 0  # they have met
+    momentum = sum(b.state.mass * b.state.vel[0] for b in sg.soft_bodies())
+    assert momentum == pytest.approx(disk.state.mass, rel=1e-12)
