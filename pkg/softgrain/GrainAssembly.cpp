@@ -152,11 +152,11 @@ std::optional<RigidSurface<2>> surfaceIn(const RigidBodyDescription& body, doubl
 	if (body.form == Form::block) {
 		const Mat3 axes = body.orientation.toRotationMatrix();
 		if (std::abs(axes(2, 2)) < 1 - 1e-12)
-			refuse(body, "is a Box near 2D soft grains that is turned about x or y; turn "
-				     "it about z only");
+			refuse(body,
+			       "is a Box near 2D soft grains that is turned about x or y; turn "
+			       "it about z only");
 		if (std::abs(body.position[2] - z) > body.size[2]) return std::nullopt;
-		return BlockSurface<2> { centre, axes.topLeftCorner<2, 2>(),
-					 body.size.head<2>() };
+		return BlockSurface<2> { centre, axes.topLeftCorner<2, 2>(), body.size.head<2>() };
 	}
 	std::vector<Vec<2>> cut;
 	for (int i = 0; i < 3; ++i) {
@@ -433,8 +433,9 @@ private:
 	std::optional<RigidSurface<dim>> surfaceOf(const RigidBodyDescription& body) const
 	{
 		if (system_.setOf(0).reference().recipe.contact == ContactGeometry::nodes)
-			refuse(body, "is near soft grains with contact = 'nodes', which touch Walls "
-				     "and each other only; use contact = 'surface'");
+			refuse(body,
+			       "is near soft grains with contact = 'nodes', which touch Walls "
+			       "and each other only; use contact = 'surface'");
 		return surfaceIn(body, z_, std::integral_constant<int, dim>());
 	}
 

@@ -57,11 +57,11 @@ struct RigidBodyDescription {
 
 /// A rigid body in the contacts of a step: what it weighs and how it moves.
 struct RigidMotionDescription {
-	Vec3 centre;                           ///< of mass, m
-	Vec3 velocity, angularVelocity;        ///< half a step ago
+	Vec3 centre;                            ///< of mass, m
+	Vec3 velocity, angularVelocity;         ///< half a step ago
 	Vec3 freeVelocity, freeAngularVelocity; ///< in half a step, without contact
-	Vec3 inverseMass;                      ///< along each axis of space, 1/kg; 0: held
-	Mat3 inverseInertia;                   ///< in the axes of space, 1/(kg m^2); 0: held
+	Vec3 inverseMass;                       ///< along each axis of space, 1/kg; 0: held
+	Mat3 inverseInertia;                    ///< in the axes of space, 1/(kg m^2); 0: held
 };
 
 /// One grain as a rigid body would show.
@@ -89,7 +89,7 @@ struct SumOfImpulses {
 	Vec3 point = Vec3::Zero();                        ///< mean of the contact points, m
 	/// On a rigid body (no wall), about its RigidBodyDescription::position, N m s.
 	Vec3 moment = Vec3::Zero();
-	int contacts = 0, active = 0;                     ///< those with an impulse
+	int contacts = 0, active = 0; ///< those with an impulse
 };
 
 /// Contacts of one pair; its first grain has the lower index.

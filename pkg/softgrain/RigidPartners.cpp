@@ -1,5 +1,5 @@
-// Rigid bodies in the contacts of a step: what NewtonIntegrator will do with them, and the reactions
-// that it is to do it with.
+// Rigid bodies in the contacts of a step: what NewtonIntegrator will do with them, and the
+// reactions that it is to do it with.
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 #include "SoftGrainIntegrator.hpp"
@@ -46,7 +46,8 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 		   turns = (state.blockedDOFs & State::DOF_RXRYRZ) != State::DOF_RXRYRZ;
 	if (translates && !(state.mass > 0))
 		throw std::runtime_error(
-			nameOf(body) + " touches soft grains and is free to move, but state.mass = " +
+			nameOf(body) +
+			" touches soft grains and is free to move, but state.mass = " +
 			std::to_string(state.mass) + "; admissible: (0, inf) kg");
 	if (turns && !(state.inertia.minCoeff() > 0))
 		throw std::runtime_error(nameOf(body) +
@@ -146,15 +147,16 @@ void SoftGrainIntegrator::checkRigidBodies(const std::vector<Interaction*>& inte
 	}
 }
 
-/// A free body is to get the impulse itself, which NewtonIntegrator makes of a force in the step dt;
-/// on others it is the mean force of the step.
+/// A free body is to get the impulse itself, which NewtonIntegrator makes of a force in the step
+/// dt; on others it is the mean force of the step.
 void SoftGrainIntegrator::publishReactions(const Interaction& I, Real kick)
 {
 	const softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I.geom).pair;
 	const softgrain::SumOfImpulses sum = pair.impulse();
 	if (sum.active == 0) return;
 	const Body& body = rigidBodyOf(I);
-	const Real time = isFree(moverOf(body, *scene), newtonIntegrator(*scene)) ? scene->dt : kick;
+	const Real time =
+		isFree(moverOf(body, *scene), newtonIntegrator(*scene)) ? scene->dt : kick;
 	scene->forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);
 	scene->forces.addTorque(body.getId(), sum.moment / time);
 }

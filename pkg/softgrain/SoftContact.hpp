@@ -99,8 +99,10 @@ public:
 	DEFINE_FUNCTOR_ORDER_2D(Sphere, SoftGrain);
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(
 		Ig2_Sphere_SoftGrain_SoftGeom, IGeomFunctor,
-		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Sphere` that is free, held, "
-		"moved, or member of a clump. In 2D the sphere is a disk in the plane of the grains, "
+		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Sphere` that is free, "
+		"held, "
+		"moved, or member of a clump. In 2D the sphere is a disk in the plane of the "
+		"grains, "
 		"with the mass and inertia of its :yref:`State`; see sg.as_disks().",
 		, timingDeltas.reset(new TimingDeltas););
 };
@@ -115,12 +117,13 @@ public:
 		       const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(Facet, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(Facet, SoftGrain);
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(
-		Ig2_Facet_SoftGrain_SoftGeom, IGeomFunctor,
-		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Facet`, which is touched "
-		"from both sides and has no thickness. In 2D the facet is the segment in which it cuts "
-		"the plane of the grains.",
-		, timingDeltas.reset(new TimingDeltas););
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(Ig2_Facet_SoftGrain_SoftGeom, IGeomFunctor,
+				       "Finds the contact points of a :yref:`SoftGrain` on a "
+				       ":yref:`Facet`, which is touched "
+				       "from both sides and has no thickness. In 2D the facet is "
+				       "the segment in which it cuts "
+				       "the plane of the grains.",
+				       , timingDeltas.reset(new TimingDeltas););
 };
 REGISTER_SERIALIZABLE(Ig2_Facet_SoftGrain_SoftGeom);
 
@@ -133,12 +136,13 @@ public:
 		       const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(Box, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(Box, SoftGrain);
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(
-		Ig2_Box_SoftGrain_SoftGeom, IGeomFunctor,
-		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Box`. In 2D the box is a "
-		"rectangle, turned about z only. In 3D an edge of the box is felt at contact nodes and "
-		"by the corners of the box.",
-		, timingDeltas.reset(new TimingDeltas););
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(Ig2_Box_SoftGrain_SoftGeom, IGeomFunctor,
+				       "Finds the contact points of a :yref:`SoftGrain` on a "
+				       ":yref:`Box`. In 2D the box is a "
+				       "rectangle, turned about z only. In 3D an edge of the box "
+				       "is felt at contact nodes and "
+				       "by the corners of the box.",
+				       , timingDeltas.reset(new TimingDeltas););
 };
 REGISTER_SERIALIZABLE(Ig2_Box_SoftGrain_SoftGeom);
 

@@ -11,9 +11,7 @@ import softgrain as sg
 
 
 def rigid_material(friction=0.3, density=2000.0, young=1e5):
-    return FrictMat(
-        young=young, poisson=0.3, density=density, frictionAngle=math.atan(friction)
-    )
+    return FrictMat(young=young, poisson=0.3, density=density, frictionAngle=math.atan(friction))
 
 
 def add_rigid_disk(center, radius, velocity=(0, 0, 0), spin=0, fixed=False, **material):
@@ -29,9 +27,7 @@ def add_rigid_disk(center, radius, velocity=(0, 0, 0), spin=0, fixed=False, **ma
 
 
 def momentum():
-    return sum(
-        b.state.mass * np.array(b.state.vel) for b in O.bodies if not b.isClumpMember
-    )
+    return sum(b.state.mass * np.array(b.state.vel) for b in O.bodies if not b.isClumpMember)
 
 
 def rest_material():
@@ -80,7 +76,7 @@ def test_momentum_and_reactions():
 def test_conditions_at_the_end_of_the_step():
     """What the solver promises holds for what NewtonIntegrator makes of it: no contact closes, and
     sticking ones do not slide, at the velocities after the step; another force acts too."""
-    disk = add_disk(material=soft_material(frictionAngle=0.5))
+    add_disk(material=soft_material(frictionAngle=0.5))
     ball = add_rigid_disk((0, 1.5 * RADIUS, 0), 0.5 * RADIUS, (0, -0.3, 0))
     O.forces.setPermF(ball.id, (0.05, -2, 0))
     add_wall(-RADIUS, 1, friction=0.5)
@@ -236,9 +232,7 @@ def test_contact_does_not_limit_the_time_step_of_a_sphere():
 
 def add_clump(centers, radius, friction=0.5):
     """A rigid clump of disks; returns its body."""
-    spheres = [
-        utils.sphere(c, radius, material=rigid_material(friction=friction)) for c in centers
-    ]
+    spheres = [utils.sphere(c, radius, material=rigid_material(friction=friction)) for c in centers]
     clump, _ = O.bodies.appendClumped(spheres)
     body = O.bodies[clump]
     body.state.blockedDOFs = "zXY"

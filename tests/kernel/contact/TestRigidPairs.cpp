@@ -10,7 +10,8 @@ using namespace softgrain::testing;
 
 namespace {
 
-/// Single nodes of mass 1 and rigid bodies that touch each other at random places, in a step of 1 s.
+/// Single nodes of mass 1 and rigid bodies that touch each other at random places, in a step of 1
+/// s.
 template <int dim> struct Mixture {
 	SparseRows<double> table;
 	OutlineMesh<dim> mesh;
@@ -65,8 +66,7 @@ template <int dim> struct Mixture {
 		Contact<dim> contact;
 		contact.key = { 0, 0, -1 };
 		const Vec<dim> arm = body[g].position[0] - partner[p].centre;
-		contact.normal =
-			(arm.normalized() + offset * random.direction<dim>()).normalized();
+		contact.normal = (arm.normalized() + offset * random.direction<dim>()).normalized();
 		contact.gap = random.uniform(0, 0.1);
 		list.contacts = { contact };
 		lists.push_back(list);
@@ -113,7 +113,7 @@ TEMPLATE_TEST_CASE_SIG("contact with rigid bodies holds all conditions, one by o
 			}
 			for (const ContactList<dim>& list : mixture.lists) {
 				const Vec<dim>&n = list.contacts[0].normal,
-					   &r = list.contacts[0].impulse;
+				      &r = list.contacts[0].impulse;
 				const Vec<dim> u = anew.velocityAt(list);
 				CHECK((u - mixture.velocityAt(list)).norm() < 1e-11);
 				const double un = u.dot(n) + list.contacts[0].gap, rn = r.dot(n);

@@ -26,7 +26,8 @@ template <int dim> double sampledDistance(const BlockSurface<dim>& block, const 
 				Vec<dim> y;
 				int rest = k;
 				for (int b = 0; b < dim; ++b) {
-					y[b] = b == a ? side : 2. * (rest % (samples + 1)) / samples - 1;
+					y[b] = b == a ? side
+						      : 2. * (rest % (samples + 1)) / samples - 1;
 					if (b != a) rest /= samples + 1;
 				}
 				const Vec<dim> place =

@@ -141,7 +141,8 @@ TEST_CASE("energy of a grain and a free ball closes", "[rigid]")
 		mixed.advance(dt);
 	const EnergyBalance e = mixed.scene.system.energy();
 	CHECK(e.friction > 0);
-	const double end = e.kinetic + e.elastic + e.friction + e.impact + kinetic(mixed.partner[0]);
+	const double end =
+		e.kinetic + e.elastic + e.friction + e.impact + kinetic(mixed.partner[0]);
 	CHECK(std::abs(end - start) < 0.01 * start);
 	CHECK(std::abs(e.planes - (start - kinetic(mixed.partner[0]))) < 1e-10 * start);
 }

@@ -47,7 +47,8 @@ template <int dim> struct Plane {
 	Vec<dim> velocity = Vec<dim>::Zero(); ///< m/s
 };
 
-/// A rigid body in place of the second grain. Contacts of side 1 are those of its own ends (tipsOf).
+/// A rigid body in place of the second grain. Contacts of side 1 are those of its own ends
+/// (tipsOf).
 template <int dim> struct RigidSide {
 	RigidSurface<dim> surface;
 	Vec<dim> pivot = Vec<dim>::Zero(); ///< moments of the impulses are about it, m
@@ -72,15 +73,16 @@ struct ContactCandidates {
 /// What the contacts of a pair do together, on its first body.
 template <int dim> struct PairImpulse {
 	Vec<dim> normal = Vec<dim>::Zero(), shear = Vec<dim>::Zero(); ///< N s
-	Vec<dim> point = Vec<dim>::Zero(); ///< mean of the contact points, m
-	int active = 0;                    ///< contacts with an impulse
+	Vec<dim> point = Vec<dim>::Zero();    ///< mean of the contact points, m
+	int active = 0;                       ///< contacts with an impulse
 	Spin<dim> moment = Spin<dim>::Zero(); ///< on a rigid partner, N m s
 };
 
 /// All contacts of two bodies, sorted by key.
 template <int dim> struct ContactList {
-	int first = -1;  ///< index of the first body
-	int second = -1; ///< index of the second body; negative: `rigid` or `plane`, the number its name
+	int first = -1; ///< index of the first body
+	int second =
+		-1; ///< index of the second body; negative: `rigid` or `plane`, the number its name
 	Plane<dim> plane;
 	std::optional<RigidSide<dim>> rigid;
 	double friction = 0; ///< coefficient mu

@@ -40,9 +40,9 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 
 	std::vector<ContactList<dim>*> ordered;
 	colourEnd_.clear();
-	for (const auto& colour : pairColours<dim>(inContact, static_cast<int>(bodies.size()),
-						 partners ? static_cast<int>(partners->size())
-							  : 0)) {
+	for (const auto& colour :
+	     pairColours<dim>(inContact, static_cast<int>(bodies.size()),
+			      partners ? static_cast<int>(partners->size()) : 0)) {
 		ordered.insert(ordered.end(), colour.begin(), colour.end());
 		colourEnd_.push_back(static_cast<int>(ordered.size()));
 	}
@@ -118,9 +118,8 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 		report.residual = residual();
 		report.converged = report.residual <= settings_.tolerance;
 	}
-	forEachPair(SweepOrder::forwards, [&](int k) {
-		withPair(k, [](auto& pair) { pair.finish(); });
-	});
+	forEachPair(SweepOrder::forwards,
+		    [&](int k) { withPair(k, [](auto& pair) { pair.finish(); }); });
 	for (int k = 0; k < count_; ++k)
 		report.active += withPair(k, [](const auto& pair) { return pair.active(); });
 	return report;

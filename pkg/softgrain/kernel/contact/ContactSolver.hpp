@@ -34,8 +34,8 @@ template <int dim> class ContactSolver {
 public:
 	/// Takes all contacts of `lists`, whose bodies are in `bodies`, and applies the impulses
 	/// left by the last step, made admissible for the present normals. The order of the lists
-	/// decides on their colours, and so on the order of the sweeps. Lists with a rigid body name
-	/// their entry of `partners`, whose velocities the impulses change too.
+	/// decides on their colours, and so on the order of the sweeps. Lists with a rigid body
+	/// name their entry of `partners`, whose velocities the impulses change too.
 	void prepare(std::vector<ContactBody<dim>>& bodies,
 		     const std::vector<ContactList<dim>*>& lists, double dt,
 		     const SolverSettings& settings, int threads = 1,
@@ -80,10 +80,10 @@ private:
 		bool rigid;
 		int index;
 	};
-	std::vector<Slot> slot_;             ///< colour by colour
-	std::vector<PairSolver<dim>> pairs_; ///< in this order; further ones are spare
+	std::vector<Slot> slot_;                       ///< colour by colour
+	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare
 	std::vector<RigidPairSolver<dim>> rigidPairs_; ///< the same with rigid bodies
-	std::vector<int> colourEnd_;         ///< number of pairs up to the end of each colour
+	std::vector<int> colourEnd_; ///< number of pairs up to the end of each colour
 	int count_ = 0;
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	SolverSettings settings_;

@@ -419,8 +419,8 @@ std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
-	template std::optional<Contact<dim>> ballOnOutline<dim>(                                   \
-		const Vec<dim>&, double, const ContactBody<dim>&, double);                         \
+	template std::optional<Contact<dim>> ballOnOutline<dim>(const Vec<dim>&, double,           \
+								const ContactBody<dim>&, double);  \
 	template double contactDepth<dim>(const ContactBody<dim>&, const ContactBody<dim>&);       \
 	template void findOutlineContacts<dim>(const ContactBody<dim>&, const ContactBody<dim>&,   \
 					       double, ContactList<dim>&);

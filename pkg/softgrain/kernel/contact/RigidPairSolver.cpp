@@ -114,8 +114,7 @@ template <int dim> double RigidPairSolver<dim>::energy(const Constraint& c, cons
 	return c.Wt * r.squaredNorm() + (c.Wn - c.Wt) * normal * normal;
 }
 
-template <int dim>
-void RigidPairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
+template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
 	const Vec<dim> scaled = grain_->delassusScale * J;
 	for (int k = c.firstMoved; k < c.endMoved; ++k)

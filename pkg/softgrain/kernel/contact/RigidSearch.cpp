@@ -34,15 +34,15 @@ void nodesOnSurface(const ContactBody<dim>& body, double reach, ContactList<dim>
 {
 	const RigidSurface<dim>& surface = list.rigid->surface;
 	const BallSurface<dim> about = ballAbout<dim>(surface);
-	const double within = about.radius + body.nodeRadius +
-			      std::max(reach, contactDepth(body, body));
+	const double within =
+		about.radius + body.nodeRadius + std::max(reach, contactDepth(body, body));
 	const auto nodes = body.nodesIn(Box<dim> { about.centre, about.centre }.grown(within));
 	list.tested += static_cast<int>(nodes.size());
 	for (int s : nodes) {
 		if ((body.position[s] - about.centre).squaredNorm() > within * within) continue;
-		const auto place = placeOn<dim>(
-			surface, body.position[s],
-			[&](const Vec<dim>& n) { return nodeFaces<dim>(body, s, n); });
+		const auto place = placeOn<dim>(surface, body.position[s], [&](const Vec<dim>& n) {
+			return nodeFaces<dim>(body, s, n);
+		});
 		if (!place) continue;
 		Contact<dim> contact;
 		contact.normal = place->normal;

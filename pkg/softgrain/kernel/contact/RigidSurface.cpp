@@ -62,8 +62,7 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 	if (((x - foot) - height * normal).norm() > plateMargin * size)
 		return placeBeyondEdge<dim>(foot, x, faces);
 	for (const double side : { 1., -1. })
-		if (faces(side * normal))
-			return SurfacePlace<dim> { side * normal, side * height };
+		if (faces(side * normal)) return SurfacePlace<dim> { side * normal, side * height };
 	return std::nullopt;
 }
 

@@ -107,8 +107,7 @@ template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, dou
 	return reachOf(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing);
 }
 
-template <int dim>
-double System<dim>::reach(int g, const RigidSide<dim>& rigid, double dt) const
+template <int dim> double System<dim>::reach(int g, const RigidSide<dim>& rigid, double dt) const
 {
 	return reachOf(bodies_[g].fastest + rigid.speed, dt, bodies_[g].pointSpacing);
 }

@@ -34,9 +34,9 @@ struct EnergyBalance {
 	double elastic = 0;
 	double friction = 0; ///< dissipated by friction since the start
 	double impact = 0;   ///< dissipated by normal impulses since the start
-	double planes = 0;   ///< work of moving planes and rigid bodies on the grains since the start
-	double loads = 0;    ///< work of body loads since the start
-	double damping = 0;  ///< dissipated by damping since the start
+	double planes = 0; ///< work of moving planes and rigid bodies on the grains since the start
+	double loads = 0;  ///< work of body loads since the start
+	double damping = 0; ///< dissipated by damping since the start
 };
 
 /// Work done since the end of the last step, in counts: a change can be judged by them on a busy
@@ -143,9 +143,9 @@ public:
 	double reach(int first, int second, double dt) const;
 	double reach(int g, const Plane<dim>& plane, double dt) const;
 	double reach(int g, const RigidSide<dim>& rigid, double dt) const;
-	/// Renews the contacts of a pair (of a grain and a plane or a rigid body) within reach for a step of dt;
-	/// may be called by several threads at a time. Balls about grains that move rigidly come
-	/// first: false if they are so far apart that no surface was looked at.
+	/// Renews the contacts of a pair (of a grain and a plane or a rigid body) within reach for
+	/// a step of dt; may be called by several threads at a time. Balls about grains that move
+	/// rigidly come first: false if they are so far apart that no surface was looked at.
 	bool search(ContactList<dim>& list, double dt) const;
 	/// Whether the box of a grain grown by a margin lies within a box.
 	bool isInside(int g, const Box<dim>& box, double margin) const;
@@ -202,7 +202,7 @@ private:
 	std::vector<int> active_, rigid_, all_;
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
-	std::vector<int> damped_; ///< grains with damping
+	std::vector<int> damped_;                 ///< grains with damping
 	/// Smallest undeformed critical step of the others, s.
 	double undampedTimeStep_ = std::numeric_limits<double>::infinity();
 	ContactSolver<dim> solver_;
