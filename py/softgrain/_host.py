@@ -63,6 +63,7 @@ _OWN_CLASSES = (
     "SoftGrainIntegrator",
     "SoftMat",
     "SoftPhys",
+    "SoftenWhenLoaded",
 )
 
 

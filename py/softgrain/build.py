@@ -142,7 +142,15 @@ def _soft_material(material):
 
 
 def soften(
-    ids=None, material=-1, zeta=0.11, dim=None, overlap="relax", time_step_fraction=0.8, **shape
+    ids=None,
+    material=-1,
+    zeta=0.11,
+    dim=None,
+    overlap="relax",
+    time_step_fraction=0.8,
+    when="now",
+    load=1e-3,
+    **shape,
 ):
     """Turn spheres of the scene into soft grains in place, keeping position, velocity, spin and
     radius.
@@ -161,6 +169,12 @@ def soften(
       grain and wall, overlap.
     * ``overlap='refuse'``: any overlap is an error.
 
+    With ``when='loaded'`` spheres stay rigid until they first bear load, each for itself: a
+    ``SoftenWhenLoaded`` before the ``SoftGrainIntegrator`` of ``O.engines`` turns them. Until then
+    they touch each other by YADE's law, soft grains by contact dynamics; ``O.dt`` is the script's
+    before the first one is turned, the integrator's from then on. In 2D they get the mass of disks
+    at once (:func:`as_disks`). Overlaps are those of the rigid law at the load: they are relaxed.
+
     Args:
         ids (iterable of int | None): bodies to convert; None: all spheres that are not in clumps.
         material (SoftMat | int | str): material of the soft grains, as in :func:`soft_disk`.
@@ -168,10 +182,13 @@ def soften(
         dim (int | None): 2 or 3; None: by the scene.
         overlap (str): 'relax', 'shrink' or 'refuse'.
         time_step_fraction (float): O.dt over the critical step, in (0, 1] [-].
+        when (str): 'now' or 'loaded'.
+        load (float): with 'loaded', force of a contact over E D (3D: E D^2) above which a sphere is
+            turned, E of the material, D its diameter, >= 0 [-].
         **shape: further attributes of ``SoftGrain``.
 
     Returns:
-        list of int: ids of the converted bodies.
+        list of int: ids of the bodies that were, or are to be, converted.
 
     Raises:
         ValueError: a body is no sphere, the scene's dimension is not clear, an overlap is refused,
@@ -181,6 +198,14 @@ def soften(
     bodies = _spheres(ids)
     dim = _dimension(bodies) if dim is None else dim
     material = _soft_material(material)
+    if when == "loaded":
+        if overlap != "relax":
+            raise ValueError(f"overlap = {overlap!r} with when='loaded'; admissible: 'relax'")
+        grain = wrapper.SoftGrain(radius=1, dim=dim, zeta=zeta, **shape)
+        _soften_when_loaded(bodies, grain, material, load, time_step_fraction)
+        return [b.id for b in bodies]
+    if when != "now":
+        raise ValueError(f"when = {when!r} is unknown; known: 'now', 'loaded'")
     factor = _overlap_factor(bodies, overlap)
     shapes = [
         wrapper.SoftGrain(
@@ -196,6 +221,22 @@ def soften(
             engine.doSort = True  # look anew at all pairs: those dropped are known to it as seen
     set_time_step(time_step_fraction)
     return [b.id for b in bodies]
+
+
+def _soften_when_loaded(bodies, grain, material, load, fraction):
+    ids = [b.id for b in bodies]
+    softener = wrapper.SoftenWhenLoaded(ids=ids, shape=grain, material=material, load=load)
+    engines = list(O.engines)
+    places = [k for k, e in enumerate(engines) if isinstance(e, wrapper.SoftGrainIntegrator)]
+    if not places:
+        raise ValueError(
+            "when = 'loaded' needs a SoftGrainIntegrator in O.engines; assign O.engines = "
+            "sg.engines(verlet_distance=...) first"
+        )
+    if grain.dim == 2:
+        as_disks(ids)
+    engines[places[0]].timeStepFraction = fraction
+    O.engines = engines[: places[0]] + [softener] + engines[places[0] :]
 
 
 def _spheres(ids):

@@ -13,8 +13,8 @@ namespace softgrain {
 
 /// A disk (ball).
 template <int dim> struct BallSurface {
-	Vec<dim> centre;
-	double radius; ///< m
+	Vec<dim> centre = Vec<dim>::Zero();
+	double radius = 0; ///< m
 };
 
 /// A segment (triangle) without thickness, that is touched from both sides.
@@ -24,9 +24,9 @@ template <int dim> struct PlateSurface {
 
 /// A rectangle (cuboid).
 template <int dim> struct BlockSurface {
-	Vec<dim> centre;
-	Mat<dim> axes;      ///< of its sides, as columns of a rotation
-	Vec<dim> halfSides; ///< m
+	Vec<dim> centre = Vec<dim>::Zero();
+	Mat<dim> axes = Mat<dim>::Identity();  ///< of its sides, as columns of a rotation
+	Vec<dim> halfSides = Vec<dim>::Ones(); ///< m
 };
 
 template <int dim>
