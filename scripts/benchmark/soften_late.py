@@ -1,7 +1,7 @@
 """Spheres turned soft when they first bear load, against all at once: the paper's compaction.
 
 Run it with YADE: ``scripts/yade -n -x scripts/benchmark/soften_late.py``. A packing is compacted
-once with soft disks from the start, then with disks that are rigid until they bear a load (--loads).
+once with soft disks from the start, then with disks that are rigid until they bear load (--loads).
 The table has the work, the user CPU time and the mean stress on the bottom wall in windows of phi0
 (areas of the undeformed disks over that of the box).
 """
