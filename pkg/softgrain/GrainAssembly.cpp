@@ -63,6 +63,9 @@ public:
 	double deepest() const override { return list.deepest; }
 	void setFriction(double coefficient) override { list.friction = coefficient; }
 
+	bool hasRigidBody() const override { return list.rigid.has_value(); }
+	void setPartner(int partner) override { list.rigid->partner = partner; }
+
 	int firstGrain() const override { return list.first; }
 	SumOfImpulses impulse() const override
 	{
@@ -73,6 +76,7 @@ public:
 		sum.normal = toSpace<dim>(list.impulse.normal);
 		sum.shear = toSpace<dim>(list.impulse.shear);
 		sum.point = toSpace<dim>(list.impulse.point, z_);
+		sum.moment = angularToSpace<dim>(list.impulse.moment);
 		return sum;
 	}
 
@@ -80,11 +84,9 @@ public:
 	{
 		std::vector<ContactRecord> result;
 		for (const Contact<dim>& c : list.contacts) {
-			const int grain = c.key.side == 0 ? list.first : list.second;
-			result.push_back(
-				{ c.key,
-				  toSpace<dim>(system_->body(grain).contactPoint(c.key.node), z_),
-				  toSpace<dim>(c.normal), toSpace<dim>(c.impulse), c.gap });
+			result.push_back({ c.key, toSpace<dim>(pointOf(c), z_),
+					   toSpace<dim>(c.normal), toSpace<dim>(c.impulse),
+					   c.gap });
 		}
 		return result;
 	}
@@ -112,9 +114,85 @@ public:
 	ContactList<dim> list;
 
 private:
+	/// A rigid body has no nodes: there it is the place that bears it.
+	Vec<dim> pointOf(const Contact<dim>& c) const
+	{
+		const bool onFirst = c.key.side == 0;
+		if (onFirst || !list.rigid)
+			return system_->body(onFirst ? list.first : list.second)
+				.contactPoint(c.key.node);
+		Vec<dim> place = Vec<dim>::Zero();
+		for (int i = 0; i < c.partners; ++i)
+			place += c.weight[i] * system_->body(list.first).position[c.partner[i]];
+		return place;
+	}
+
 	const System<dim>* system_;
 	double z_;
 };
+
+[[noreturn]] void refuse(const RigidBodyDescription& body, const std::string& why)
+{
+	throw std::invalid_argument("rigid body #" + std::to_string(body.id) + " " + why);
+}
+
+/// The surface of a rigid body as grains in the plane z see it. None where the plane misses it.
+std::optional<RigidSurface<2>> surfaceIn(const RigidBodyDescription& body, double z,
+					 std::integral_constant<int, 2>)
+{
+	using Form = RigidBodyDescription::Form;
+	const Vec<2> centre = body.position.head<2>();
+	if (body.form == Form::ball) {
+		if (std::abs(body.position[2] - z) > 1e-6 * body.size[0])
+			refuse(body, "is a Sphere near 2D soft grains with its centre out of their "
+				     "plane z = " +
+					     std::to_string(z) + "; put it into that plane");
+		return BallSurface<2> { centre, body.size[0] };
+	}
+	if (body.form == Form::block) {
+		const Mat3 axes = body.orientation.toRotationMatrix();
+		if (std::abs(axes(2, 2)) < 1 - 1e-12)
+			refuse(body,
+			       "is a Box near 2D soft grains that is turned about x or y; turn "
+			       "it about z only");
+		if (std::abs(body.position[2] - z) > body.size[2]) return std::nullopt;
+		return BlockSurface<2> { centre, axes.topLeftCorner<2, 2>(), body.size.head<2>() };
+	}
+	std::vector<Vec<2>> cut;
+	for (int i = 0; i < 3; ++i) {
+		const Vec3 a = body.corner[i], b = body.corner[(i + 1) % 3];
+		const double ha = a[2] - z, hb = b[2] - z;
+		if ((ha < 0) == (hb < 0)) continue;
+		cut.push_back((a + ha / (ha - hb) * (b - a)).head<2>());
+	}
+	const double size = (body.corner[1] - body.corner[0]).norm();
+	if (cut.size() < 2 || (cut[1] - cut[0]).norm() < 1e-9 * size) return std::nullopt;
+	return PlateSurface<2> { { cut[0], cut[1] } };
+}
+
+std::optional<RigidSurface<3>> surfaceIn(const RigidBodyDescription& body, double,
+					 std::integral_constant<int, 3>)
+{
+	using Form = RigidBodyDescription::Form;
+	if (body.form == Form::ball) return BallSurface<3> { body.position, body.size[0] };
+	if (body.form == Form::block)
+		return BlockSurface<3> { body.position, body.orientation.toRotationMatrix(),
+					 body.size };
+	return PlateSurface<3> { body.corner };
+}
+
+template <int dim> RigidPartner<dim> partnerOf(const RigidMotionDescription& d)
+{
+	RigidPartner<dim> p;
+	p.centre = toKernel<dim>(d.centre);
+	p.velocity = toKernel<dim>(d.freeVelocity);
+	p.spin = angularToKernel<dim>(d.freeAngularVelocity);
+	p.velocityBefore = toKernel<dim>(d.velocity);
+	p.spinBefore = angularToKernel<dim>(d.angularVelocity);
+	p.inverseMass = toKernel<dim>(d.inverseMass);
+	p.inverseInertia = d.inverseInertia.bottomRightCorner<p.spins, p.spins>();
+	return p;
+}
 
 /// Gaps are differences of positions in space: 1e8 radii from the origin they are good to 1e-7 dr.
 void requireDigits(const GrainDescription& d)
@@ -190,9 +268,44 @@ public:
 		if (system_.search(list, dt)) countSearch(list);
 	}
 
-	StepReport step(const StepSettings& settings,
-			const std::vector<PairContacts*>& pairs) override
+	/// Called where nothing may be thrown.
+	void search(PairContacts& pair, int g, const RigidBodyDescription& body,
+		    double dt) const override
 	{
+		ContactList<dim>& list = listOf(pair);
+		list.first = g;
+		list.second = -1 - body.id;
+		list.rigid.emplace();
+		std::optional<RigidSurface<dim>> surface;
+		try {
+			surface = surfaceOf(body);
+		} catch (const std::invalid_argument&) {
+			list.contacts.clear();
+			list.deepest = std::numeric_limits<double>::infinity();
+			return;
+		}
+		if (!surface) {
+			list.contacts.clear();
+			list.deepest = 0;
+			return;
+		}
+		const BallSurface<dim> about = ballAbout<dim>(*surface);
+		list.rigid->surface = *surface;
+		list.rigid->pivot = toKernel<dim>(body.position);
+		list.rigid->speed =
+			body.velocity.norm() +
+			body.angularVelocity.norm() *
+				((about.centre - list.rigid->pivot).norm() + about.radius);
+		if (system_.search(list, dt)) countSearch(list);
+	}
+	void checkRigidBody(const RigidBodyDescription& body) const override { surfaceOf(body); }
+
+	StepReport step(const StepSettings& settings, const std::vector<PairContacts*>& pairs,
+			const std::vector<RigidMotionDescription>& partners) override
+	{
+		system_.rigidPartners().clear();
+		for (const RigidMotionDescription& partner : partners)
+			system_.rigidPartners().push_back(partnerOf<dim>(partner));
 		std::vector<ContactList<dim>*> lists;
 		for (PairContacts* pair : pairs)
 			lists.push_back(&listOf(*pair));
@@ -317,6 +430,15 @@ private:
 	static ContactList<dim>& listOf(PairContacts& pair)
 	{
 		return static_cast<PairContactsOf<dim>&>(pair).list;
+	}
+
+	std::optional<RigidSurface<dim>> surfaceOf(const RigidBodyDescription& body) const
+	{
+		if (system_.setOf(0).reference().recipe.contact == ContactGeometry::nodes)
+			refuse(body,
+			       "is near soft grains with contact = 'nodes', which touch Walls "
+			       "and each other only; use contact = 'surface'");
+		return surfaceIn(body, z_, std::integral_constant<int, dim>());
 	}
 
 	/// Searches run in parallel.

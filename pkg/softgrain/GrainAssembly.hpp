@@ -7,6 +7,7 @@
 #include "step/System.hpp"
 
 #include <Eigen/Geometry>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,6 +43,27 @@ struct WallDescription {
 	Vec3 point, normal, velocity;
 };
 
+/// Surface of a rigid body with its motion. In 2D: a disk, the segment in which a triangle cuts the
+/// plane of the grains, a rectangle.
+struct RigidBodyDescription {
+	enum class Form { ball, plate, block };
+	int id; ///< of the YADE body with this surface
+	Form form;
+	Vec3 position, velocity, angularVelocity;
+	Rotation orientation;
+	Vec3 size;                  ///< of a ball: the radius; of a block: half sides, m
+	std::array<Vec3, 3> corner; ///< of a plate, in space
+};
+
+/// A rigid body in the contacts of a step: what it weighs and how it moves.
+struct RigidMotionDescription {
+	Vec3 centre;                            ///< of mass, m
+	Vec3 velocity, angularVelocity;         ///< half a step ago
+	Vec3 freeVelocity, freeAngularVelocity; ///< in half a step, without contact
+	Vec3 inverseMass;                       ///< along each axis of space, 1/kg; 0: held
+	Mat3 inverseInertia;                    ///< in the axes of space, 1/(kg m^2); 0: held
+};
+
 /// One grain as a rigid body would show.
 struct GrainMotion {
 	double mass, inertia; ///< inertia about z in 2D, mean principal one in 3D
@@ -65,7 +87,9 @@ struct ContactRecord {
 struct SumOfImpulses {
 	Vec3 normal = Vec3::Zero(), shear = Vec3::Zero(); ///< N s
 	Vec3 point = Vec3::Zero();                        ///< mean of the contact points, m
-	int contacts = 0, active = 0;                     ///< those with an impulse
+	/// On a rigid body (no wall), about its RigidBodyDescription::position, N m s.
+	Vec3 moment = Vec3::Zero();
+	int contacts = 0, active = 0; ///< those with an impulse
 };
 
 /// Contacts of one pair; its first grain has the lower index.
@@ -76,6 +100,9 @@ public:
 	virtual bool hasContact() const = 0;
 	virtual double deepest() const = 0; ///< largest overlap, in dr
 	virtual void setFriction(double coefficient) = 0;
+	/// With a rigid body (no wall); `partner` is the number of its motion in the coming step.
+	virtual bool hasRigidBody() const = 0;
+	virtual void setPartner(int partner) = 0;
 	virtual int firstGrain() const = 0;
 	virtual SumOfImpulses impulse() const = 0;
 	virtual std::vector<ContactRecord> records() const = 0;
@@ -115,8 +142,15 @@ public:
 	virtual void search(PairContacts& pair, int first, int second, double dt) const = 0;
 	virtual void search(PairContacts& pair, int g, const WallDescription& wall,
 			    double dt) const = 0;
+	/// A body that checkRigidBody refuses counts as an infinite overlap.
+	virtual void search(PairContacts& pair, int g, const RigidBodyDescription& body,
+			    double dt) const = 0;
+	/// Throws std::invalid_argument if grains cannot touch the body, saying why.
+	virtual void checkRigidBody(const RigidBodyDescription& body) const = 0;
+	/// `partners`: motions of the rigid bodies in contact, as the pairs number them.
 	virtual StepReport step(const StepSettings& settings,
-				const std::vector<PairContacts*>& pairs) = 0;
+				const std::vector<PairContacts*>& pairs,
+				const std::vector<RigidMotionDescription>& partners) = 0;
 	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
 
 	virtual void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) = 0;

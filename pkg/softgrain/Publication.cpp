@@ -35,6 +35,14 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 	}
 	for (const Interaction* I : interactions) {
 		const SoftPhys& phys = static_cast<const SoftPhys&>(*I->phys);
+		if (static_cast<SoftGeom&>(*I->geom).pair->hasRigidBody()) {
+			const Vector3r onGrain = phys.normalForce + phys.shearForce;
+			const bool grainIsBody2 = rigidBodyOf(*I).getId() == I->getId1();
+			scene->forces.addForce(grainIsBody2 ? I->getId2() : I->getId1(),
+					       grainIsBody2 ? onGrain : Vector3r(-onGrain));
+			publishReactions(*I, kick);
+			continue;
+		}
 		const Vector3r force = phys.normalForce + phys.shearForce;
 		scene->forces.addForce(I->getId2(), force);
 		scene->forces.addForce(I->getId1(), -force);

@@ -8,7 +8,7 @@
 namespace yade {
 
 YADE_PLUGIN((
-	SoftGeom)(SoftPhys)(Ig2_SoftGrain_SoftGrain_SoftGeom)(Ig2_Wall_SoftGrain_SoftGeom)(Ip2_SoftMat_SoftMat_SoftPhys)(Ip2_FrictMat_SoftMat_SoftPhys)(Law2_SoftGeom_SoftPhys_Nonsmooth));
+	SoftGeom)(SoftPhys)(Ig2_SoftGrain_SoftGrain_SoftGeom)(Ig2_Wall_SoftGrain_SoftGeom)(Ig2_Sphere_SoftGrain_SoftGeom)(Ig2_Facet_SoftGrain_SoftGeom)(Ig2_Box_SoftGrain_SoftGeom)(Ip2_SoftMat_SoftMat_SoftPhys)(Ip2_FrictMat_SoftMat_SoftPhys)(Law2_SoftGeom_SoftPhys_Nonsmooth));
 
 using softgrain::ContactRecord;
 using softgrain::Vec3;
@@ -178,13 +178,94 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	return conclude(geom, force, I);
 }
 
-bool Ig2_Wall_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1,
-					    const shared_ptr<Shape>& shape2, const State& state1,
-					    const State& state2, const Vector3r& shift2,
-					    const bool& force, const shared_ptr<Interaction>& I)
+std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
+							     int id)
 {
-	return go(shape2, shape1, state2, state1, -shift2, force, I);
+	using Form = softgrain::RigidBodyDescription::Form;
+	softgrain::RigidBodyDescription d;
+	d.id = id;
+	d.position = state.pos;
+	d.velocity = state.vel;
+	d.angularVelocity = state.angVel;
+	d.orientation = state.ori;
+	if (const auto* sphere = dynamic_cast<const Sphere*>(&shape)) {
+		d.form = Form::ball;
+		d.size = Vec3::Constant(sphere->radius);
+	} else if (const auto* box = dynamic_cast<const Box*>(&shape)) {
+		d.form = Form::block;
+		d.size = box->extents;
+	} else if (const auto* facet = dynamic_cast<const Facet*>(&shape)) {
+		d.form = Form::plate;
+		for (int k = 0; k < 3; ++k)
+			d.corner[k] = state.pos + state.ori * facet->vertices[k];
+	} else
+		return std::nullopt;
+	return d;
 }
+
+namespace {
+
+/// Search of a soft grain (#2) on a rigid body; `size` stands for a radius of the body.
+bool searchOnRigid(const IGeomFunctor& functor, const Shape& shape, const SoftGrain& grain,
+		   const State& rigid, const State& soft, Real size, Real dt, bool force,
+		   const shared_ptr<Interaction>& I)
+{
+	if (!grain.assembly) return I->isReal();
+	const SearchTimer timer(functor);
+	const auto geom = geometryOf(*I, grain.assembly);
+	grain.assembly->search(*geom->pair, grain.index, *describeRigid(shape, rigid, I->getId1()),
+			       dt);
+	geom->refR1 = size;
+	geom->refR2 = grain.radius;
+	geom->normal = (soft.pos - rigid.pos).normalized();
+	return conclude(geom, force, I);
+}
+
+} // namespace
+
+bool Ig2_Sphere_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
+				       const shared_ptr<Shape>& shape2, const State& state1,
+				       const State& state2, const Vector3r&, const bool& force,
+				       const shared_ptr<Interaction>& I)
+{
+	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
+	return searchOnRigid(*this, *shape1, grain, state1, state2,
+			     static_cast<Sphere&>(*shape1).radius, searchStep(*scene, grain), force,
+			     I);
+}
+
+bool Ig2_Facet_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
+				      const shared_ptr<Shape>& shape2, const State& state1,
+				      const State& state2, const Vector3r&, const bool& force,
+				      const shared_ptr<Interaction>& I)
+{
+	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
+	return searchOnRigid(*this, *shape1, grain, state1, state2, grain.radius,
+			     searchStep(*scene, grain), force, I);
+}
+
+bool Ig2_Box_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
+				    const shared_ptr<Shape>& shape2, const State& state1,
+				    const State& state2, const Vector3r&, const bool& force,
+				    const shared_ptr<Interaction>& I)
+{
+	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
+	return searchOnRigid(*this, *shape1, grain, state1, state2, grain.radius,
+			     searchStep(*scene, grain), force, I);
+}
+
+#define SOFTGRAIN_GO_REVERSE(Functor)                                                              \
+	bool Functor::goReverse(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,  \
+				const State& state1, const State& state2, const Vector3r& shift2,  \
+				const bool& force, const shared_ptr<Interaction>& I)               \
+	{                                                                                          \
+		return go(shape2, shape1, state2, state1, -shift2, force, I);                      \
+	}
+SOFTGRAIN_GO_REVERSE(Ig2_Wall_SoftGrain_SoftGeom)
+SOFTGRAIN_GO_REVERSE(Ig2_Sphere_SoftGrain_SoftGeom)
+SOFTGRAIN_GO_REVERSE(Ig2_Facet_SoftGrain_SoftGeom)
+SOFTGRAIN_GO_REVERSE(Ig2_Box_SoftGrain_SoftGeom)
+#undef SOFTGRAIN_GO_REVERSE
 
 namespace {
 
@@ -214,8 +295,8 @@ void Ip2_FrictMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1,
 				       const shared_ptr<Interaction>& I)
 {
 	if (I->phys) return;
-	const SoftMat& soft = static_cast<SoftMat&>(*m2);
-	makePhys(I, static_cast<FrictMat&>(*m1).frictionAngle, soft.frictionAngle, soft.young);
+	makePhys(I, static_cast<FrictMat&>(*m1).frictionAngle,
+		 static_cast<SoftMat&>(*m2).frictionAngle, 0);
 }
 
 bool Law2_SoftGeom_SoftPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IPhys>& phys,

@@ -7,6 +7,8 @@
 #include "SoftMat.hpp"
 #include "Yade.hpp"
 
+#include <optional>
+
 namespace yade {
 
 class SoftGeom : public GenericSpheresContact {
@@ -34,11 +36,15 @@ public:
 };
 REGISTER_SERIALIZABLE(SoftGeom);
 
+/// What soft grains see of a rigid body with a shape that they can touch; none of another shape.
+std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
+							     int id);
+
 class SoftPhys : public NormShearPhys {
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SoftPhys, NormShearPhys,
-		"Friction of a pair, and the sum of its contact forces. *kn* and *ks* are no parameters of the method, which has none: they hold the harmonic mean of the Young's moduli times 1 m, for :yref:`GlobalStiffnessTimeStepper` only.",
+		"Friction of a pair, and the sum of its contact forces. *kn* and *ks* are no parameters of the method, which has none: between soft grains they hold the harmonic mean of the Young's moduli times 1 m, for :yref:`GlobalStiffnessTimeStepper` only; with a rigid body 0, since contact does not limit its time step.",
 		((Real, tangensOfFrictionAngle, 0, , "Coefficient of Coulomb friction μ, ≥ 0 [-]."))
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
 		((int, activeContacts, 0, Attr::readonly, "Contact points that carry force. |yupdate|")),
@@ -81,6 +87,64 @@ public:
 		, timingDeltas.reset(new TimingDeltas););
 };
 REGISTER_SERIALIZABLE(Ig2_Wall_SoftGrain_SoftGeom);
+
+class Ig2_Sphere_SoftGrain_SoftGeom : public IGeomFunctor {
+public:
+	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
+		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
+	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
+		       const State&, const Vector3r& shift2, const bool& force,
+		       const shared_ptr<Interaction>&) override;
+	FUNCTOR2D(Sphere, SoftGrain);
+	DEFINE_FUNCTOR_ORDER_2D(Sphere, SoftGrain);
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(
+		Ig2_Sphere_SoftGrain_SoftGeom, IGeomFunctor,
+		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Sphere` that is free, "
+		"held, "
+		"moved, or member of a clump. In 2D the sphere is a disk in the plane of the "
+		"grains, "
+		"with the mass and inertia of its :yref:`State`; see sg.as_disks().",
+		, timingDeltas.reset(new TimingDeltas););
+};
+REGISTER_SERIALIZABLE(Ig2_Sphere_SoftGrain_SoftGeom);
+
+class Ig2_Facet_SoftGrain_SoftGeom : public IGeomFunctor {
+public:
+	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
+		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
+	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
+		       const State&, const Vector3r& shift2, const bool& force,
+		       const shared_ptr<Interaction>&) override;
+	FUNCTOR2D(Facet, SoftGrain);
+	DEFINE_FUNCTOR_ORDER_2D(Facet, SoftGrain);
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(Ig2_Facet_SoftGrain_SoftGeom, IGeomFunctor,
+				       "Finds the contact points of a :yref:`SoftGrain` on a "
+				       ":yref:`Facet`, which is touched "
+				       "from both sides and has no thickness. In 2D the facet is "
+				       "the segment in which it cuts "
+				       "the plane of the grains.",
+				       , timingDeltas.reset(new TimingDeltas););
+};
+REGISTER_SERIALIZABLE(Ig2_Facet_SoftGrain_SoftGeom);
+
+class Ig2_Box_SoftGrain_SoftGeom : public IGeomFunctor {
+public:
+	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
+		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
+	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
+		       const State&, const Vector3r& shift2, const bool& force,
+		       const shared_ptr<Interaction>&) override;
+	FUNCTOR2D(Box, SoftGrain);
+	DEFINE_FUNCTOR_ORDER_2D(Box, SoftGrain);
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(Ig2_Box_SoftGrain_SoftGeom, IGeomFunctor,
+				       "Finds the contact points of a :yref:`SoftGrain` on a "
+				       ":yref:`Box`. In 2D the box is a "
+				       "rectangle, turned about z only. In 3D an edge of the box "
+				       "is felt at contact nodes and "
+				       "by the corners of the box.",
+				       , timingDeltas.reset(new TimingDeltas););
+};
+REGISTER_SERIALIZABLE(Ig2_Box_SoftGrain_SoftGeom);
 
 class Ip2_SoftMat_SoftMat_SoftPhys : public IPhysFunctor {
 public:

@@ -75,15 +75,17 @@ void SoftGrainIntegrator::advance()
 	clock_.end("chooseTimeStep");
 	const auto interactions = softInteractions();
 	renewContacts(interactions);
+	checkRigidBodies(interactions);
 	stopOnOverlap(interactions);
 	clock_.end("softInteractions");
 	applyLoads();
+	const auto partners = rigidPartners(interactions);
 	clock_.end("applyLoads");
 
 	std::vector<softgrain::PairContacts*> pairs;
 	for (const Interaction* I : interactions)
 		pairs.push_back(static_cast<SoftGeom&>(*I->geom).pair.get());
-	const auto report = assembly_->step(settings(), pairs);
+	const auto report = assembly_->step(settings(), pairs, partners);
 
 	publishForces(interactions, report.kick);
 	clock_.end("publishForces");
@@ -260,8 +262,9 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 				" comes near body #" + std::to_string(other->getId()) +
 				" of shape " + other->shape->getClassName() +
 				", for which the InteractionLoop has no Ig2 functor. Soft grains "
-				"touch SoftGrain (Ig2_SoftGrain_SoftGrain_SoftGeom) and Wall "
-				"(Ig2_Wall_SoftGrain_SoftGeom) in this version");
+				"touch SoftGrain, Wall, Sphere, Facet and Box: add "
+				"Ig2_SoftGrain_SoftGrain_SoftGeom, Ig2_Wall_SoftGrain_SoftGeom, "
+				"Ig2_Sphere_SoftGrain_SoftGeom ..., or see sg.engines()");
 		}
 	}
 	// the container's order depends on threads and history; sums of forces must not

@@ -15,6 +15,7 @@
 
 #include <core/Aabb.hpp>
 #include <core/Body.hpp>
+#include <core/Clump.hpp>
 #include <core/Dispatching.hpp>
 #include <core/EnergyTracker.hpp>
 #include <core/GlobalEngine.hpp>
@@ -25,8 +26,11 @@
 #include <core/Scene.hpp>
 #include <core/Shape.hpp>
 #include <core/State.hpp>
+#include <pkg/common/Box.hpp>
 #include <pkg/common/ElastMat.hpp>
+#include <pkg/common/Facet.hpp>
 #include <pkg/common/NormShearPhys.hpp>
+#include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/DemXDofGeom.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>

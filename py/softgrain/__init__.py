@@ -20,6 +20,7 @@ _classes = _host.load_plugin()
 globals().update(_classes)
 
 from softgrain.build import (  # noqa: E402
+    as_disks,
     critical_time_step,
     engines,
     set_time_step,
@@ -46,6 +47,7 @@ from softgrain.timing import phase_times, reset_times  # noqa: E402
 
 __all__ = sorted(_classes) + [
     "Balance",
+    "as_disks",
     "contact_halfwidth",
     "contact_profile",
     "coordination_number",

@@ -50,7 +50,10 @@ def load_plugin():
 
 _OWN_CLASSES = (
     "Bo1_SoftGrain_Aabb",
+    "Ig2_Box_SoftGrain_SoftGeom",
+    "Ig2_Facet_SoftGrain_SoftGeom",
     "Ig2_SoftGrain_SoftGrain_SoftGeom",
+    "Ig2_Sphere_SoftGrain_SoftGeom",
     "Ig2_Wall_SoftGrain_SoftGeom",
     "Ip2_FrictMat_SoftMat_SoftPhys",
     "Ip2_SoftMat_SoftMat_SoftPhys",
@@ -60,6 +63,7 @@ _OWN_CLASSES = (
     "SoftGrainIntegrator",
     "SoftMat",
     "SoftPhys",
+    "SoftenWhenLoaded",
 )
 
 

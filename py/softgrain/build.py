@@ -9,8 +9,14 @@ from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
     ForceResetter,
+    Ig2_Box_Sphere_ScGeom,
+    Ig2_Facet_Sphere_ScGeom,
+    Ig2_Sphere_Sphere_ScGeom,
+    Ig2_Wall_Sphere_ScGeom,
     InsertionSortCollider,
     InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys,
+    Law2_ScGeom_FrictPhys_CundallStrack,
     NewtonIntegrator,
     O,
     Sphere,
@@ -136,7 +142,15 @@ def _soft_material(material):
 
 
 def soften(
-    ids=None, material=-1, zeta=0.11, dim=None, overlap="relax", time_step_fraction=0.8, **shape
+    ids=None,
+    material=-1,
+    zeta=0.11,
+    dim=None,
+    overlap="relax",
+    time_step_fraction=0.8,
+    when="now",
+    load=1e-3,
+    **shape,
 ):
     """Turn spheres of the scene into soft grains in place, keeping position, velocity, spin and
     radius.
@@ -155,6 +169,12 @@ def soften(
       grain and wall, overlap.
     * ``overlap='refuse'``: any overlap is an error.
 
+    With ``when='loaded'`` spheres stay rigid until they first bear load, each for itself: a
+    ``SoftenWhenLoaded`` before the ``SoftGrainIntegrator`` of ``O.engines`` turns them. Until then
+    they touch each other by YADE's law, soft grains by contact dynamics; ``O.dt`` is the script's
+    before the first one is turned, the integrator's from then on. In 2D they get the mass of disks
+    at once (:func:`as_disks`). Overlaps are those of the rigid law at the load: they are relaxed.
+
     Args:
         ids (iterable of int | None): bodies to convert; None: all spheres that are not in clumps.
         material (SoftMat | int | str): material of the soft grains, as in :func:`soft_disk`.
@@ -162,10 +182,13 @@ def soften(
         dim (int | None): 2 or 3; None: by the scene.
         overlap (str): 'relax', 'shrink' or 'refuse'.
         time_step_fraction (float): O.dt over the critical step, in (0, 1] [-].
+        when (str): 'now' or 'loaded'.
+        load (float): with 'loaded', force of a contact over E D (3D: E D^2) above which a sphere is
+            turned, E of the material, D its diameter, >= 0 [-].
         **shape: further attributes of ``SoftGrain``.
 
     Returns:
-        list of int: ids of the converted bodies.
+        list of int: ids of the bodies that were, or are to be, converted.
 
     Raises:
         ValueError: a body is no sphere, the scene's dimension is not clear, an overlap is refused,
@@ -175,6 +198,14 @@ def soften(
     bodies = _spheres(ids)
     dim = _dimension(bodies) if dim is None else dim
     material = _soft_material(material)
+    if when == "loaded":
+        if overlap != "relax":
+            raise ValueError(f"overlap = {overlap!r} with when='loaded'; admissible: 'relax'")
+        grain = wrapper.SoftGrain(radius=1, dim=dim, zeta=zeta, **shape)
+        _soften_when_loaded(bodies, grain, material, load, time_step_fraction)
+        return [b.id for b in bodies]
+    if when != "now":
+        raise ValueError(f"when = {when!r} is unknown; known: 'now', 'loaded'")
     factor = _overlap_factor(bodies, overlap)
     shapes = [
         wrapper.SoftGrain(
@@ -190,6 +221,22 @@ def soften(
             engine.doSort = True  # look anew at all pairs: those dropped are known to it as seen
     set_time_step(time_step_fraction)
     return [b.id for b in bodies]
+
+
+def _soften_when_loaded(bodies, grain, material, load, fraction):
+    ids = [b.id for b in bodies]
+    softener = wrapper.SoftenWhenLoaded(ids=ids, shape=grain, material=material, load=load)
+    engines = list(O.engines)
+    places = [k for k, e in enumerate(engines) if isinstance(e, wrapper.SoftGrainIntegrator)]
+    if not places:
+        raise ValueError(
+            "when = 'loaded' needs a SoftGrainIntegrator in O.engines; assign O.engines = "
+            "sg.engines(verlet_distance=...) first"
+        )
+    if grain.dim == 2:
+        as_disks(ids)
+    engines[places[0]].timeStepFraction = fraction
+    O.engines = engines[: places[0]] + [softener] + engines[places[0] :]
 
 
 def _spheres(ids):
@@ -288,8 +335,76 @@ def _convert(body, grain, material):
     state.vel, state.angVel = velocity, spin
 
 
+def as_disks(ids=None):
+    """Give spheres of a 2D scene, and clumps of them, the mass and inertia of disks per metre of
+    thickness, as soft disks have theirs.
+
+    YADE makes a 2D scene of spheres that stay in a plane, with the mass of a ball, 4/3 pi R^3
+    density. Beside soft disks, of pi R^2 density kg/m, such a sphere weighs 4 R/3 (in m) of what a
+    disk of the same material does. Contact takes the mass and inertia that are in ``State``.
+
+    Args:
+        ids (iterable of int | None): spheres and clumps; None: all spheres of the scene that are
+            not in clumps, and all clumps of spheres.
+
+    Returns:
+        list of int: ids of the changed bodies.
+
+    Raises:
+        ValueError: a body is neither, its out-of-plane degrees of freedom ``z``, ``X`` and ``Y``
+            are not blocked, or a clump has members that overlap or differ in radius. Nothing has
+            been changed then.
+    """
+    if ids is None:
+        bodies = [b for b in O.bodies if b and (b.isClump or _is_single_sphere(b))]
+    else:
+        bodies = [O.bodies[i] for i in ids]
+    disks = [(b, _disk_mass_and_inertia(b)) for b in bodies]
+    for body, (mass, inertia) in disks:
+        body.state.mass = mass
+        body.state.inertia = (inertia,) * 3
+    return [b.id for b in bodies]
+
+
+def _is_single_sphere(body):
+    return isinstance(body.shape, Sphere) and not body.isClumpMember
+
+
+def _disk_mass_and_inertia(body):
+    """Of a sphere or a clump of spheres, as disks per metre of thickness [kg/m, kg m]."""
+    if body is None or not (body.isClump or _is_single_sphere(body)):
+        raise ValueError(f"ids: body #{body and body.id} is no sphere outside clumps and no clump")
+    if not set("zXY") <= set(body.state.blockedDOFs):
+        raise ValueError(
+            f"ids: body #{body.id} has blockedDOFs = {body.state.blockedDOFs!r}; a disk of a 2D "
+            "scene has at least 'zXY'"
+        )
+    parts = [O.bodies[i] for i in body.shape.members] if body.isClump else [body]
+    if not all(isinstance(part.shape, Sphere) for part in parts):
+        raise ValueError(f"ids: clump #{body.id} has a member that is no sphere")
+    radii = [part.shape.radius for part in parts]
+    if max(radii) > (1 + 1e-9) * min(radii) or any(
+        (a.state.pos - b.state.pos).norm() < 1.998 * radii[0]
+        for k, a in enumerate(parts)
+        for b in parts[:k]
+    ):
+        raise ValueError(
+            f"ids: members of clump #{body.id} overlap or differ in radius, so that its centre of "
+            "mass is not that of the disks; set state.mass and state.inertia by hand"
+        )
+    masses = [math.pi * part.shape.radius**2 * part.material.density for part in parts]
+    inertia = sum(
+        mass * (0.5 * part.shape.radius**2 + (part.state.pos - body.state.pos).squaredNorm())
+        for mass, part in zip(masses, parts)
+    )
+    return sum(masses), inertia
+
+
 def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
-    """Ready-made list of engines for soft grains and walls.
+    """Ready-made list of engines for soft grains and the rigid bodies they touch: walls, spheres,
+    clumps of spheres, facets, boxes. Rigid bodies touch each other by YADE's linear law with
+    friction (``Law2_ScGeom_FrictPhys_CundallStrack``), whose stiffness may ask for a smaller
+    ``O.dt`` than soft grains do: assign it by hand then.
 
     Args:
         verlet_distance (float | None): ``InsertionSortCollider.verletDist`` [m]; None: a twentieth
@@ -319,9 +434,13 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
         ForceResetter(),
         InsertionSortCollider(_bound_functors(), verletDist=verlet_distance),
         InteractionLoop(
-            [wrapper.Ig2_SoftGrain_SoftGrain_SoftGeom(), wrapper.Ig2_Wall_SoftGrain_SoftGeom()],
-            [wrapper.Ip2_SoftMat_SoftMat_SoftPhys(), wrapper.Ip2_FrictMat_SoftMat_SoftPhys()],
-            [wrapper.Law2_SoftGeom_SoftPhys_Nonsmooth()],
+            _geometry_functors(),
+            [
+                wrapper.Ip2_SoftMat_SoftMat_SoftPhys(),
+                wrapper.Ip2_FrictMat_SoftMat_SoftPhys(),
+                Ip2_FrictMat_FrictMat_FrictPhys(),
+            ],
+            [wrapper.Law2_SoftGeom_SoftPhys_Nonsmooth(), Law2_ScGeom_FrictPhys_CundallStrack()],
         ),
         wrapper.SoftGrainIntegrator(**integrator),
         NewtonIntegrator(damping=0, gravity=gravity),
@@ -329,9 +448,25 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
 
 
 def _bound_functors():
-    """Rigid bodies that soft grains cannot touch yet need bounds too: to be noticed and refused."""
     rigid = [Bo1_Wall_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Box_Aabb()]
     return [wrapper.Bo1_SoftGrain_Aabb()] + rigid
+
+
+def _geometry_functors():
+    soft = [
+        wrapper.Ig2_SoftGrain_SoftGrain_SoftGeom(),
+        wrapper.Ig2_Wall_SoftGrain_SoftGeom(),
+        wrapper.Ig2_Sphere_SoftGrain_SoftGeom(),
+        wrapper.Ig2_Facet_SoftGrain_SoftGeom(),
+        wrapper.Ig2_Box_SoftGrain_SoftGeom(),
+    ]
+    rigid = [
+        Ig2_Sphere_Sphere_ScGeom(),
+        Ig2_Facet_Sphere_ScGeom(),
+        Ig2_Box_Sphere_ScGeom(),
+        Ig2_Wall_Sphere_ScGeom(),
+    ]
+    return soft + rigid
 
 
 def _check_fraction(name, fraction):

@@ -63,7 +63,8 @@ def wall_force(body_id):
 
 
 def coordination_number():
-    """Mean number of neighbours that a soft grain exchanges force with, walls included [-]."""
+    """Mean number of bodies that a soft grain exchanges force with, walls and rigid ones included
+    [-]."""
     bodies = soft_bodies()
     ids = {b.id for b in bodies}
     ends = 0

@@ -2,11 +2,14 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "contact/RigidPartner.hpp"
+#include "contact/RigidSurface.hpp"
 #include "reference/Outline.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -44,6 +47,16 @@ template <int dim> struct Plane {
 	Vec<dim> velocity = Vec<dim>::Zero(); ///< m/s
 };
 
+/// A rigid body in place of the second grain. Contacts of side 1 are those of its own ends
+/// (tipsOf).
+template <int dim> struct RigidSide {
+	RigidSurface<dim> surface;
+	Vec<dim> pivot = Vec<dim>::Zero(); ///< moments of the impulses are about it, m
+	double speed = 0;                  ///< no place of the surface is faster, m/s
+	int partner = -1;                  ///< its motion: number in the step at hand
+	bool moves = false;                ///< RigidPartner::moves
+};
+
 /// Nodes that may come into contact while their bodies have moved little since they were found.
 struct ContactCandidates {
 	struct Node {
@@ -60,15 +73,18 @@ struct ContactCandidates {
 /// What the contacts of a pair do together, on its first body.
 template <int dim> struct PairImpulse {
 	Vec<dim> normal = Vec<dim>::Zero(), shear = Vec<dim>::Zero(); ///< N s
-	Vec<dim> point = Vec<dim>::Zero(); ///< mean of the contact points, m
-	int active = 0;                    ///< contacts with an impulse
+	Vec<dim> point = Vec<dim>::Zero();    ///< mean of the contact points, m
+	int active = 0;                       ///< contacts with an impulse
+	Spin<dim> moment = Spin<dim>::Zero(); ///< on a rigid partner, N m s
 };
 
 /// All contacts of two bodies, sorted by key.
 template <int dim> struct ContactList {
-	int first = -1;  ///< index of the first body
-	int second = -1; ///< index of the second body; negative: `plane`, the number its name
+	int first = -1; ///< index of the first body
+	int second =
+		-1; ///< index of the second body; negative: `rigid` or `plane`, the number its name
 	Plane<dim> plane;
+	std::optional<RigidSide<dim>> rigid;
 	double friction = 0; ///< coefficient mu
 	double deepest =
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
@@ -82,7 +98,14 @@ template <int dim> struct ContactList {
 	{
 		deepest = std::max(deepest, -gap / pointSpacing);
 	}
-	/// By first body; its planes in the order of their names, then its grains.
+	/// Number of the second body among `grains` grains and the rigid partners after them, if
+	/// what the contacts do to it is felt by other pairs; else -1.
+	int sharedSecond(int grains) const
+	{
+		if (rigid && rigid->moves) return grains + rigid->partner;
+		return std::max(second, -1);
+	}
+	/// By first body; its planes and rigid bodies in the order of their names, then its grains.
 	std::tuple<int, bool, int> sweepOrder() const
 	{
 		return { first, second >= 0, std::abs(second) };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 namespace softgrain {
@@ -27,26 +28,40 @@ constexpr int pairsPerThread = 8;
 template <int dim>
 void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 				 const std::vector<ContactList<dim>*>& lists, double dt,
-				 const SolverSettings& settings, int threads)
+				 const SolverSettings& settings, int threads,
+				 std::vector<RigidPartner<dim>>* partners)
 {
 	settings_ = settings;
 	std::vector<ContactList<dim>*> inContact;
 	for (ContactList<dim>* list : lists)
 		if (!list->contacts.empty()) inContact.push_back(list);
 	count_ = static_cast<int>(inContact.size());
-	if (static_cast<int>(pairs_.size()) < count_) pairs_.resize(count_);
 	change_.resize(count_);
 
 	std::vector<ContactList<dim>*> ordered;
 	colourEnd_.clear();
-	for (const auto& colour : pairColours<dim>(inContact, static_cast<int>(bodies.size()))) {
+	for (const auto& colour :
+	     pairColours<dim>(inContact, static_cast<int>(bodies.size()),
+			      partners ? static_cast<int>(partners->size()) : 0)) {
 		ordered.insert(ordered.end(), colour.begin(), colour.end());
 		colourEnd_.push_back(static_cast<int>(ordered.size()));
 	}
+	slot_.clear();
+	std::size_t soft = 0, rigid = 0;
+	for (const ContactList<dim>* list : ordered)
+		slot_.push_back({ list->rigid.has_value(),
+				  static_cast<int>(list->rigid ? rigid++ : soft++) });
+	if (pairs_.size() < soft) pairs_.resize(soft);
+	if (rigidPairs_.size() < rigid) rigidPairs_.resize(rigid);
+
 	const int colours = static_cast<int>(colourEnd_.size());
 	threads_ = std::clamp(count_ / (pairsPerThread * std::max(colours, 1)), 1, threads);
-	forEachPair(SweepOrder::forwards,
-		    [&](int k) { pairs_[k].prepare(bodies, *ordered[k], dt, settings); });
+	forEachPair(SweepOrder::forwards, [&](int k) {
+		if (const auto [isRigid, index] = slot_[k]; isRigid)
+			rigidPairs_[index].prepare(bodies, *ordered[k], *partners, dt, settings);
+		else
+			pairs_[index].prepare(bodies, *ordered[k], dt, settings);
+	});
 }
 
 template <int dim>
@@ -64,9 +79,22 @@ void ContactSolver<dim>::forEachPair(SweepOrder order, Visit&& visit)
 	}
 }
 
+template <int dim>
+template <class Visit>
+void ContactSolver<dim>::forEachConstraint(Visit&& visit) const
+{
+	for (int k = 0; k < count_; ++k)
+		withPair(k, [&](const auto& pair) {
+			for (const auto& c : pair.constraints())
+				visit(pair, c);
+		});
+}
+
 template <int dim> double ContactSolver<dim>::sweep(SweepOrder order)
 {
-	forEachPair(order, [&](int k) { change_[k] = pairs_[k].sweep(order); });
+	forEachPair(order, [&](int k) {
+		change_[k] = withPair(k, [&](auto& pair) { return pair.sweep(order); });
+	});
 	SweepChange sum;
 	for (const SweepChange& change : change_)
 		sum += change;
@@ -77,7 +105,7 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 {
 	SolverReport report;
 	for (int k = 0; k < count_; ++k)
-		report.contacts += pairs_[k].contacts();
+		report.contacts += withPair(k, [](const auto& pair) { return pair.contacts(); });
 	if (report.contacts == 0) return report;
 	report.converged = false;
 	while (!report.converged && report.sweeps < settings_.maxSweeps) {
@@ -90,9 +118,10 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 		report.residual = residual();
 		report.converged = report.residual <= settings_.tolerance;
 	}
-	forEachPair(SweepOrder::forwards, [&](int k) { pairs_[k].finish(); });
+	forEachPair(SweepOrder::forwards,
+		    [&](int k) { withPair(k, [](auto& pair) { pair.finish(); }); });
 	for (int k = 0; k < count_; ++k)
-		report.active += pairs_[k].active();
+		report.active += withPair(k, [](const auto& pair) { return pair.active(); });
 	return report;
 }
 
@@ -101,7 +130,7 @@ template <int dim> double ContactSolver<dim>::residual() const
 	std::vector<ResidualSum> sums(count_);
 #pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
 	for (int k = 0; k < count_; ++k)
-		sums[k] = pairs_[k].residual();
+		sums[k] = withPair(k, [](const auto& pair) { return pair.residual(); });
 	ResidualSum sum;
 	for (const ResidualSum& ofPair : sums)
 		sum += ofPair;
@@ -113,7 +142,7 @@ template <int dim> ContactWork ContactSolver<dim>::work() const
 	std::vector<ContactWork> works(count_);
 #pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
 	for (int k = 0; k < count_; ++k)
-		works[k] = pairs_[k].work();
+		works[k] = withPair(k, [](const auto& pair) { return pair.work(); });
 	ContactWork work;
 	for (const ContactWork& ofPair : works)
 		work += ofPair;
@@ -125,51 +154,53 @@ template <int dim> SparseRows<double> ContactSolver<dim>::delassus() const
 	using Share = std::pair<int, double>; // of a contact in a node
 	std::map<std::pair<const ContactBody<dim>*, int>, std::vector<Share>> at;
 	int contacts = 0;
-	for (int k = 0; k < count_; ++k)
-		for (const auto& c : pairs_[k].constraints()) {
-			pairs_[k].forEachShare(
-				c, [&](const ContactBody<dim>* body, int node, double w) {
-					at[{ body, node }].push_back({ contacts, w });
-				});
-			++contacts;
-		}
+	forEachConstraint([&](const auto& pair, const auto& c) {
+		pair.forEachShare(c, [&](const ContactBody<dim>* body, int node, double w) {
+			at[{ body, node }].push_back({ contacts, w });
+		});
+		++contacts;
+	});
 	SparseRows<double> rows;
-	for (int k = 0; k < count_; ++k)
-		for (const auto& c : pairs_[k].constraints()) {
-			std::map<int, double> row;
-			auto addRow = [&](const ContactBody<dim>* body, int node, double w) {
-				const SparseRows<double>& table = *body->delassus;
-				for (int e = table.begin(node); e < table.end(node); ++e) {
-					const auto found = at.find({ body, table.column[e] });
-					if (found == at.end()) continue;
-					for (const auto& [l, share] : found->second)
-						row[l] += w * share * body->delassusScale *
-							  table.value[e];
-				}
-			};
-			pairs_[k].forEachShare(c, addRow);
-			for (const auto& [l, W] : row)
-				rows.append(l, W);
-			rows.closeRow();
-		}
+	forEachConstraint([&](const auto& pair, const auto& c) {
+		std::map<int, double> row;
+		pair.forEachShare(c, [&](const ContactBody<dim>* body, int node, double w) {
+			const SparseRows<double>& table = *body->delassus;
+			for (int e = table.begin(node); e < table.end(node); ++e) {
+				const auto found = at.find({ body, table.column[e] });
+				if (found == at.end()) continue;
+				for (const auto& [l, share] : found->second)
+					row[l] += w * share * body->delassusScale * table.value[e];
+			}
+		});
+		for (const auto& [l, W] : row)
+			rows.append(l, W);
+		rows.closeRow();
+	});
 	return rows;
 }
 
 template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
 {
 	ContactProblem<dim> problem;
+	for (const Slot& slot : slot_)
+		if (slot.rigid && rigidPairs_[slot.index].movesPartner())
+			throw std::logic_error(
+				"the contact problem cannot be given as data: a rigid body that "
+				"contact moves takes part, whose blocks of W are no multiples of "
+				"the identity");
 	problem.delassus = delassus();
-	for (int k = 0; k < count_; ++k) {
-		const std::vector<Vec<dim>>& start = pairs_[k].start();
-		problem.start.insert(problem.start.end(), start.begin(), start.end());
-		for (const auto& c : pairs_[k].constraints()) {
-			problem.freeVelocity.push_back(pairs_[k].velocity(c));
-			problem.normal.push_back(c.normal);
-			problem.bias.push_back(c.bias);
-			problem.friction.push_back(pairs_[k].friction());
-			problem.impulse.push_back(c.impulse);
-		}
-	}
+	for (int k = 0; k < count_; ++k)
+		withPair(k, [&](const auto& pair) {
+			problem.start.insert(problem.start.end(), pair.start().begin(),
+					     pair.start().end());
+		});
+	forEachConstraint([&](const auto& pair, const auto& c) {
+		problem.freeVelocity.push_back(pair.velocity(c));
+		problem.normal.push_back(c.normal);
+		problem.bias.push_back(c.bias);
+		problem.friction.push_back(pair.friction());
+		problem.impulse.push_back(c.impulse);
+	});
 	for (int k = 0; k < problem.contacts(); ++k) // takes out what the impulses did
 		for (int e = problem.delassus.begin(k); e < problem.delassus.end(k); ++e)
 			problem.freeVelocity[k] -= problem.delassus.value[e] *

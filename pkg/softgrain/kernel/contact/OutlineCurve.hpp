@@ -30,6 +30,8 @@ public:
 	/// The place of this piece nearest to `x`, sought from `t`, that of the nearest on the
 	/// facet.
 	Place nearest(const Vec<2>& x, double t) const;
+	/// The same for an `x` however far outside, by bisection.
+	Place nearestToFar(const Vec<2>& x) const;
 	/// Shares w_k(t) of its nodes.
 	std::array<double, 4> weights(double t) const;
 	const std::array<int, 4>& nodes() const { return node_; }

@@ -1,4 +1,5 @@
 #include "contact/OutlineSearch.hpp"
+#include "contact/Facets.hpp"
 #include "contact/OutlineCurve.hpp"
 
 #include <algorithm>
@@ -14,36 +15,6 @@ template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactB
 }
 
 namespace {
-
-/// Barycentric coordinates of the point of a segment nearest to `x`.
-std::array<double, 2> nearestOnFacet(const Vec<2>& x, const std::array<Vec<2>, 2>& corner)
-{
-	const Vec<2> edge = corner[1] - corner[0];
-	const double t = std::clamp((x - corner[0]).dot(edge) / edge.squaredNorm(), 0., 1.);
-	return { 1 - t, t };
-}
-
-/// The same for a triangle, by the regions of its corners, edges and inside (Ericson, Real-Time
-/// Collision Detection, 2005, 5.1.5).
-std::array<double, 3> nearestOnFacet(const Vec<3>& x, const std::array<Vec<3>, 3>& corner)
-{
-	const Vec<3> ab = corner[1] - corner[0], ac = corner[2] - corner[0];
-	const Vec<3> ax = x - corner[0], bx = x - corner[1], cx = x - corner[2];
-	const double d1 = ab.dot(ax), d2 = ac.dot(ax), d3 = ab.dot(bx), d4 = ac.dot(bx),
-		     d5 = ab.dot(cx), d6 = ac.dot(cx);
-	if (d1 <= 0 && d2 <= 0) return { 1, 0, 0 };
-	if (d3 >= 0 && d4 <= d3) return { 0, 1, 0 };
-	if (d6 >= 0 && d5 <= d6) return { 0, 0, 1 };
-	const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-	if (vc <= 0 && d1 >= 0 && d3 <= 0) return { 1 - d1 / (d1 - d3), d1 / (d1 - d3), 0 };
-	if (vb <= 0 && d2 >= 0 && d6 <= 0) return { 1 - d2 / (d2 - d6), 0, d2 / (d2 - d6) };
-	if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-		const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-		return { 0, 1 - w, w };
-	}
-	const double sum = va + vb + vc;
-	return { va / sum, vb / sum, vc / sum };
-}
 
 template <int dim> struct PlaceOnOutline {
 	int facet = -1;
@@ -126,6 +97,54 @@ void measureGap(const Vec<3>& x, const ContactBody<3>& body, const PlaceOnOutlin
 	contact.weight = place.weight;
 	contact.normal = normal.normalized();
 	contact.gap = (x - foot).dot(contact.normal) - bulge;
+}
+
+/// The facet over which the curve is nearest to a far place: it may be next to the nearest facet.
+int facetBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
+{
+	const int count = static_cast<int>(body.mesh->facet.size());
+	auto ahead = [&](int f, double end) {
+		const OutlineCurve::Place place = OutlineCurve(body, f).at(end);
+		return (x - place.position).dot(place.tangent);
+	};
+	const auto [first, last] = body.mesh->facet[facet];
+	if (!body.isSharp(first) && ahead(facet, 0) < 0) return (facet + count - 1) % count;
+	if (!body.isSharp(last) && ahead(facet, 1) > 0) return (facet + 1) % count;
+	return facet;
+}
+
+/// The curve's place nearest to the centre of a ball, which may be far from it.
+void leanOnOutline(const Vec<2>& centre, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
+		   Contact<2>& contact)
+{
+	contact.facet = facetBelow(centre, body, place.facet);
+	const OutlineCurve curve(body, contact.facet);
+	const OutlineCurve::Place foot = curve.nearestToFar(centre);
+	contact.partners = mostPartners<2>;
+	contact.partner = curve.nodes();
+	contact.weight = curve.weights(foot.t);
+	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
+	contact.gap = (centre - foot.position).dot(contact.normal);
+	const Vec<2> apart = centre - foot.position; // at the end of the curve not along its normal
+	if (contact.gap <= 0) return;
+	contact.gap = apart.norm();
+	contact.normal = apart / contact.gap;
+}
+
+/// In 3D the place on the flat facet stands for that on the outline; the arc over it lifts it.
+void leanOnOutline(const Vec<3>& centre, const ContactBody<3>& body, const PlaceOnOutline<3>& place,
+		   Contact<3>& contact)
+{
+	measureGap(centre, body, place, contact);
+	Vec<3> foot = Vec<3>::Zero();
+	for (int i = 0; i < 3; ++i)
+		foot += contact.weight[i] * body.position[contact.partner[i]];
+	const Vec<3> apart = centre - foot;
+	const double height = apart.dot(contact.normal);
+	if (height <= 0) return; // the centre is inside
+	const double bulge = height - contact.gap;
+	contact.normal = apart.normalized();
+	contact.gap = apart.norm() - bulge;
 }
 
 /// Whether the place nearest to `x` is a sharp edge or corner of the outline with `x` beyond the
@@ -378,7 +397,30 @@ void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& 
 	}
 }
 
+template <int dim>
+std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
+					  const ContactBody<dim>& body, double reach)
+{
+	const double margin = radius + std::max(reach, contactDepth(body, body));
+	if (!body.box.grown(margin).contains(centre)) return std::nullopt;
+	const auto facets = facetsIn(body, Box<dim> { centre, centre }.grown(margin));
+	if (facets.empty()) return std::nullopt;
+	const PlaceOnOutline<dim> place = nearestPlace(centre, body, facets, anyFacet);
+	Contact<dim> contact;
+	if (radius > 0)
+		leanOnOutline(centre, body, place, contact);
+	else {
+		measureGap(centre, body, place, contact);
+		isBeyondEdge(centre, body, place, contact);
+	}
+	contact.gap -= radius;
+	if (contact.gap >= reach) return std::nullopt;
+	return contact;
+}
+
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template std::optional<Contact<dim>> ballOnOutline<dim>(const Vec<dim>&, double,           \
+								const ContactBody<dim>&, double);  \
 	template double contactDepth<dim>(const ContactBody<dim>&, const ContactBody<dim>&);       \
 	template void findOutlineContacts<dim>(const ContactBody<dim>&, const ContactBody<dim>&,   \
 					       double, ContactList<dim>&);

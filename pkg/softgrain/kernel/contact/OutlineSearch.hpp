@@ -5,6 +5,8 @@
 #include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
 
+#include <optional>
+
 namespace softgrain {
 
 /// How deep a node may lie in the other grain and still be a contact, m: from deeper it would be
@@ -15,5 +17,12 @@ template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactB
 template <int dim>
 void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 			 double reach, ContactList<dim>& list);
+
+/// The contact of a rigid ball (of radius 0: a point) with the outline of `body` (surface), at the
+/// place nearest to its centre, but for its key; none with a gap of `reach` (m, > 0) or more. The
+/// ball is the node, the outline bears it.
+template <int dim>
+std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
+					  const ContactBody<dim>& body, double reach);
 
 } // namespace softgrain

@@ -1,4 +1,5 @@
 #include "contact/PairSolver.hpp"
+#include "contact/Bias.hpp"
 #include "contact/CoulombCone.hpp"
 
 #include <algorithm>
@@ -6,18 +7,6 @@
 namespace softgrain {
 
 namespace {
-
-/// Overlaps up to this share of dr are left as they are: working off what the tolerance of the
-/// solver leaves in every step would heat grains at rest (doc/decisions/0010-grains-at-rest.md).
-constexpr double restingOverlap = 1e-3;
-
-/// b: the speed at which a gap may close, or minus that at which an overlap is worked off.
-double biasOf(double gap, double pointSpacing, double dt, const SolverSettings& settings)
-{
-	if (gap >= 0) return gap / dt;
-	const double excess = std::min(gap + restingOverlap * pointSpacing, 0.);
-	return std::max(settings.overlapRelaxation * excess / dt, -settings.overlapSpeed);
-}
 
 /// v_s += w W_s,node J of all nodes s.
 template <int dim> void push(ContactBody<dim>& body, int node, double w, const Vec<dim>& J)

@@ -37,7 +37,7 @@ struct ContactWork {
 	};
 	Halves impact;   ///< lost by normal impulses (gained where an overlap is pushed out)
 	Halves friction; ///< lost by friction
-	Halves planes;   ///< done by moving planes on the grains
+	Halves planes;   ///< done by moving planes and rigid bodies on the grains
 
 	ContactWork& operator+=(const ContactWork& other)
 	{

@@ -21,6 +21,13 @@ public:
 		present_ += W * impulse.squaredNorm();
 		wanted_ += W * solved.squaredNorm();
 	}
+	/// One contact of another energy norm |.|^2: of rho, of its impulse, of the solved one.
+	void add(double violation, double present, double wanted)
+	{
+		violation_ += violation;
+		present_ += present;
+		wanted_ += wanted;
+	}
 	ResidualSum& operator+=(const ResidualSum& other)
 	{
 		violation_ += other.violation_;

@@ -1,5 +1,6 @@
 #include "contact/Search.hpp"
 #include "contact/OutlineSearch.hpp"
+#include "contact/RigidSearch.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -164,6 +165,11 @@ template <int dim>
 void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
 {
 	auto& last = beginSearch(list);
+	if (list.rigid) {
+		findRigidContacts(body, reach, list);
+		carryImpulses(last, list.contacts);
+		return;
+	}
 	if (body.isOnGrid()) {
 		nodesOnCommonGrid(body, reach, list);
 		carryImpulsesByName(last, list.contacts);

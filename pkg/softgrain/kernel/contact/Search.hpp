@@ -14,7 +14,7 @@ template <int dim>
 void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
 		  ContactList<dim>& list);
 
-/// The same against `list.plane`.
+/// The same against `list.rigid` if there is one, else `list.plane`.
 template <int dim>
 void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list);
 

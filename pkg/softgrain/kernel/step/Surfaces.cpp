@@ -107,6 +107,11 @@ template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, dou
 	return reachOf(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing);
 }
 
+template <int dim> double System<dim>::reach(int g, const RigidSide<dim>& rigid, double dt) const
+{
+	return reachOf(bodies_[g].fastest + rigid.speed, dt, bodies_[g].pointSpacing);
+}
+
 template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const
 {
 	if (isRigid(g)) {
@@ -141,22 +146,37 @@ template <int dim> bool System<dim>::isFarFrom(int g, const Plane<dim>& plane, d
 	return (ball.centre - plane.point).dot(plane.normal) > ball.radius + outsideReach(reach);
 }
 
+template <int dim>
+bool System<dim>::isFarFrom(int g, const RigidSide<dim>& rigid, double reach) const
+{
+	if (!isRigid(g)) return false;
+	const Ball own = ballAbout(g);
+	const BallSurface<dim> other = softgrain::ballAbout<dim>(rigid.surface);
+	const double distance = own.radius + other.radius + outsideReach(reach);
+	return (own.centre - other.centre).squaredNorm() > distance * distance;
+}
+
 template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) const
 {
-	const bool onPlane = list.second < 0;
-	const double within =
-		onPlane ? reach(list.first, list.plane, dt) : reach(list.first, list.second, dt);
-	if (onPlane ? isFarFrom(list.first, list.plane, within)
-		    : areFarApart(list.first, list.second, within)) {
-		list.contacts.clear();
-		list.deepest = 0;
-		return false;
+	auto searchWithin = [&](double within, bool isFar) {
+		if (isFar) {
+			list.contacts.clear();
+			list.deepest = 0;
+		} else if (list.second < 0)
+			findContacts(body(list.first), within, list);
+		else
+			findContacts(body(list.first), body(list.second), within, list);
+		return !isFar;
+	};
+	if (list.second >= 0) {
+		const double within = reach(list.first, list.second, dt);
+		return searchWithin(within, areFarApart(list.first, list.second, within));
 	}
-	if (onPlane)
-		findContacts(body(list.first), within, list);
-	else
-		findContacts(body(list.first), body(list.second), within, list);
-	return true;
+	auto searchOn = [&](const auto& surface) {
+		const double within = reach(list.first, surface, dt);
+		return searchWithin(within, isFarFrom(list.first, surface, within));
+	};
+	return list.rigid ? searchOn(*list.rigid) : searchOn(list.plane);
 }
 
 template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double margin) const
@@ -179,6 +199,7 @@ template void System<2>::renewSurface(int) const;
 template void System<2>::followMotion(int, double);
 template double System<2>::reach(int, int, double) const;
 template double System<2>::reach(int, const Plane<2>&, double) const;
+template double System<2>::reach(int, const RigidSide<2>&, double) const;
 template bool System<2>::search(ContactList<2>&, double) const;
 template bool System<2>::isInside(int, const Box<2>&, double) const;
 template void System<3>::updateSurfaces(int);
@@ -187,6 +208,7 @@ template void System<3>::renewSurface(int) const;
 template void System<3>::followMotion(int, double);
 template double System<3>::reach(int, int, double) const;
 template double System<3>::reach(int, const Plane<3>&, double) const;
+template double System<3>::reach(int, const RigidSide<3>&, double) const;
 template bool System<3>::search(ContactList<3>&, double) const;
 template bool System<3>::isInside(int, const Box<3>&, double) const;
 

@@ -307,8 +307,9 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 				 return a->sweepOrder() < b->sweepOrder();
 			 });
 	std::vector<char> touched(grains(), 0);
-	for (const ContactList<dim>* list : lists) {
+	for (ContactList<dim>* list : lists) {
 		report.deepest = std::max(report.deepest, list->deepest);
+		if (list->rigid) list->rigid->moves = partners_[list->rigid->partner].moves();
 		if (list->contacts.empty()) continue;
 		touched[list->first] = 1;
 		if (list->second >= 0) touched[list->second] = 1;
@@ -321,7 +322,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	if (gridSpacing_ > 0) useGridNodes(lists);
 	predictVelocities(touched, settings);
 	clock.end("predictVelocities");
-	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads);
+	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads, &partners_);
 	clock.end("prepare");
 	report.solver = solver_.solve();
 	clock.end("solve");

@@ -34,9 +34,9 @@ struct EnergyBalance {
 	double elastic = 0;
 	double friction = 0; ///< dissipated by friction since the start
 	double impact = 0;   ///< dissipated by normal impulses since the start
-	double planes = 0;   ///< work of moving planes on the grains since the start
-	double loads = 0;    ///< work of body loads since the start
-	double damping = 0;  ///< dissipated by damping since the start
+	double planes = 0; ///< work of moving planes and rigid bodies on the grains since the start
+	double loads = 0;  ///< work of body loads since the start
+	double damping = 0; ///< dissipated by damping since the start
 };
 
 /// Work done since the end of the last step, in counts: a change can be judged by them on a busy
@@ -110,6 +110,9 @@ public:
 	}
 	bool isRigid(int g) const { return setOf(g).isRigid(indexInSet(g)); }
 	std::vector<BodyLoad<dim>>& loads() { return loads_; }
+	/// Rigid bodies that take part in the contacts of the next step, with the velocities that
+	/// they get without contact; the step changes them.
+	std::vector<RigidPartner<dim>>& rigidPartners() { return partners_; }
 	const EnergyBalance& energy() const { return energy_; }
 	const Continuation& continuation() const { return continuation_; }
 	void continueFrom(const Continuation& c)
@@ -149,9 +152,10 @@ public:
 	/// Distance within which gaps must be handed to `step`: no node travels further in a step.
 	double reach(int first, int second, double dt) const;
 	double reach(int g, const Plane<dim>& plane, double dt) const;
-	/// Renews the contacts of a pair (of a grain and a plane) within reach for a step of dt;
-	/// may be called by several threads at a time. Balls about grains that move rigidly come
-	/// first: false if they are so far apart that no surface was looked at.
+	double reach(int g, const RigidSide<dim>& rigid, double dt) const;
+	/// Renews the contacts of a pair (of a grain and a plane or a rigid body) within reach for
+	/// a step of dt; may be called by several threads at a time. Balls about grains that move
+	/// rigidly come first: false if they are so far apart that no surface was looked at.
 	bool search(ContactList<dim>& list, double dt) const;
 	/// Whether the box of a grain grown by a margin lies within a box.
 	bool isInside(int g, const Box<dim>& box, double margin) const;
@@ -159,7 +163,8 @@ public:
 	/// Contact problem of the last step, solved.
 	ContactProblem<dim> contactProblem() const { return solver_.problem(); }
 
-	/// Advances all grains by dt. `lists` hold the contacts of t_n and receive their impulses.
+	/// Advances all grains by dt. `lists` hold the contacts of t_n and receive their impulses;
+	/// those with a rigid body name their entry of `rigidPartners`.
 	StepReport step(const StepSettings& settings, std::vector<ContactList<dim>*> lists);
 
 private:
@@ -182,6 +187,7 @@ private:
 	/// within reach. False: the search must tell.
 	bool areFarApart(int first, int second, double reach) const;
 	bool isFarFrom(int g, const Plane<dim>& plane, double reach) const;
+	bool isFarFrom(int g, const RigidSide<dim>& rigid, double reach) const;
 	double outsideReach(double reach) const;
 	void chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion);
 	void listGrains();
@@ -207,6 +213,7 @@ private:
 	std::vector<char> listedRigid_; ///< by grain: in `rigid_`, else in `active_`
 	std::vector<int> active_, rigid_, all_;
 	std::vector<BodyLoad<dim>> loads_;
+	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
 	std::vector<int> rate_; ///< by grain
 	bool multirate_ = false, ratesChosen_ = false;
 	std::vector<int> damped_; ///< grains with damping

@@ -1,0 +1,164 @@
+// Rigid bodies in the contacts of a step: what NewtonIntegrator will do with them, and the
+// reactions that it is to do it with.
+#include "SceneAssembly.hpp"
+#include "SoftContact.hpp"
+#include "SoftGrainIntegrator.hpp"
+
+#include <map>
+
+namespace yade {
+
+using softgrain::Vec3;
+
+namespace {
+
+string nameOf(const Body& body)
+{
+	return "rigid body #" + std::to_string(body.getId()) + " (" +
+	       (body.shape ? body.shape->getClassName() : string("no shape")) + ")";
+}
+
+const NewtonIntegrator& newtonIntegrator(const Scene& scene)
+{
+	for (const auto& engine : scene.engines)
+		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return *newton;
+	throw std::runtime_error("there is no NewtonIntegrator in O.engines");
+}
+
+/// Whether forces change the motion of a body.
+bool isFree(const Body& body, const NewtonIntegrator& newton)
+{
+	const bool moved = newton.mask <= 0 || body.maskCompatible(newton.mask);
+	return moved && body.state->blockedDOFs != State::DOF_ALL;
+}
+
+void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
+{
+	const State& state = *body.state;
+	if (newton.damping != 0 && state.isDamped)
+		throw std::runtime_error(
+			nameOf(body) +
+			" touches soft grains and is free, but NewtonIntegrator.damping = " +
+			std::to_string(newton.damping) +
+			" would damp the reactions; set NewtonIntegrator.damping = 0, or "
+			"state.isDamped = False for this body");
+	const bool translates = (state.blockedDOFs & State::DOF_XYZ) != State::DOF_XYZ,
+		   turns = (state.blockedDOFs & State::DOF_RXRYRZ) != State::DOF_RXRYRZ;
+	if (translates && !(state.mass > 0))
+		throw std::runtime_error(
+			nameOf(body) +
+			" touches soft grains and is free to move, but state.mass = " +
+			std::to_string(state.mass) + "; admissible: (0, inf) kg");
+	if (turns && !(state.inertia.minCoeff() > 0))
+		throw std::runtime_error(nameOf(body) +
+					 " touches soft grains and is free to turn, but "
+					 "state.inertia has a component that is not in (0, inf)");
+}
+
+/// All that acts on a body: what is in O.forces, and for a clump what acts on its members.
+void addForces(const Body& body, Scene& scene, Vec3& force, Vec3& torque)
+{
+	force = scene.forces.getForce(body.getId());
+	torque = scene.forces.getTorque(body.getId());
+	if (body.isClump())
+		static_cast<Clump&>(*body.shape)
+			.addForceTorqueFromMembers(body.state.get(), &scene, force, torque);
+}
+
+/// What NewtonIntegrator would make of a body in this step without contact with soft grains.
+softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
+					   const NewtonIntegrator& newton)
+{
+	const State& state = *body.state;
+	softgrain::RigidMotionDescription d;
+	d.centre = state.pos;
+	d.velocity = d.freeVelocity = state.vel;
+	d.angularVelocity = d.freeAngularVelocity = state.angVel;
+	d.inverseMass.setZero();
+	d.inverseInertia.setZero();
+	if (!isFree(body, newton)) return d;
+	requireExactReactions(body, newton);
+
+	Vec3 force, torque;
+	addForces(body, scene, force, torque);
+	const Real scaling = newton.densityScaling ? state.densityScaling : 1;
+	for (int a = 0; a < 3; ++a) {
+		if (state.blockedDOFs & State::axisDOF(a, false)) continue;
+		d.inverseMass[a] = scaling / state.mass;
+		d.freeVelocity[a] +=
+			scene.dt * scaling * (force[a] / state.mass + newton.gravity[a]);
+	}
+	const bool turnsFreely = (state.blockedDOFs & State::DOF_RXRYRZ) == State::DOF_NONE;
+	if (newton.exactAsphericalRot && body.isAspherical() && turnsFreely) {
+		const Matrix3r axes = state.ori.toRotationMatrix();
+		const Matrix3r inertia = axes * state.inertia.asDiagonal() * axes.transpose();
+		d.inverseInertia = scaling * axes * state.inertia.cwiseInverse().asDiagonal() *
+				   axes.transpose();
+		torque -= state.angVel.cross(inertia * state.angVel);
+	} else // as NewtonIntegrator has it: components of inertia along the axes of space
+		for (int a = 0; a < 3; ++a)
+			if (!(state.blockedDOFs & State::axisDOF(a, true)))
+				d.inverseInertia(a, a) = scaling / state.inertia[a];
+	d.freeAngularVelocity += scene.dt * d.inverseInertia * torque;
+	return d;
+}
+
+/// The body whose motion is that of a rigid body: itself, or its clump.
+const Body& moverOf(const Body& body, const Scene& scene)
+{
+	return body.isClumpMember() ? *(*scene.bodies)[body.clumpId] : body;
+}
+
+} // namespace
+
+const Body& SoftGrainIntegrator::rigidBodyOf(const Interaction& I) const
+{
+	const auto &b1 = (*scene->bodies)[I.getId1()], &b2 = (*scene->bodies)[I.getId2()];
+	return YADE_PTR_DYN_CAST<SoftGrain>(b1->shape) ? *b2 : *b1;
+}
+
+/// Numbers the rigid bodies in contact; O.forces hold all that else acts on them.
+std::vector<softgrain::RigidMotionDescription>
+SoftGrainIntegrator::rigidPartners(const std::vector<Interaction*>& interactions)
+{
+	std::vector<softgrain::RigidMotionDescription> partners;
+	std::map<Body::id_t, int> number;
+	const NewtonIntegrator& newton = newtonIntegrator(*scene);
+	for (const Interaction* I : interactions) {
+		softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
+		if (!pair.hasRigidBody()) continue;
+		const Body& mover = moverOf(rigidBodyOf(*I), *scene);
+		const auto [entry, isNew] =
+			number.emplace(mover.getId(), static_cast<int>(partners.size()));
+		if (isNew) partners.push_back(motionOf(mover, *scene, newton));
+		pair.setPartner(entry->second);
+	}
+	return partners;
+}
+
+/// Bodies that soft grains cannot touch as they stand.
+void SoftGrainIntegrator::checkRigidBodies(const std::vector<Interaction*>& interactions) const
+{
+	for (const Interaction* I : interactions) {
+		const softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
+		if (!pair.hasRigidBody()) continue;
+		const Body& body = rigidBodyOf(*I);
+		assembly_->checkRigidBody(*describeRigid(*body.shape, *body.state, body.getId()));
+	}
+}
+
+/// A free body is to get the impulse itself, which NewtonIntegrator makes of a force in the step
+/// dt; on others it is the mean force of the step.
+void SoftGrainIntegrator::publishReactions(const Interaction& I, Real kick)
+{
+	const softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I.geom).pair;
+	const softgrain::SumOfImpulses sum = pair.impulse();
+	if (sum.active == 0) return;
+	const Body& body = rigidBodyOf(I);
+	const Real time =
+		isFree(moverOf(body, *scene), newtonIntegrator(*scene)) ? scene->dt : kick;
+	scene->forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);
+	scene->forces.addTorque(body.getId(), sum.moment / time);
+}
+
+} // namespace yade

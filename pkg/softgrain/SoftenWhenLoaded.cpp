@@ -1,0 +1,75 @@
+#include "SoftenWhenLoaded.hpp"
+#include "Require.hpp"
+#include "SoftGrainIntegrator.hpp"
+
+#include <algorithm>
+
+namespace yade {
+
+YADE_PLUGIN((SoftenWhenLoaded));
+
+void SoftenWhenLoaded::postLoad(SoftenWhenLoaded&)
+{
+	softgrain::require(load >= 0, "load", load, "[0, inf)");
+}
+
+void SoftenWhenLoaded::action()
+{
+	if (!shape || !material)
+		throw std::runtime_error("SoftenWhenLoaded: shape or material is None; see "
+					 "sg.soften(when='loaded')");
+	vector<int> waiting;
+	for (const int id : ids) {
+		const auto& body = (*scene->bodies)[id];
+		if (!body || !YADE_PTR_DYN_CAST<Sphere>(body->shape))
+			continue; // erased, or changed
+		if (isLoaded(*body)) {
+			soften(*body);
+			++softened;
+		} else
+			waiting.push_back(id);
+	}
+	if (waiting.size() != ids.size()) {
+		leaveTimeStepToIntegrator();
+		scene->doSort = true;
+	}
+	ids = waiting;
+}
+
+bool SoftenWhenLoaded::isLoaded(const Body& body) const
+{
+	const Real diameter = 2 * static_cast<const Sphere&>(*body.shape).radius;
+	const Real limit = load * material->young * std::pow(diameter, shape->dim - 1);
+	return std::any_of(body.intrs.begin(), body.intrs.end(), [limit](const auto& entry) {
+		const auto* phys = dynamic_cast<const NormShearPhys*>(entry.second->phys.get());
+		return phys && (phys->normalForce + phys->shearForce).norm() > limit;
+	});
+}
+
+/// As sg.soften() does.
+void SoftenWhenLoaded::soften(Body& body) const
+{
+	const auto grain = shared_ptr<SoftGrain>(new SoftGrain(*shape));
+	grain->radius = static_cast<const Sphere&>(*body.shape).radius;
+	grain->color = body.shape->color;
+	body.shape = grain;
+	body.material = material;
+	State& state = *body.state;
+	state.blockedDOFs = State::DOF_ALL; // NewtonIntegrator carries it along
+	if (grain->dim == 2) {
+		state.vel[2] = 0;
+		state.angVel[0] = state.angVel[1] = 0;
+	}
+	for (const auto& [other, interaction] : body.intrs)
+		interaction->reset();
+}
+
+/// The first soft grains come into a scene whose O.dt was chosen for spheres.
+void SoftenWhenLoaded::leaveTimeStepToIntegrator() const
+{
+	for (const auto& engine : scene->engines)
+		if (const auto integrator = YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
+			if (integrator->steps == 0) integrator->dtSet = scene->dt;
+}
+
+} // namespace yade

@@ -1,0 +1,199 @@
+#include "contact/RigidPairSolver.hpp"
+#include "contact/Bias.hpp"
+#include "contact/CoulombCone.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softgrain {
+
+namespace {
+
+/// Largest eigenvalue of W in the plane (2D: line) across n.
+double largestAcross(const Mat<2>& W, const Vec<2>& n)
+{
+	const Vec<2> t(-n[1], n[0]);
+	return t.dot(W * t);
+}
+
+double largestAcross(const Mat<3>& W, const Vec<3>& n)
+{
+	const Vec<3> s = n.unitOrthogonal(), t = n.cross(s);
+	const double ss = s.dot(W * s), tt = t.dot(W * t), st = s.dot(W * t);
+	return 0.5 * (ss + tt) + std::hypot(0.5 * (ss - tt), st);
+}
+
+} // namespace
+
+template <int dim>
+void RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list,
+				   std::vector<RigidPartner<dim>>& partners, double dt,
+				   const SolverSettings& settings)
+{
+	list_ = &list;
+	grain_ = &bodies[list.first];
+	partner_ = &partners[list.rigid->partner];
+	friction_ = list.friction;
+	constraints_.resize(list.contacts.size());
+	start_.resize(list.contacts.size());
+	moved_.clear();
+	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
+		const Contact<dim>& contact = list.contacts[k];
+		Constraint& c = constraints_[k];
+		const bool ofNode = contact.key.side == 0;
+		c.normal = ofNode ? contact.normal : Vec<dim>(-contact.normal);
+		c.impulse = onCone<dim>(ofNode ? contact.impulse : Vec<dim>(-contact.impulse),
+					c.normal, friction_);
+		c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings);
+		c.nodes = ofNode ? 1 : contact.partners;
+		c.node = contact.partner;
+		c.weight = contact.weight;
+		if (ofNode) {
+			c.node[0] = contact.key.node;
+			c.weight[0] = 1;
+		}
+		c.arm = -partner_->centre;
+		for (int i = 0; i < c.nodes; ++i)
+			c.arm += c.weight[i] * grain_->contactPoint(c.node[i]);
+		findMobility(c);
+		start_[k] = c.impulse;
+		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
+	}
+}
+
+template <int dim> void RigidPairSolver<dim>::findMobility(Constraint& c)
+{
+	const SparseRows<double>& table = *grain_->delassus;
+	double w = 0;
+	c.firstMoved = static_cast<int>(moved_.size());
+	for (int i = 0; i < c.nodes; ++i) {
+		for (int e = table.begin(c.node[i]); e < table.end(c.node[i]); ++e)
+			moved_.push_back({ table.column[e], c.weight[i] * table.value[e] });
+		for (int j = 0; j < c.nodes; ++j)
+			w += c.weight[i] * c.weight[j] * grain_->mobility(c.node[i], c.node[j]);
+	}
+	c.endMoved = static_cast<int>(moved_.size());
+	c.W = w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm);
+	c.Wn = c.normal.dot(c.W * c.normal);
+	c.Wt = largestAcross(c.W, c.normal);
+}
+
+template <int dim>
+Vec<dim>
+RigidPairSolver<dim>::grainVelocity(const Constraint& c,
+				    const std::vector<Vec<dim>> ContactBody<dim>::* field) const
+{
+	Vec<dim> v = Vec<dim>::Zero();
+	for (int i = 0; i < c.nodes; ++i)
+		v += c.weight[i] * (grain_->*field)[c.node[i]];
+	return v;
+}
+
+template <int dim> Vec<dim> RigidPairSolver<dim>::velocity(const Constraint& c) const
+{
+	return grainVelocity(c, &ContactBody<dim>::velocity) - partner_->velocityAt(c.arm);
+}
+
+template <int dim> Vec<dim> RigidPairSolver<dim>::solvedImpulse(const Constraint& c) const
+{
+	const Vec<dim>& n = c.normal;
+	Vec<dim> u = velocity(c);
+	const double before = c.impulse.dot(n);
+	const double normal = std::max(0., before - (u.dot(n) + c.bias) / c.Wn);
+	if (normal == 0) return Vec<dim>::Zero();
+	u += c.W * ((normal - before) * n);
+	const Vec<dim> sliding = u - u.dot(n) * n;
+	const Vec<dim> r = c.impulse - before * n - sliding / c.Wt + normal * n;
+	return onCone<dim>(r, n, friction_);
+}
+
+/// |r|^2 in the norm in which the two steps of a contact solve it.
+template <int dim> double RigidPairSolver<dim>::energy(const Constraint& c, const Vec<dim>& r) const
+{
+	const double normal = r.dot(c.normal);
+	return c.Wt * r.squaredNorm() + (c.Wn - c.Wt) * normal * normal;
+}
+
+template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
+{
+	const Vec<dim> scaled = grain_->delassusScale * J;
+	for (int k = c.firstMoved; k < c.endMoved; ++k)
+		addScaled<dim>(grain_->velocity[moved_[k].node], moved_[k].W, scaled);
+	if (list_->rigid->moves) partner_->push(c.arm, -J);
+}
+
+template <int dim> SweepChange RigidPairSolver<dim>::sweep(SweepOrder order)
+{
+	SweepChange sum;
+	auto visit = [&](Constraint& c) {
+		const Vec<dim> r = solvedImpulse(c);
+		const Vec<dim> J = r - c.impulse;
+		sum.total += energy(c, r);
+		if (J.isZero(0)) return;
+		sum.changed += energy(c, J);
+		c.impulse = r;
+		applyImpulse(c, J);
+	};
+	if (order == SweepOrder::forwards)
+		std::for_each(constraints_.begin(), constraints_.end(), visit);
+	else
+		std::for_each(constraints_.rbegin(), constraints_.rend(), visit);
+	return sum;
+}
+
+template <int dim> ResidualSum RigidPairSolver<dim>::residual() const
+{
+	ResidualSum sum;
+	for (const Constraint& c : constraints_) {
+		const Vec<dim> solved = solvedImpulse(c);
+		sum.add(energy(c, solved - c.impulse), energy(c, c.impulse), energy(c, solved));
+	}
+	return sum;
+}
+
+template <int dim> void RigidPairSolver<dim>::finish()
+{
+	PairImpulse<dim>& sum = list_->impulse;
+	sum = {};
+	for (std::size_t k = 0; k < constraints_.size(); ++k) {
+		const Constraint& c = constraints_[k];
+		const Vec<dim> place = partner_->centre + c.arm;
+		list_->contacts[k].impulse =
+			list_->contacts[k].key.side == 0 ? c.impulse : Vec<dim>(-c.impulse);
+		sum.point += place;
+		if (c.impulse.isZero(0)) continue;
+		++sum.active;
+		const Vec<dim> normal = c.impulse.dot(c.normal) * c.normal;
+		sum.normal += normal;
+		sum.shear += c.impulse - normal;
+		sum.moment -= moment<dim>(place - list_->rigid->pivot, c.impulse);
+		for (int i = 0; i < c.nodes; ++i)
+			grain_->impulse[c.node[i]] += c.weight[i] * c.impulse;
+	}
+	sum.point /= static_cast<double>(constraints_.size());
+}
+
+template <int dim> ContactWork RigidPairSolver<dim>::work() const
+{
+	ContactWork work;
+	auto book = [&](const Constraint& c, const Vec<dim>& grain, const Vec<dim>& rigid,
+			double ContactWork::Halves::* half) {
+		const Vec<dim> normal = c.impulse.dot(c.normal) * c.normal;
+		work.impact.*half -= 0.5 * normal.dot(grain - rigid);
+		work.friction.*half -= 0.5 * (c.impulse - normal).dot(grain - rigid);
+		work.planes.*half += 0.5 * c.impulse.dot(rigid);
+	};
+	for (const Constraint& c : constraints_) {
+		if (c.impulse.isZero(0)) continue;
+		book(c, grainVelocity(c, &ContactBody<dim>::velocityBefore),
+		     partner_->velocityBeforeAt(c.arm), &ContactWork::Halves::before);
+		book(c, grainVelocity(c, &ContactBody<dim>::velocity), partner_->velocityAt(c.arm),
+		     &ContactWork::Halves::after);
+	}
+	return work;
+}
+
+template class RigidPairSolver<2>;
+template class RigidPairSolver<3>;
+
+} // namespace softgrain

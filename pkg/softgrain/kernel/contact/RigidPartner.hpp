@@ -1,0 +1,73 @@
+// Motion of a rigid body that soft grains touch: what an impulse on it does to its velocities.
+#pragma once
+
+#include "Vector.hpp"
+
+#include <Eigen/Geometry>
+
+namespace softgrain {
+
+/// Angular quantities: a vector in 3D, its component along z in 2D.
+template <int dim> using Spin = Eigen::Matrix<double, dim == 2 ? 1 : 3, 1>;
+
+/// omega x arm.
+template <int dim> Vec<dim> turned(const Spin<dim>& omega, const Vec<dim>& arm)
+{
+	if constexpr (dim == 2)
+		return Vec<2>(-omega[0] * arm[1], omega[0] * arm[0]);
+	else
+		return omega.cross(arm);
+}
+
+/// arm x J.
+template <int dim> Spin<dim> moment(const Vec<dim>& arm, const Vec<dim>& J)
+{
+	if constexpr (dim == 2)
+		return Spin<2>(arm[0] * J[1] - arm[1] * J[0]);
+	else
+		return arm.cross(J);
+}
+
+/// Whatever is held (a degree of freedom, or the whole body) has an inverse mass or inertia of 0
+/// there and moves as prescribed.
+template <int dim> struct RigidPartner {
+	static constexpr int spins = Spin<dim>::RowsAtCompileTime;
+
+	Vec<dim> centre = Vec<dim>::Zero();         ///< of mass, m
+	Vec<dim> velocity = Vec<dim>::Zero();       ///< at t_n + dt/2, being solved, m/s
+	Spin<dim> spin = Spin<dim>::Zero();         ///< the same, 1/s
+	Vec<dim> velocityBefore = Vec<dim>::Zero(); ///< at t_n - dt/2, m/s
+	Spin<dim> spinBefore = Spin<dim>::Zero();   ///< 1/s
+	Vec<dim> inverseMass = Vec<dim>::Zero();    ///< along each axis of space, 1/kg
+	/// In the axes of space, 1/(kg m^2).
+	Eigen::Matrix<double, spins, spins> inverseInertia =
+		Eigen::Matrix<double, spins, spins>::Zero();
+
+	/// Whether impulses change its motion.
+	bool moves() const { return !inverseMass.isZero(0) || !inverseInertia.isZero(0); }
+	/// Of its point at `arm` from the centre.
+	Vec<dim> velocityAt(const Vec<dim>& arm) const { return velocity + turned<dim>(spin, arm); }
+	Vec<dim> velocityBeforeAt(const Vec<dim>& arm) const
+	{
+		return velocityBefore + turned<dim>(spinBefore, arm);
+	}
+	void push(const Vec<dim>& arm, const Vec<dim>& J)
+	{
+		velocity += inverseMass.cwiseProduct(J);
+		spin += inverseInertia * moment<dim>(arm, J);
+	}
+	/// Velocity of the point at `arm` by an impulse there, 1/kg: symmetric, and no multiple of
+	/// the identity where the body can turn.
+	Mat<dim> mobilityAt(const Vec<dim>& arm) const
+	{
+		Mat<dim> W;
+		for (int a = 0; a < dim; ++a) {
+			const Vec<dim> J = Vec<dim>::Unit(a);
+			W.col(a) = inverseMass.cwiseProduct(J) +
+				   turned<dim>(inverseInertia * moment<dim>(arm, J), arm);
+		}
+		return W;
+	}
+};
+
+} // namespace softgrain

@@ -1,0 +1,55 @@
+// Surfaces of rigid bodies that soft grains touch.
+#pragma once
+
+#include "Vector.hpp"
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <variant>
+#include <vector>
+
+namespace softgrain {
+
+/// A disk (ball).
+template <int dim> struct BallSurface {
+	Vec<dim> centre = Vec<dim>::Zero();
+	double radius = 0; ///< m
+};
+
+/// A segment (triangle) without thickness, that is touched from both sides.
+template <int dim> struct PlateSurface {
+	std::array<Vec<dim>, dim> corner;
+};
+
+/// A rectangle (cuboid).
+template <int dim> struct BlockSurface {
+	Vec<dim> centre = Vec<dim>::Zero();
+	Mat<dim> axes = Mat<dim>::Identity();  ///< of its sides, as columns of a rotation
+	Vec<dim> halfSides = Vec<dim>::Ones(); ///< m
+};
+
+template <int dim>
+using RigidSurface = std::variant<BallSurface<dim>, PlateSurface<dim>, BlockSurface<dim>>;
+
+/// Where a place of a grain touches a rigid surface.
+template <int dim> struct SurfacePlace {
+	Vec<dim> normal; ///< unit, out of the rigid body
+	double gap;      ///< m, negative for an overlap
+};
+
+/// The place of the surface that a point `x` of an outline touches. `faces(n)`: whether the outline
+/// there faces against the direction n (unit). It tells the two sides of a plate apart, and the
+/// sides of a block about an edge; a point that faces none of them touches nothing.
+template <int dim>
+std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const Vec<dim>& x,
+					 const std::function<bool(const Vec<dim>&)>& faces);
+
+/// A ball that holds the surface.
+template <int dim> BallSurface<dim> ballAbout(const RigidSurface<dim>& surface);
+
+/// Balls (of radius 0: points) that the surface ends in; between contact nodes they may enter the
+/// outline of a grain.
+template <int dim> std::vector<BallSurface<dim>> tipsOf(const RigidSurface<dim>& surface);
+
+} // namespace softgrain

@@ -1,0 +1,176 @@
+#include "Helpers.hpp"
+#include "contact/OutlineSearch.hpp"
+#include "contact/Search.hpp"
+
+#include <algorithm>
+#include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <limits>
+
+using namespace softgrain;
+using namespace softgrain::testing;
+
+namespace {
+
+constexpr auto anySide = [](const auto&) { return true; };
+
+/// Distance to the surface of a block by sampling it.
+template <int dim> double sampledDistance(const BlockSurface<dim>& block, const Vec<dim>& x)
+{
+	constexpr int samples = 60;
+	double nearest = std::numeric_limits<double>::infinity();
+	const int places = static_cast<int>(std::pow(samples + 1, dim - 1));
+	for (int a = 0; a < dim; ++a)
+		for (const double side : { -1., 1. })
+			for (int k = 0; k < places; ++k) {
+				Vec<dim> y;
+				int rest = k;
+				for (int b = 0; b < dim; ++b) {
+					y[b] = b == a ? side
+						      : 2. * (rest % (samples + 1)) / samples - 1;
+					if (b != a) rest /= samples + 1;
+				}
+				const Vec<dim> place =
+					block.centre + block.axes * y.cwiseProduct(block.halfSides);
+				nearest = std::min(nearest, (x - place).norm());
+			}
+	return nearest;
+}
+
+template <int dim> ContactList<dim> listWith(const RigidSurface<dim>& surface)
+{
+	ContactList<dim> list;
+	list.first = 0;
+	list.rigid.emplace();
+	list.rigid->surface = surface;
+	return list;
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE_SIG("gap and normal of a block are those of its surface", "[rigid]",
+		       ((int dim), dim), 2, 3)
+{
+	Random random(1);
+	BlockSurface<dim> block { random.vector<dim>(), random.rotation<dim>(), Vec<dim>::Ones() };
+	for (int a = 0; a < dim; ++a)
+		block.halfSides[a] = random.uniform(0.5, 1.5);
+	int inside = 0;
+	for (int k = 0; k < 200; ++k) {
+		const Vec<dim> x = block.centre + random.vector<dim>(2);
+		const auto place = placeOn<dim>(block, x, anySide);
+		REQUIRE(place);
+		const Vec<dim> y = block.axes.transpose() * (x - block.centre);
+		const bool isInside = (y.cwiseAbs() - block.halfSides).maxCoeff() < 0;
+		inside += isInside;
+		CHECK((place->gap < 0) == isInside);
+		CHECK(std::abs(std::abs(place->gap) - sampledDistance<dim>(block, x)) < 0.02);
+		CHECK(std::abs(place->normal.norm() - 1) < 1e-12);
+		const Vec<dim> foot = x - place->gap * place->normal;
+		const Vec<dim> atFoot = block.axes.transpose() * (foot - block.centre);
+		CHECK(std::abs((atFoot.cwiseAbs() - block.halfSides).maxCoeff()) < 1e-12);
+	}
+	CHECK(inside > 5);
+}
+
+TEMPLATE_TEST_CASE_SIG("a plate is touched on the side that the outline faces", "[rigid]",
+		       ((int dim), dim), 2, 3)
+{
+	PlateSurface<dim> plate;
+	plate.corner[0] = Vec<dim>::Zero();
+	for (int a = 1; a < dim; ++a)
+		plate.corner[a] = Vec<dim>::Unit(a - 1);
+	const Vec<dim> up = Vec<dim>::Unit(dim - 1);
+	const Vec<dim> above = Vec<dim>::Constant(0.2);
+	for (const double side : { 1., -1. }) {
+		auto faces = [&](const Vec<dim>& n) { return side * up.dot(n) > 0.1; };
+		const auto place = placeOn<dim>(plate, above, faces);
+		REQUIRE(place);
+		CHECK((place->normal - side * up).norm() < 1e-15);
+		CHECK(std::abs(place->gap - side * 0.2) < 1e-15);
+	}
+	// beyond an end its distance is the gap
+	Vec<dim> beyond = Vec<dim>::Zero();
+	beyond[0] = -0.3;
+	beyond[dim - 1] = 0.4;
+	const auto place = placeOn<dim>(plate, beyond, anySide);
+	REQUIRE(place);
+	CHECK(std::abs(place->gap - 0.5) < 1e-12);
+	CHECK(!placeOn<dim>(plate, beyond, [](const auto&) { return false; }));
+}
+
+TEMPLATE_TEST_CASE_SIG("a ball leans on the outline where it is nearest", "[rigid]",
+		       ((int dim), dim), 2, 3)
+{
+	const auto reference = makeGrainTemplate<dim>(recipe(0.2));
+	const Vec<dim> centre = Vec<dim>::Constant(0.01);
+	const ContactBody<dim> body = contactBody<dim>(*reference, 0.01, centre);
+	Random random(2);
+	const double exactness = (dim == 2 ? 3e-3 : 0.06) * body.pointSpacing;
+	for (const double radius : { 0.0005, 0.01, 0.2 })
+		for (int k = 0; k < 50; ++k) {
+			const double gap = random.uniform(-0.2, 0.2) * body.pointSpacing;
+			const Vec<dim> away = random.direction<dim>();
+			const Vec<dim> place = centre + (0.01 + radius + gap) * away;
+			const auto contact =
+				ballOnOutline<dim>(place, radius, body, body.pointSpacing);
+			REQUIRE(contact);
+			CHECK(std::abs(contact->gap - gap) < exactness);
+			CHECK(contact->normal.dot(away) > 0.99);
+			double sum = 0;
+			for (int i = 0; i < contact->partners; ++i)
+				sum += contact->weight[i];
+			CHECK(std::abs(sum - 1) < 1e-12);
+		}
+	CHECK(!ballOnOutline<dim>(centre + Vec<dim>::Unit(0) * 0.025, 0.01, body, 0.001));
+}
+
+TEST_CASE("nodes near a ball and the ball itself are contacts", "[rigid]")
+{
+	const auto reference = makeGrainTemplate<2>(recipe(0.2));
+	const ContactBody<2> body = contactBody<2>(*reference, 0.01, { 0, 0 });
+	// much smaller than a facet, in its middle: no node is within reach
+	const auto& facet = body.mesh->facet[3];
+	const Vec<2> middle = 0.5 * (body.position[facet[0]] + body.position[facet[1]]);
+	auto list = listWith<2>(BallSurface<2> { middle.normalized() * 0.0103, 0.0003 });
+	findContacts<2>(body, 1e-5, list);
+	REQUIRE(list.contacts.size() == 1);
+	CHECK(list.contacts[0].key.side == 1);
+	CHECK(std::abs(list.contacts[0].gap) < 2e-6);
+	// a large one
+	list = listWith<2>(BallSurface<2> { { 0, 0.0199 }, 0.01 });
+	findContacts<2>(body, 1e-3, list);
+	CHECK(std::is_sorted(list.contacts.begin(), list.contacts.end(),
+			     [](const auto& a, const auto& b) { return a.key < b.key; }));
+	CHECK(std::count_if(list.contacts.begin(), list.contacts.end(),
+			    [](const auto& c) { return c.key.side == 1; }) == 1);
+	CHECK(list.contacts.size() > 3);
+	CHECK(list.deepest > 0);
+	// one in the other
+	for (const double radius : { 0.001, 0.05 }) {
+		list = listWith<2>(BallSurface<2> { { 0.001, 0 }, radius });
+		findContacts<2>(body, 1e-3, list);
+		CHECK(list.deepest > 1);
+	}
+}
+
+TEST_CASE("a grain on a seam of two plates touches it as one", "[rigid]")
+{
+	const auto reference = makeGrainTemplate<2>(recipe(0.1));
+	const ContactBody<2> body = contactBody<2>(*reference, 0.01, { 0, 0.00995 });
+	std::vector<double> gaps;
+	for (const double x : { -0.02, 0. }) {
+		auto list = listWith<2>(PlateSurface<2> { { Vec<2>(x, 0), Vec<2>(x + 0.02, 0) } });
+		findContacts<2>(body, 5e-5, list);
+		for (const Contact<2>& c : list.contacts) {
+			if (c.key.side == 1) continue;
+			CHECK((c.normal - Vec<2>(0, 1)).norm() < 1e-12);
+			CHECK(std::abs(c.gap - body.position[c.key.node][1]) < 1e-15);
+			gaps.push_back(c.gap);
+		}
+	}
+	const auto below = std::count_if(body.position.begin(), body.position.end(),
+					 [](const Vec<2>& x) { return x[1] < 5e-5; });
+	CHECK(static_cast<int>(gaps.size()) >= below);
+	CHECK(static_cast<int>(gaps.size()) <= below + 1); // the lowest node may be on both
+}
