@@ -85,8 +85,10 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 	for (const Body* body : bodies) {
 		SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
 		if (grain.assembly) continuation = grain.assembly->continuation();
+		const bool goesOn = bool(grain.assembly);
 		grain.fetchState();
 		grains.push_back(grain.describe(*body));
+		if (goesOn) grains.back().state.rest.clear(); // what changed may concern it: awake
 	}
 	const auto assembly = softgrain::GrainAssembly::create(grains);
 	assembly->continueFrom(continuation);

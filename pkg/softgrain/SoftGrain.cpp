@@ -92,7 +92,8 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.angularVelocity = body.state->angVel;
 	d.orientation = body.state->ori;
 	d.origin = stateOrigin;
-	d.state = { savedPositions, savedVelocities, savedGradients, savedRigidMotion };
+	d.state = { savedPositions,   savedVelocities, savedGradients,
+		    savedRigidMotion, savedRest,       savedSleep };
 	return d;
 }
 
@@ -104,6 +105,8 @@ void SoftGrain::fetchState()
 	savedVelocities = std::move(state.v);
 	savedGradients = std::move(state.F);
 	savedRigidMotion = std::move(state.rigid);
+	savedRest = std::move(state.rest);
+	savedSleep = std::move(state.sleep);
 }
 
 void SoftGrain::postLoad(SoftGrain&)
@@ -152,6 +155,8 @@ py::dict SoftGrain::pointArrays()
 }
 
 bool SoftGrain::movesRigidly() { return assembled().isRigid(index); }
+
+bool SoftGrain::sleeps() { return assembled().isAsleep(index); }
 
 py::dict SoftGrain::energyDict()
 {

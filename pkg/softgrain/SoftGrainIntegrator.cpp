@@ -104,7 +104,7 @@ void SoftGrainIntegrator::advance()
 void SoftGrainIntegrator::continueSavedRun()
 {
 	loaded_ = false;
-	if (workSums.size() != 5) return;
+	if (workSums.size() != 6) return;
 	softgrain::Continuation state;
 	state.lastStep = lastStep;
 	state.sums.friction = workSums[0];
@@ -112,6 +112,7 @@ void SoftGrainIntegrator::continueSavedRun()
 	state.sums.planes = workSums[2];
 	state.sums.loads = workSums[3];
 	state.sums.damping = workSums[4];
+	state.sums.sleep = workSums[5];
 	assembly_->continueFrom(state);
 }
 
@@ -309,6 +310,7 @@ softgrain::StepSettings SoftGrainIntegrator::settings()
 	s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
 	s.trackEnergy = scene->trackEnergy;
 	s.rigidMotion = rigidMotion;
+	s.sleep = sleep;
 	s.threads = threads();
 	s.clock = &clock_;
 	return s;

@@ -7,6 +7,7 @@
 #include "grain/Damper.hpp"
 #include "grain/GrainSet.hpp"
 #include "grain/PointVelocities.hpp"
+#include "grain/RestWatch.hpp"
 #include "grain/RigidMotion.hpp"
 
 #include <optional>
@@ -32,6 +33,10 @@ public:
 	bool mayMoveRigidly(int g) const override;
 	void beginRigidMotion(int g) override;
 	void endRigidMotion(int g) override;
+	bool isAsleep(int g) const override { return rest_[g].isAsleep(); }
+	double watchRest(int g, double dt) override;
+	Vec<dim> fallAsleep(int g) override;
+	void wake(int g) override;
 	void arrangeGrains() override;
 	RigidBounds<dim> rigidBounds(int g) const override;
 
@@ -101,6 +106,8 @@ private:
 	double vibrationEnergy(int g, const WholeGrain<dim>& whole) const;
 	/// If the grain moves rigidly and somebody wants to know its nodes.
 	void writeNodes(int g) const;
+	std::vector<double> restNumbers(int g) const;
+	void restoreRest(int g, const std::vector<double>& numbers);
 	void moveNodes(int g, double dt);
 	Vec<dim> pointAt(int g, int p) const;
 	bool usesOwnNodes(int g) const { return ownNodes_[g].shapes.rows() > 0; }
@@ -123,6 +130,7 @@ private:
 	};
 	std::vector<RigidShape<dim>> shape_;
 	std::vector<RigidLimits> limits_;
+	std::vector<RestWatch> rest_;
 	double outlineRadius_ = 0, outlineBulge_ = 0; ///< as in RigidBounds, in radii
 	std::vector<RigidMotion<dim>> rigid_;         ///< where isRigid_
 	std::vector<char> isRigid_;
