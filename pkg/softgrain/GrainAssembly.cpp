@@ -64,7 +64,7 @@ public:
 	double deepest() const override { return list.deepest; }
 	void setFriction(double coefficient) override
 	{
-		if (coefficient != list.friction) list.rest.kick = 0; // wakes the pair
+		if (coefficient != list.friction) list.rest.changed = true;
 		list.friction = coefficient;
 	}
 
@@ -127,7 +127,7 @@ public:
 		if (saved.empty()) return;
 		requireSize("figures of a sleeping pair", saved, 2 + dim);
 		list.friction = saved[1];
-		list.rest = { saved[0], Eigen::Map<const Vec<dim>>(&saved[2]), false };
+		list.rest = { saved[0], Eigen::Map<const Vec<dim>>(&saved[2]), false, false };
 	}
 
 	ContactList<dim> list;

@@ -49,11 +49,12 @@ void SoftGrainIntegrator::publishMotions()
 #pragma omp parallel for schedule(static) num_threads(threads())
 	for (int g = 0; g < count; ++g) {
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
+		SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+		const bool asleep = assembly_->isAsleep(g);
+		if (asleep && grain.writtenAsleep) continue;
+		grain.writtenAsleep = asleep;
 		State& state = *body.state;
-		softgrain::GrainMotion& written = static_cast<SoftGrain&>(*body.shape).written;
-		if (assembly_->isAsleep(g) && written.velocity.isZero(0) &&
-		    written.angularVelocity.isZero(0))
-			continue; // State is that of the sleeping grain already
+		softgrain::GrainMotion& written = grain.written;
 		written = assembly_->motion(g);
 		state.vel = written.velocity;
 		state.angVel = written.angularVelocity;
@@ -135,6 +136,7 @@ void SoftGrainIntegrator::saveContinuation()
 {
 	const auto state = assembly_->continuation();
 	lastStep = state.lastStep;
+	assemblySteps = state.steps;
 	workSums = { state.sums.friction, state.sums.impact,  state.sums.planes,
 		     state.sums.loads,    state.sums.damping, state.sums.sleep };
 }

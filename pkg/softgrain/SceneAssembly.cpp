@@ -103,6 +103,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 		grain.assembledCondition = material.condition;
 		grain.assembledDamping = material.damping();
 		grain.written = assembly->motion(g);
+		grain.writtenAsleep = false;
 	}
 	return assembly;
 }

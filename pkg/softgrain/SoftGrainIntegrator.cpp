@@ -107,6 +107,7 @@ void SoftGrainIntegrator::continueSavedRun()
 	if (workSums.size() != 6) return;
 	softgrain::Continuation state;
 	state.lastStep = lastStep;
+	state.steps = assemblySteps;
 	state.sums.friction = workSums[0];
 	state.sums.impact = workSums[1];
 	state.sums.planes = workSums[2];

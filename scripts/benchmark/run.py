@@ -58,6 +58,8 @@ def cases():
         Case("scale, many", "scale", fewer, **many, grains=10000),
         Case("at rest, all computed", "sleeping", fewer, grains=10000, steps=5),
         Case("at rest, skipped", "sleeping", fewer, grains=10000, steps=5, skip=True),
+        Case("packing at rest, all computed", "resting", small, **{**packing, "grains": 100}),
+        Case("packing at rest, asleep", "resting", small, **{**packing, "grains": 100}, skip=True),
         Case("mixed", "mixed", small, **packing),
         Case("save and load", "saving", {**small, "repeat": 3}, grains=400),
     ]
@@ -193,6 +195,8 @@ def compare(columns):
         ratio("updated over total", point, "bulk, updated", "bulk, h = 1.25 dr", threads)
         ratio("many over few grains, a point and step", point, "scale, many", "scale, few", threads)
         ratio("skipped over computed", step, "at rest, skipped", "at rest, all computed", threads)
+        asleep, awake = "packing at rest, asleep", "packing at rest, all computed"
+        ratio("asleep over computed", step, asleep, awake, threads)
         for name in dict.fromkeys(name for name, _ in columns):
             one, more = cost.get((name, 1), {}), cost.get((name, threads), {})
             if threads > 1 and step in one and step in more:

@@ -3,8 +3,8 @@
 Disks of radius 10 mm (E = 1 MPa, nu = 0.45) fall a tenth of a radius into a box and come to rest,
 once with and once without ``SoftGrainIntegrator.sleep``. Printed at some times: how many grains
 sleep, kinetic over elastic energy of the run without, the largest differences of centres (over the
-radius), of forces on walls (over the weight of all) and of forces of pairs (over that of one grain),
-and the processor time of both runs since the row before.
+radius), of forces on walls (over the weight of all) and of forces of pairs (over that of one
+grain), and the processor time of both runs since the row before.
 """
 
 import argparse
@@ -55,7 +55,9 @@ def observe(walls):
     return {
         "centres": np.array([body.state.pos for body in bodies]),
         "walls": np.array([O.forces.f(wall) for wall in walls]),
-        "pairs": {(i.id1, i.id2): np.array(i.phys.normalForce + i.phys.shearForce) for i in O.interactions},
+        "pairs": {
+            (i.id1, i.id2): np.array(i.phys.normalForce + i.phys.shearForce) for i in O.interactions
+        },
         "ratio": kinetic / elastic if elastic > 0 else math.inf,
         "asleep": sg.integrator().sleepingGrains,
     }

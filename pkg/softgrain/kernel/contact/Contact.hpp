@@ -68,8 +68,9 @@ template <int dim> struct PairImpulse {
 template <int dim> struct PairRest {
 	double kick = 0;                        ///< time over which the impulses acted, s; 0: awake
 	Vec<dim> planePoint = Vec<dim>::Zero(); ///< where the pair's plane was, m
-	bool found = true; ///< contacts are complete; after loading only keys and impulses are
-	bool kept = false; ///< impulses were those of the step before in the last step
+	bool changed = false; ///< a body or the friction, since: the pair is to be woken
+	bool found = true;    ///< contacts are complete; after loading only keys and impulses are
+	bool kept = false;    ///< impulses were those of the step before in the last step
 };
 
 /// All contacts of two bodies, sorted by key.
@@ -86,7 +87,7 @@ template <int dim> struct ContactList {
 	ContactCandidates candidates;
 	int tested = 0; ///< nodes that the last search measured against the other body
 
-	bool isAsleep() const { return rest.kick > 0; }
+	bool isAsleep() const { return rest.kick > 0 && !rest.changed; }
 	/// Keeps the deepest; `pointSpacing` is the mean dr of the two grains, m.
 	void noteOverlap(double gap, double pointSpacing)
 	{

@@ -80,10 +80,12 @@ public:
 	virtual void beginRigidMotion(int g);
 	/// The nodes take over.
 	virtual void endRigidMotion(int g);
+	/// Whether a grain that moves rigidly does not move at all.
+	virtual bool isMotionless(int) const { return false; }
 	/// Asleep: at rest, and kept as it is. Phases are not called for such grains.
 	virtual bool isAsleep(int) const { return false; }
 	/// Time for which a grain has been at rest up to a small share of its elastic energy, in
-	/// periods of its slowest vibration, the last step of dt included; the report must be that
+	/// periods of its slowest vibration, the last dt included; the report must be that
 	/// of the present positions. Always 0 where nothing damps.
 	virtual double watchRest(int /*g*/, double /*dt*/) { return 0; }
 	/// Before the last `move`: the new velocities become 0. Returns the momentum that this

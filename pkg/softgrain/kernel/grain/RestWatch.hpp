@@ -21,7 +21,7 @@ public:
 	{
 		return elasticEnergy > 0 && kineticEnergy <= share_ * elasticEnergy;
 	}
-	/// One more step of dt; returns the time since the grain became calm, in periods.
+	/// After a further time dt; returns the time since the grain became calm, in periods.
 	double count(bool calm, double dt)
 	{
 		calmTime_ = calm ? calmTime_ + dt : 0;

@@ -162,13 +162,14 @@ template <int dim> double TotalLagrangian<dim>::watchRest(int g, double dt)
 
 template <int dim> Vec<dim> TotalLagrangian<dim>::fallAsleep(int g)
 {
+	rest_[g].fallAsleep();
+	++this->changesOfActivity_;
 	Vec<dim> momentum = Vec<dim>::Zero();
+	if (isRigid_[g]) return momentum;
 	for (int I = 0; I < nodes(); ++I)
 		momentum += batch_.nodeMass(g, I) * batch_.vNext.get(g, I);
 	std::fill_n(batch_.vNext.of(g), nodes(), Vec<dim>::Zero());
 	if (damper_) damper_->stop(g);
-	rest_[g].fallAsleep();
-	++this->changesOfActivity_;
 	return momentum;
 }
 

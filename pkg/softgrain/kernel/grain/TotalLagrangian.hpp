@@ -33,6 +33,10 @@ public:
 	bool mayMoveRigidly(int g) const override;
 	void beginRigidMotion(int g) override;
 	void endRigidMotion(int g) override;
+	bool isMotionless(int g) const override
+	{
+		return isRigid_[g] && rigid_[g].velocity.isZero(0) && rigid_[g].momentum.isZero(0);
+	}
 	bool isAsleep(int g) const override { return rest_[g].isAsleep(); }
 	double watchRest(int g, double dt) override;
 	Vec<dim> fallAsleep(int g) override;

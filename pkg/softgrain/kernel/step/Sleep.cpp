@@ -20,6 +20,10 @@ namespace {
 /// own vibrations are slower by the number of grains across.
 constexpr double calmPeriods = 4;
 
+/// Steps from one look at the grains to the next, to spend less on looking than on grains; a period
+/// has some tens of steps.
+constexpr int watchInterval = 8;
+
 } // namespace
 
 template <int dim> void System<dim>::setLoad(int g, const BodyLoad<dim>& load)
@@ -79,7 +83,9 @@ template <int dim> bool System<dim>::liesStill(const ContactList<dim>& list) con
 template <int dim>
 void System<dim>::wakeGrains(const std::vector<ContactList<dim>*>& lists, double kick, bool sleep)
 {
-	if (asleep_.empty()) return;
+	const bool noneRests = std::none_of(lists.begin(), lists.end(),
+					    [](const auto* list) { return list->rest.kick > 0; });
+	if (asleep_.empty() && noneRests) return;
 	std::vector<int> changed, resting(grains(), 0);
 	for (const ContactList<dim>* list : lists) {
 		const bool still = list->isAsleep() && liesStill(*list);
@@ -93,8 +99,7 @@ void System<dim>::wakeGrains(const std::vector<ContactList<dim>*>& lists, double
 		}
 	}
 	for (int g : asleep_) {
-		if (resting_[g] < 0 && isAsleep(g)) resting_[g] = resting[g];
-		if (!sleep || !isAsleep(g) || resting[g] != resting_[g]) changed.push_back(g);
+		if (!sleep || resting[g] != resting_[g]) changed.push_back(g);
 	}
 	if (changed.empty()) return;
 
@@ -107,10 +112,11 @@ void System<dim>::wakeGrains(const std::vector<ContactList<dim>*>& lists, double
 	for (int g : asleep_)
 		if (wakes[islands.of(g)]) wake(g);
 	for (ContactList<dim>* list : lists) {
-		if (!list->isAsleep() || !wakes[islands.of(list->first)]) continue;
+		const bool rests = list->isAsleep() && !wakes[islands.of(list->first)];
+		if (rests || list->rest.kick == 0) continue;
 		for (Contact<dim>& contact : list->contacts)
 			contact.impulse *= kick / list->rest.kick;
-		list->rest.kick = 0;
+		list->rest = {};
 	}
 	listGrains();
 }
@@ -120,6 +126,7 @@ namespace {
 /// What decides whether an island may sleep.
 struct IslandAtRest {
 	int grains = 0;
+	double calmPeriods = 0; ///< for which each of them must be calm
 	bool supported = false; ///< by a plane, which takes what momentum is left
 	bool disturbed = false; ///< by a plane that moves, or by a grain that is not calm
 };
@@ -132,11 +139,12 @@ void System<dim>::findRestedGrains(const std::vector<ContactList<dim>*>& lists,
 				   const std::vector<char>& touched, const StepSettings& settings)
 {
 	rested_.clear();
-	if (!settings.sleep || damped_.empty()) return;
+	const bool isDue = continuation_.steps % watchInterval == 0;
+	if (!settings.sleep || damped_.empty() || !isDue) return;
 	std::vector<double> periods(grains(), 0); // for which a grain has been calm
 	bool none = true;
 	for (int g : active_) {
-		periods[g] = setOf(g).watchRest(indexInSet(g), settings.dt);
+		periods[g] = setOf(g).watchRest(indexInSet(g), watchInterval * settings.dt);
 		none = none && periods[g] < calmPeriods;
 	}
 	if (none) return;
@@ -153,10 +161,12 @@ void System<dim>::findRestedGrains(const std::vector<ContactList<dim>*>& lists,
 		IslandAtRest& island = found[islands.of(list->first)];
 		(list->plane.velocity.isZero(0) ? island.supported : island.disturbed) = true;
 	}
+	for (IslandAtRest& island : found)
+		if (island.grains > 0)
+			island.calmPeriods = calmPeriods * std::pow(island.grains, 1. / dim);
 	for (int g : active_) {
 		IslandAtRest& island = found[islands.of(g)];
-		const double across = std::pow(island.grains, 1. / dim);
-		if (periods[g] < calmPeriods * across) island.disturbed = true;
+		if (periods[g] < island.calmPeriods) island.disturbed = true;
 	}
 	for (int g : active_) {
 		const IslandAtRest& island = found[islands.of(g)];

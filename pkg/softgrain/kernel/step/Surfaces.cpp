@@ -148,7 +148,7 @@ template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) c
 {
 	if (list.isAsleep()) {
 		if (!liesStill(list))
-			list.rest.kick = 0;
+			list.rest.changed = true;
 		else if (list.rest.found)
 			return false;
 	}

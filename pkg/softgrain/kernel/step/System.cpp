@@ -66,18 +66,24 @@ template <int dim> void System<dim>::listGrains()
 		set->arrangeGrains();
 }
 
-/// Grains that are touched, or spin too fast, are woken before the solve.
+/// Grains that are touched, or spin too fast, are woken before the solve. Rigid ones that do not
+/// move and that nothing drives sleep.
 template <int dim>
-void System<dim>::chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion)
+void System<dim>::chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings)
 {
 	for (int g : awake_) {
 		GrainSet<dim>& set = setOf(g);
 		const int k = indexInSet(g);
-		const bool rigid = rigidMotion && !touched[g] && set.mayMoveRigidly(k);
+		const bool rigid = settings.rigidMotion && !touched[g] && set.mayMoveRigidly(k);
 		if (rigid && !set.isRigid(k)) set.beginRigidMotion(k);
 		if (!rigid && set.isRigid(k)) {
 			body(g); // the next surface is compared with the present one
 			set.endRigidMotion(k);
+		}
+		if (rigid && settings.sleep && set.isMotionless(k) && loads_[g].isZero()) {
+			set.fallAsleep(k);
+			bodies_[g].fastest = 0;
+			resting_[g] = 0;
 		}
 	}
 	listGrains();
@@ -269,7 +275,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 
 	clock.end("sortLists");
 	wakeGrains(lists, report.kick, settings.sleep);
-	chooseRigidGrains(touched, settings.rigidMotion);
+	chooseRigidGrains(touched, settings);
 	std::erase_if(lists,
 		      [](ContactList<dim>* list) { return list->rest.kept = list->isAsleep(); });
 	findRestedGrains(lists, touched, settings);
@@ -298,6 +304,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	});
 	listGrains();
 	continuation_.lastStep = settings.dt;
+	++continuation_.steps;
 	forcesFresh_ = false;
 	clock.end("move");
 	report.work.points = std::exchange(updatedPoints_, 0);

@@ -75,6 +75,7 @@ struct StepSettings {
 struct Continuation {
 	EnergyBalance sums;  ///< works up to half a step after t_n
 	double lastStep = 0; ///< length of the last step, s; 0 before the first
+	long steps = 0;      ///< so far
 };
 
 /// Whether a surface follows the state; it is renewed when it is asked for. Whoever asks first
@@ -188,7 +189,7 @@ private:
 	bool areFarApart(int first, int second, double reach) const;
 	bool isFarFrom(int g, const Plane<dim>& plane, double reach) const;
 	double outsideReach(double reach) const;
-	void chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion);
+	void chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings);
 	void listGrains();
 
 	bool liesStill(const ContactList<dim>& list) const;
@@ -221,7 +222,7 @@ private:
 	std::vector<int> active_, rigid_, asleep_;
 	std::vector<int> awake_;   ///< active and rigid
 	std::vector<int> rested_;  ///< falling asleep in the step at hand
-	std::vector<int> resting_; ///< by sleeping grain: its pairs in contact; -1: to be counted
+	std::vector<int> resting_; ///< by sleeping grain: its pairs in contact; -1: woken
 	double sleepersStiffening_ = 1, sleepersRateStiffening_ = 1; ///< largest
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<int> damped_; ///< grains with damping
