@@ -60,8 +60,13 @@ public:
 	{
 	}
 	bool hasContact() const override { return !list.contacts.empty() || list.deepest > 0; }
+	bool isKept() const override { return list.isAsleep() && list.rest.kept; }
 	double deepest() const override { return list.deepest; }
-	void setFriction(double coefficient) override { list.friction = coefficient; }
+	void setFriction(double coefficient) override
+	{
+		if (coefficient != list.friction) list.rest.changed = true;
+		list.friction = coefficient;
+	}
 
 	bool hasRigidBody() const override { return list.rigid.has_value(); }
 	void setPartner(int partner) override { list.rigid->partner = partner; }
@@ -94,10 +99,10 @@ public:
 	std::vector<ContactPressure> pressures() const override
 	{
 		if (list.contacts.empty()) return {};
-		return contactPressures<dim>(system_->body(list.first),
-					     list.second < 0 ? nullptr
-							     : &system_->body(list.second),
-					     list.contacts, system_->lastKick());
+		return contactPressures<dim>(
+			system_->body(list.first),
+			list.second < 0 ? nullptr : &system_->body(list.second), list.contacts,
+			list.isAsleep() ? list.rest.kick : system_->lastKick());
 	}
 
 	void restore(const std::vector<ContactRecord>& saved) override
@@ -109,6 +114,22 @@ public:
 			c.impulse = toKernel<dim>(record.impulse);
 			list.contacts.push_back(c);
 		}
+	}
+
+	std::vector<double> rest() const override
+	{
+		if (!list.isAsleep()) return {};
+		const Vec<dim>& point = list.rest.planePoint;
+		std::vector<double> numbers { list.rest.kick, list.friction };
+		numbers.insert(numbers.end(), point.data(), point.data() + dim);
+		return numbers;
+	}
+	void restoreRest(const std::vector<double>& saved) override
+	{
+		if (saved.empty()) return;
+		requireSize("figures of a sleeping pair", saved, 2 + dim);
+		list.friction = saved[1];
+		list.rest = { saved[0], Eigen::Map<const Vec<dim>>(&saved[2]), false, false };
 	}
 
 	ContactList<dim> list;
@@ -243,6 +264,7 @@ public:
 	double slowestWave() const override { return slowestWave_; }
 	void updateForces(int threads) override { system_.updateForces(threads); }
 	bool isRigid(int g) const override { return system_.isRigid(g); }
+	bool isAsleep(int g) const override { return system_.isAsleep(g); }
 
 	std::unique_ptr<PairContacts> newPair() const override
 	{
@@ -321,8 +343,8 @@ public:
 
 	void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) override
 	{
-		system_.loads()[g] = { toKernel<dim>(acceleration),
-				       spinMatrix<dim>(angularToKernel<dim>(angularAcceleration)) };
+		system_.setLoad(g, { toKernel<dim>(acceleration),
+				     spinMatrix<dim>(angularToKernel<dim>(angularAcceleration)) });
 	}
 
 	GrainMotion motion(int g) const override
@@ -343,6 +365,7 @@ public:
 	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity,
 			 const Vec3& angularVelocity) override
 	{
+		system_.wake(g);
 		system_.setOf(g).moveRigidly(
 			system_.indexInSet(g), rotationToKernel<dim>(turn), toKernel<dim>(shift),
 			toKernel<dim>(velocity),
@@ -423,7 +446,9 @@ public:
 	GrainState state(int g, Vec3& origin) const override
 	{
 		origin = toSpace<dim>(parameters(g).origin, z_);
-		return system_.setOf(g).state(system_.indexInSet(g));
+		GrainState state = system_.setOf(g).state(system_.indexInSet(g));
+		state.sleep = system_.sleepNumbers(g);
+		return state;
 	}
 
 private:
@@ -476,7 +501,11 @@ private:
 				setState(*set, k, *members[k]);
 				id_.push_back(members[k]->id);
 			}
+			const int first = system_.grains();
 			system_.add(std::move(set));
+			for (std::size_t k = 0; k < members.size(); ++k)
+				system_.restoreSleep(first + static_cast<int>(k),
+						     members[k]->state.sleep);
 		}
 	}
 

@@ -98,6 +98,8 @@ public:
 	virtual ~PairContacts() = default;
 	/// Whether there is a contact point within reach, or an overlap too deep for one.
 	virtual bool hasContact() const = 0;
+	/// The pair is asleep, and its impulses in the last step were those of the step before.
+	virtual bool isKept() const = 0;
 	virtual double deepest() const = 0; ///< largest overlap, in dr
 	virtual void setFriction(double coefficient) = 0;
 	/// With a rigid body (no wall); `partner` is the number of its motion in the coming step.
@@ -110,6 +112,10 @@ public:
 	virtual std::vector<ContactPressure> pressures() const = 0;
 	/// Puts saved impulses back; the next search carries them over to the contacts it finds.
 	virtual void restore(const std::vector<ContactRecord>& saved) = 0;
+	/// What a sleeping pair has to be saved with besides its records; empty if awake.
+	virtual std::vector<double> rest() const = 0;
+	/// After `restore`: the pair sleeps on.
+	virtual void restoreRest(const std::vector<double>& saved) = 0;
 };
 
 /// Fields at the material points of a grain.
@@ -137,6 +143,7 @@ public:
 	virtual double pointSpacing(int g) const = 0; ///< dr, m
 	virtual void updateForces(int threads) = 0;   ///< throws StepError
 	virtual bool isRigid(int g) const = 0;        ///< moves as a rigid body
+	virtual bool isAsleep(int g) const = 0;       ///< at rest, and left as it is
 
 	virtual std::unique_ptr<PairContacts> newPair() const = 0;
 	virtual void search(PairContacts& pair, int first, int second, double dt) const = 0;
@@ -153,6 +160,7 @@ public:
 				const std::vector<RigidMotionDescription>& partners) = 0;
 	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
 
+	/// Another load than before wakes a sleeping grain, and so does `moveRigidly`.
 	virtual void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) = 0;
 	virtual GrainMotion motion(int g) const = 0;
 	/// Adds a rigid motion: turns by `turn` about the centre of mass, shifts, adds velocities.

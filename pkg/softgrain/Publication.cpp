@@ -23,6 +23,7 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 	for (long k = 0; k < count; ++k) {
 		SoftGeom& geom = static_cast<SoftGeom&>(*interactions[k]->geom);
 		SoftPhys& phys = static_cast<SoftPhys&>(*interactions[k]->phys);
+		if (geom.pair->isKept()) continue; // it holds these forces already
 		const softgrain::SumOfImpulses sum = geom.pair->impulse();
 		const bool firstIsBody2 =
 			assembly_->idOf(geom.pair->firstGrain()) == interactions[k]->getId2();
@@ -57,8 +58,12 @@ void SoftGrainIntegrator::publishMotions()
 #pragma omp parallel for schedule(static) num_threads(threads())
 	for (int g = 0; g < count; ++g) {
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
+		SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+		const bool asleep = assembly_->isAsleep(g);
+		if (asleep && grain.writtenAsleep) continue;
+		grain.writtenAsleep = asleep;
 		State& state = *body.state;
-		softgrain::GrainMotion& written = static_cast<SoftGrain&>(*body.shape).written;
+		softgrain::GrainMotion& written = grain.written;
 		written = assembly_->motion(g);
 		state.vel = written.velocity;
 		state.angVel = written.angularVelocity;
@@ -84,6 +89,9 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 	overlap = report.deepest;
 	largestOverlap = std::max(largestOverlap, overlap);
 	activeGrains = report.activeGrains;
+	sleepingGrains = report.sleepingGrains;
+	droppedMomentum += report.droppedMomentum;
+	droppedEnergy += report.droppedEnergy;
 	totalGrainSteps += activeGrains;
 	steps += 1;
 	totalSweeps += sweeps;
@@ -102,15 +110,16 @@ void SoftGrainIntegrator::publishTimes()
 
 namespace {
 
-constexpr std::array<const char*, 7> energyNames { "kinetic", "elastic", "friction", "impact",
-						   "walls",   "loads",   "damping" };
+constexpr std::array<const char*, 8> energyNames { "kinetic", "elastic", "friction", "impact",
+						   "walls",   "loads",   "damping",  "sleep" };
 
 } // namespace
 
 void SoftGrainIntegrator::publishEnergy()
 {
 	const auto e = assembly_->energy();
-	energies = { e.kinetic, e.elastic, e.friction, e.impact, e.planes, e.loads, e.damping };
+	energies = { e.kinetic, e.elastic, e.friction, e.impact,
+		     e.planes,  e.loads,   e.damping,  e.sleep };
 	for (std::size_t k = 0; k < energies.size(); ++k) {
 		string name = string("soft") + energyNames[k];
 		name[4] = static_cast<char>(std::toupper(name[4]));
@@ -147,15 +156,16 @@ void SoftGrainIntegrator::saveContinuation()
 {
 	const auto state = assembly_->continuation();
 	lastStep = state.lastStep;
-	stepCount = static_cast<Real>(state.steps);
-	workSums = { state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads,
-		     state.sums.damping };
+	assemblySteps = state.steps;
+	workSums = { state.sums.friction, state.sums.impact,  state.sums.planes,
+		     state.sums.loads,    state.sums.damping, state.sums.sleep };
 }
 
 /// The collider watches State.pos only; outlines that leave their boxes are watched here.
 void SoftGrainIntegrator::callColliderIfNeeded() const
 {
 	for (int g = 0; g < assembly_->grains(); ++g) {
+		if (assembly_->isAsleep(g)) continue; // inside as before
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
 		if (!body.bound) continue;
 		const double margin =

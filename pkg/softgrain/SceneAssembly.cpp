@@ -85,9 +85,11 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 	for (const Body* body : bodies) {
 		SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
 		if (grain.assembly) continuation = grain.assembly->continuation();
+		const bool goesOn = bool(grain.assembly);
 		grain.fetchState();
 		if (grain.assembly) grain.savedForces.clear(); // materials may have changed
 		grains.push_back(grain.describe(*body));
+		if (goesOn) grains.back().state.rest.clear(); // what changed may concern it: awake
 	}
 	const auto assembly = softgrain::GrainAssembly::create(grains);
 	assembly->continueFrom(continuation);
@@ -102,6 +104,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 		grain.assembledCondition = material.condition;
 		grain.assembledDamping = material.damping();
 		grain.written = assembly->motion(g);
+		grain.writtenAsleep = false;
 	}
 	return assembly;
 }

@@ -27,9 +27,11 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present)
 				  Vec3::Zero(),
 				  savedImpulses[k],
 				  0 });
+	const bool loaded = !pair;
 	assembly = present;
 	pair = present->newPair();
 	pair->restore(records);
+	if (loaded) pair->restoreRest(savedRest);
 }
 
 void SoftGeom::preSave(SoftGeom&)
@@ -37,6 +39,7 @@ void SoftGeom::preSave(SoftGeom&)
 	if (!pair) return;
 	savedKeys.clear();
 	savedImpulses.clear();
+	savedRest = pair->rest();
 	for (const ContactRecord& c : pair->records()) {
 		savedKeys.insert(savedKeys.end(), { c.key.side, c.key.node, c.key.other });
 		savedImpulses.push_back(c.impulse);
@@ -137,6 +140,9 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
 	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
 	if (!grain1.assembly || grain1.assembly != grain2.assembly) return I->isReal();
+	if (!I->isReal() && grain1.assembly->isAsleep(grain1.index) &&
+	    grain1.assembly->isAsleep(grain2.index))
+		return false; // apart when they fell asleep
 	const SearchTimer timer(*this);
 	const auto geom = geometryOf(*I, grain1.assembly);
 	grain1.assembly->search(*geom->pair, std::min(grain1.index, grain2.index),

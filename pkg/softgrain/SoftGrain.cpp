@@ -92,8 +92,8 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.angularVelocity = body.state->angVel;
 	d.orientation = body.state->ori;
 	d.origin = stateOrigin;
-	d.state = { savedPositions, savedVelocities, savedGradients, savedRigidMotion,
-		    savedForces };
+	d.state = { savedPositions,   savedVelocities, savedGradients, savedRigidMotion,
+		    savedForces,      savedRest,       savedSleep };
 	return d;
 }
 
@@ -106,6 +106,8 @@ void SoftGrain::fetchState()
 	savedGradients = std::move(state.F);
 	savedRigidMotion = std::move(state.rigid);
 	savedForces = std::move(state.held);
+	savedRest = std::move(state.rest);
+	savedSleep = std::move(state.sleep);
 }
 
 void SoftGrain::postLoad(SoftGrain&)
@@ -154,6 +156,8 @@ py::dict SoftGrain::pointArrays()
 }
 
 bool SoftGrain::movesRigidly() { return assembled().isRigid(index); }
+
+bool SoftGrain::sleeps() { return assembled().isAsleep(index); }
 
 py::dict SoftGrain::energyDict()
 {

@@ -19,6 +19,7 @@ public:
 	string assembledLaw, assembledCondition;
 	/// Motion of the whole grain as last written to State, to notice what the user changes.
 	softgrain::GrainMotion written;
+	bool writtenAsleep = false; ///< since it fell asleep; nothing to be written until woken
 
 	softgrain::TemplateRecipe recipe() const;
 	softgrain::Scheme scheme() const;
@@ -35,6 +36,7 @@ public:
 	py::object nodalVelocitiesArray();
 	py::dict pointArrays();
 	bool movesRigidly();
+	bool sleeps();
 	py::dict energyDict();
 	Real presentVolume();
 	Real undeformedVolume();
@@ -62,13 +64,16 @@ public:
 		((vector<Real>, savedVelocities, , Attr::hidden, "Velocities of the state as last fetched."))
 		((vector<Real>, savedGradients, , Attr::hidden, "Deformation gradients of the state as last fetched (formulation 'updated')."))
 		((vector<Real>, savedRigidMotion, , Attr::hidden, "Motion of a grain that moves rigidly as last fetched; else empty."))
-		((vector<Real>, savedForces, , Attr::hidden, "Forces that act beyond the next step (SoftGrainIntegrator.multirate) as last fetched; else empty.")),
+		((vector<Real>, savedForces, , Attr::hidden, "Forces that act beyond the next step (SoftGrainIntegrator.multirate) as last fetched; else empty."))
+		((vector<Real>, savedRest, , Attr::hidden, "What a grain that comes to rest or sleeps goes on from, as last fetched; else empty."))
+		((vector<Real>, savedSleep, , Attr::hidden, "Load and number of pairs with which a grain sleeps as last fetched; else empty.")),
 		createIndex();,
 		.def("outline", &SoftGrain::outlineArray, "Present positions of the contact nodes, in 2D counter-clockwise: array (n, 3) [m].")
 		.def("nodes", &SoftGrain::nodesArray, "Present positions of the background nodes (formulation 'updated': of the material points, since nodes keep nothing): array (n, dim) [m].")
 		.def("nodeVelocities", &SoftGrain::nodalVelocitiesArray, "Velocities of the background nodes (formulation 'updated': of the material points) half a step ago: array (n, dim) [m/s].")
 		.def("points", &SoftGrain::pointArrays, "Fields at the material points, a dict of arrays: position (n, 3) [m], F (n, 3, 3) deformation gradient [-], cauchy (n, 3, 3) Cauchy stress [Pa], volume (n,) present volume [m³, 2D m²].")
 		.def("isRigid", &SoftGrain::movesRigidly, "Whether the grain moves as a rigid body: undeformed and untouched, so that nothing of it needs to be computed (:yref:`SoftGrainIntegrator.rigidMotion`).")
+		.def("isAsleep", &SoftGrain::sleeps, "Whether the grain sleeps: at rest, like all that it touches, and left as it is until something changes (:yref:`SoftGrainIntegrator.sleep`).")
 		.def("energy", &SoftGrain::energyDict, "Energies of the grain [J, 2D J/m], a dict: kinetic (of the present velocities), elastic (at the beginning of the last step; 0 before the first).")
 		.def("undeformedVolume", &SoftGrain::undeformedVolume, "Volume of the undeformed grain [m³] (2D: area [m²]).")
 		.def("volume", &SoftGrain::presentVolume, "Present volume [m³] (2D: area [m²]), Σ Vp0 J.")

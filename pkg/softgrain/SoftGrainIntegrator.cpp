@@ -107,15 +107,16 @@ void SoftGrainIntegrator::advance()
 void SoftGrainIntegrator::continueSavedRun()
 {
 	loaded_ = false;
-	if (workSums.size() != 5) return;
+	if (workSums.size() != 6) return;
 	softgrain::Continuation state;
 	state.lastStep = lastStep;
-	state.steps = std::lround(stepCount);
+	state.steps = assemblySteps;
 	state.sums.friction = workSums[0];
 	state.sums.impact = workSums[1];
 	state.sums.planes = workSums[2];
 	state.sums.loads = workSums[3];
 	state.sums.damping = workSums[4];
+	state.sums.sleep = workSums[5];
 	assembly_->continueFrom(state);
 }
 
@@ -314,6 +315,7 @@ softgrain::StepSettings SoftGrainIntegrator::settings()
 	s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
 	s.trackEnergy = scene->trackEnergy;
 	s.rigidMotion = rigidMotion;
+	s.sleep = sleep;
 	s.threads = threads();
 	s.clock = &clock_;
 	return s;

@@ -27,7 +27,8 @@ public:
 		((Real, overlapSpeed, 1e-3, Attr::triggerPostLoad, "Cap on the speed at which overlaps are worked off, over the slowest wave speed of the grains, ≥ 0 [-]."))
 		((Real, maxOverlap, 1, Attr::triggerPostLoad, "Overlap at which the run stops, over the spacing of material points, > 0 [-]."))
 		((bool, rigidMotion, true, , "Whether grains that are undeformed and have no contact point within reach move as rigid bodies, at next to no cost: momentum and angular momentum are kept to rounding, and they are woken in the step in which a contact point comes within reach, before contacts are solved. Their nodes, stress and outline are made when asked for. Grains that spin at their rim with more than a hundredth of their wave speed, and formulation 'updated', are always computed. See doc/decisions/0014-inactive-grains.md."))
-		((bool, multirate, true, , "Whether small or stiff grains take steps of their own: O.dt is that of the grain with the shortest critical step, contacts and motion go by it, and stresses and internal forces of a grain whose critical step, undeformed, is n times as long are computed every n-th step and act until the next time (*rates*). Momentum is kept to rounding, angular momentum over n steps; energies ripple as in a scene of slow grains alone with a time step of their own. Grains with formulation 'updated' or velocityUpdate 'flip' are computed in every step; a scene whose critical steps differ by less than a factor of two runs as without. O.dt should change seldom, as it does by itself. See doc/decisions/0018-multirate.md."))
+		((bool, multirate, false, , "Whether small or stiff grains take steps of their own: O.dt is that of the grain with the shortest critical step, contacts and motion go by it, and stresses and internal forces of a grain whose critical step, undeformed, is n times as long are computed every n-th step and act until the next time (*rates*). Momentum is kept to rounding, angular momentum over n steps; energies ripple as in a scene of slow grains alone with a time step of their own. Grains with formulation 'updated' or velocityUpdate 'flip' are computed in every step; a scene whose critical steps differ by less than a factor of two runs as without. O.dt should change seldom, as it does by itself. See doc/decisions/0018-multirate.md."))
+		((bool, sleep, true, , "Whether damped grains (:yref:`SoftMat.massDamping`, :yref:`SoftMat.stiffnessDamping`) that came to rest sleep: nodes, stress and contact forces stay as they are, and nothing is searched, solved or moved for them. All grains connected by contact points within reach fall asleep together, once the kinetic energy of each has been below 1e-8 of its elastic energy for four periods of its slowest vibration times the number of grains across, if they lie on a Wall, none of their walls moves, and all are damped. They are woken together, with their impulses, by anything within reach that is not asleep, by a Wall that moves or was moved, and by a change of load, State, friction, material or number of bodies. What they still had of kinetic energy and momentum is dropped and counted. Undeformed grains that touch nothing, do not move and bear no load sleep as well, damped or not. See doc/decisions/0014-inactive-grains.md."))
 		((Real, criticalDt, 0, Attr::readonly, "Critical time step of the grains as deformed now [s]. |yupdate|"))
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
 		((int, activeContacts, 0, Attr::readonly, "Contact points that carry force. |yupdate|"))
@@ -36,7 +37,10 @@ public:
 		((Real, largestResidual, 0, Attr::readonly, "Largest *residual* of a step so far [-]. |yupdate|"))
 		((Real, overlap, 0, Attr::readonly, "Largest overlap in the last step over the spacing of material points [-]. |yupdate|"))
 		((Real, largestOverlap, 0, Attr::readonly, "Largest overlap so far over the spacing of material points [-]. |yupdate|"))
-		((int, activeGrains, 0, Attr::readonly, "Grains computed in the last step; the others moved rigidly. |yupdate|"))
+		((int, activeGrains, 0, Attr::readonly, "Grains computed in the last step; the others moved rigidly or slept. |yupdate|"))
+		((int, sleepingGrains, 0, Attr::readonly, "Grains that slept in the last step. |yupdate|"))
+		((Real, droppedMomentum, 0, Attr::readonly, "Momentum taken away from grains that fell asleep, summed over them so far, whatever its direction [N s, 2D N s/m]. |yupdate|"))
+		((Real, droppedEnergy, 0, Attr::readonly, "Kinetic energy taken away from grains that fell asleep so far [J, 2D J/m]. |yupdate|"))
 		((Real, totalGrainSteps, 0, Attr::readonly, "Sum of *activeGrains* over all steps so far. |yupdate|"))
 		((Real, steps, 0, Attr::readonly, "Steps so far. |yupdate|"))
 		((Real, totalSweeps, 0, Attr::readonly, "Sweeps so far. |yupdate|"))
@@ -48,11 +52,11 @@ public:
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
 		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
-		((Real, stepCount, 0, Attr::hidden, "Steps of the assembly so far."))
+		((long, assemblySteps, 0, Attr::hidden, "Steps of the assembly so far."))
 		((vector<Real>, energies, , Attr::hidden, "Energy balance of the last step [J]."))
-		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads, damping [J].")),
+		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads, damping, sleep [J].")),
 		timingDeltas.reset(new TimingDeltas);,
-		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done on the grains by moving walls and rigid bodies), loads (work of body loads), damping (dissipated by :yref:`SoftMat.massDamping` and :yref:`SoftMat.stiffnessDamping`) [J, 2D J/m]. kinetic + elastic + friction + impact + damping − walls − loads stays constant.")
+		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), loads (work of body loads), damping (dissipated by :yref:`SoftMat.massDamping` and :yref:`SoftMat.stiffnessDamping`), sleep (taken away by grains that fell asleep) [J, 2D J/m]. kinetic + elastic + friction + impact + damping + sleep − walls − loads stays constant.")
 		.def("rates", &SoftGrainIntegrator::ratesDict, "Grains by their rate: dict of steps from one computation of the forces of a grain to the next : number of grains. {1: all} without :yref:`SoftGrainIntegrator.multirate`; empty before the first step.")
 		.def("contactProblem", &SoftGrainIntegrator::contactProblem, "Contact problem of the last step as a dict of numpy arrays, with n contacts in dim dimensions, ready for ``numpy.savez``. Find impulses r with u = u_free + W r that satisfy 0 ≤ u_n + b ⊥ r_n ≥ 0, \\|r_t\\| ≤ mu r_n, sliding opposite to u_t at the bound. Keys: *normal* (n, dim), unit; *free_velocity* (n, dim), u_free [m/s]; *bias* (n), b [m/s]; *friction* (n), mu; *delassus_offset*, *delassus_column*, *delassus_value*, W [1/kg] in compressed sparse rows, n x n, each entry standing for itself times the identity of dim dimensions; *start* (n, dim), impulses the sweeps started from [N s]; *impulse* (n, dim), those they found [N s]. In 2D everything is per metre of thickness. Empty arrays before the first step.")
 	);
@@ -87,7 +91,7 @@ private:
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
 	softgrain::PhaseClock clock_;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
-	int energyIds_[7] = { -1, -1, -1, -1, -1, -1, -1 };
+	int energyIds_[8] = { -1, -1, -1, -1, -1, -1, -1, -1 };
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);
 

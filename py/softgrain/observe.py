@@ -79,7 +79,7 @@ class Balance:
     True``.
 
     The work of walls and loads must be found again as kinetic and elastic energy and as what
-    friction, impacts and damping dissipated.
+    friction, impacts and damping dissipated, and grains that fell asleep lost.
     """
 
     def __init__(self):
@@ -89,7 +89,7 @@ class Balance:
     @staticmethod
     def _stored_and_lost(energy):
         stored = energy["kinetic"] + energy["elastic"]
-        lost = energy["friction"] + energy["impact"] + energy["damping"]
+        lost = sum(energy[name] for name in ("friction", "impact", "damping", "sleep"))
         return stored + lost - energy["walls"] - energy["loads"]
 
     def error(self):

@@ -62,6 +62,8 @@ def cases():
         Case("scale, many", "scale", fewer, **many, grains=10000),
         Case("at rest, all computed", "sleeping", fewer, grains=10000, steps=5),
         Case("at rest, skipped", "sleeping", fewer, grains=10000, steps=5, skip=True),
+        Case("packing at rest, all computed", "resting", small, **{**packing, "grains": 100}),
+        Case("packing at rest, asleep", "resting", small, **{**packing, "grains": 100}, skip=True),
         Case("mixed", "mixed", small, **packing),
         Case(ONE_STEP, "sizes", pressed, grains=100, zeta=0.15, steps=100),
         Case(OWN_STEPS, "sizes", pressed, grains=100, zeta=0.15, steps=100, multirate=True),
@@ -203,6 +205,8 @@ def compare(columns):
         for what in (step, "point updates before, millions", "force on the wall, N/m"):
             ratio(f"one step over own steps: {what}", what, ONE_STEP, OWN_STEPS, threads)
         ratio("skipped over computed", step, "at rest, skipped", "at rest, all computed", threads)
+        asleep, awake = "packing at rest, asleep", "packing at rest, all computed"
+        ratio("asleep over computed", step, asleep, awake, threads)
         for name in dict.fromkeys(name for name, _ in columns):
             one, more = cost.get((name, 1), {}), cost.get((name, threads), {})
             if threads > 1 and step in one and step in more:

@@ -42,6 +42,8 @@ PRESSING_SPEED = 2.0  # m/s, of the soft grains up to there; then that of the pa
 SIZES_GAP = 0.02  # sizes: between the big disks at the start, over their diameter
 SIZES_STRAIN, SIZES_WINDOW = 0.12, 0.005  # sizes: strain before, and while the force is measured
 SETTLING_STEPS = 200  # at that speed, before measuring
+MOST_SETTLING_STEPS = 50000  # of grains that come to rest
+DAMPING = 4000.0  # 1/s, of these: a few times the speed of shear waves over the radius
 #: Attributes of SoftGrainIntegrator that skip grains at rest or in free flight, where it has them.
 SKIPPING = ("rigidMotion", "sleep")
 COUNTS = ("totalSweeps", "pointsUpdated", "pairsSearched", "candidatesTested", "contactsSwept")
@@ -295,6 +297,26 @@ def sleeping(options):
     return {**soft_figures(options), "skipping": able}
 
 
+def resting(options):
+    """Damped disks that press on their four neighbours and on four walls, at rest. With ``--skip``
+    they sleep if the integrator can (``skipping``)."""
+    spacing = 2 * RADIUS * (1 - 1e-3)
+    centers = lattice(options.grains, spacing)
+    fill(centers, np.full(options.grains, RADIUS), options)
+    sg.soft_bodies()[0].material.massDamping = DAMPING
+    low, high = -0.5 * spacing, centers.max() + 0.5 * spacing
+    for axis in (0, 1):
+        O.bodies.append([yade.utils.wall(x, axis=axis, material=FrictMat()) for x in (low, high)])
+    start()
+    able = skip(options.skip) and options.skip
+    advance(SETTLING_STEPS)
+    while able and sg.integrator().sleepingGrains < options.grains:
+        advance(SETTLING_STEPS)
+        if sg.integrator().steps > MOST_SETTLING_STEPS:
+            raise RuntimeError("grains do not fall asleep")
+    return {**soft_figures(options), "skipping": able}
+
+
 def mixed(options):
     """Soft grains beside as many rigid spheres, each kind in a square lattice of its own."""
     centers = lattice(options.grains, 2 * RADIUS * (1 - 1e-3))
@@ -378,7 +400,7 @@ def scene(options):
     return {**soft_figures(options), "dt": O.dt}
 
 
-CASES = (bulk, dense, rigid, paper, scale, sleeping, mixed, sizes, saving, scene)
+CASES = (bulk, dense, rigid, paper, scale, sleeping, resting, mixed, sizes, saving, scene)
 
 
 def parse_options():
@@ -396,7 +418,7 @@ def parse_options():
     add("--steps", type=int, default=20, help="steps in a repetition [-]")
     add("--repeat", type=int, default=5, help="repetitions [-]")
     add("--until-phi", type=float, default=0.98, help="paper: packing fraction to stop at [-]")
-    add("--skip", action="store_true", help="sleeping: let the integrator skip grains")
+    add("--skip", action="store_true", help="sleeping, resting: let the integrator skip grains")
     add("--multirate", action="store_true", help="sizes: let grains take steps of their own")
     add("--scene", type=Path, help="scene: file to load")
     return parser.parse_args()

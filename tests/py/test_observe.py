@@ -107,10 +107,8 @@ class Ledger:
     """Stands in for the integrator."""
 
     def __init__(self, **energy):
-        self.values = {
-            name: 0.0
-            for name in ("kinetic", "elastic", "friction", "impact", "walls", "loads", "damping")
-        }
+        lost = ("friction", "impact", "damping", "sleep")
+        self.values = dict.fromkeys(("kinetic", "elastic", "walls", "loads", *lost), 0.0)
         self.values.update(energy)
 
     def energy(self):

@@ -78,6 +78,15 @@ template <int dim> struct PairImpulse {
 	Spin<dim> moment = Spin<dim>::Zero(); ///< on a rigid partner, N m s
 };
 
+/// Of a pair that is asleep: both bodies lie still, and contacts and impulses stay as they are.
+template <int dim> struct PairRest {
+	double kick = 0;                        ///< time over which the impulses acted, s; 0: awake
+	Vec<dim> planePoint = Vec<dim>::Zero(); ///< where the pair's plane was, m
+	bool changed = false; ///< a body or the friction, since: the pair is to be woken
+	bool found = true;    ///< contacts are complete; after loading only keys and impulses are
+	bool kept = false;    ///< impulses were those of the step before in the last step
+};
+
 /// All contacts of two bodies, sorted by key.
 template <int dim> struct ContactList {
 	int first = -1; ///< index of the first body
@@ -90,9 +99,11 @@ template <int dim> struct ContactList {
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
 	std::vector<Contact<dim>> contacts;
 	PairImpulse<dim> impulse; ///< of the last step, if there are contacts
+	PairRest<dim> rest;
 	ContactCandidates candidates;
 	int tested = 0; ///< nodes that the last search measured against the other body
 
+	bool isAsleep() const { return rest.kick > 0 && !rest.changed; }
 	/// Keeps the deepest; `pointSpacing` is the mean dr of the two grains, m.
 	void noteOverlap(double gap, double pointSpacing)
 	{

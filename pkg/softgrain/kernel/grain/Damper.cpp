@@ -194,9 +194,14 @@ template <int dim> void Damper<dim>::updateForces(const Batch<dim>& batch, int t
 	}
 }
 
-template <int dim> void Damper<dim>::forget(int g)
+template <int dim> void Damper<dim>::stop(int g)
 {
 	std::fill_n(force_.of(g), nodes_, Vec<dim>::Zero());
+}
+
+template <int dim> void Damper<dim>::forget(int g)
+{
+	stop(g);
 	rateStiffening_[g] = 1;
 }
 

@@ -24,8 +24,11 @@ public:
 	/// rates grow; 1 without stiffness damping.
 	double rateStiffening(int g) const { return rateStiffening_[g]; }
 
-	/// A grain that is undeformed has no forces of this kind.
+	/// A grain that does not move has no forces of this kind.
+	void stop(int g);
+	/// A grain that is undeformed damps as at the start, and has no forces of this kind.
 	void forget(int g);
+	void setRateStiffening(int g, double value) { rateStiffening_[g] = value; }
 
 	/// What the last `updateForces` found of a grain, for saving, and back; so many numbers.
 	int numberCount() const { return 1 + nodes_ * dim; }

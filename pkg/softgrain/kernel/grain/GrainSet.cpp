@@ -24,6 +24,11 @@ namespace {
 	throw std::logic_error("this formulation does not move grains rigidly");
 }
 
+[[noreturn]] void refuseSleep()
+{
+	throw std::logic_error("this formulation does not let grains sleep");
+}
+
 } // namespace
 
 template <int dim> void GrainSet<dim>::beginRigidMotion(int) { refuseRigidMotion(); }
@@ -37,6 +42,10 @@ template <int dim> void GrainSet<dim>::setRate(int, int steps)
 	if (steps != 1)
 		throw std::logic_error("this formulation computes its forces in every step");
 }
+
+template <int dim> Vec<dim> GrainSet<dim>::fallAsleep(int) { refuseSleep(); }
+
+template <int dim> void GrainSet<dim>::wake(int) { refuseSleep(); }
 
 template <int dim>
 void GrainSet<dim>::massPoints(int, std::vector<Vec<dim>>&, std::vector<double>&) const

@@ -18,6 +18,10 @@ template <int dim> struct BodyLoad {
 	Mat<dim> angular = Mat<dim>::Zero();      ///< skew, 1/s^2
 
 	bool isZero() const { return acceleration.isZero(0) && angular.isZero(0); }
+	bool operator==(const BodyLoad& o) const
+	{
+		return acceleration == o.acceleration && angular == o.angular;
+	}
 };
 
 /// When the forces of a grain are computed: at steps that are multiples of its rate, to act until
@@ -38,6 +42,8 @@ struct GrainState {
 	std::vector<double> rigid; ///< RigidMotion::numbers of a grain that moves rigidly, x and v
 				   ///< being what follows from it; else empty
 	std::vector<double> held;  ///< forces that act beyond the next step; else empty
+	std::vector<double> rest;  ///< RestWatch::numbers of a grain that comes to rest; else empty
+	std::vector<double> sleep; ///< System::sleepNumbers of a grain that is asleep; else empty
 };
 
 /// Ball about the outline of a grain that moves rigidly.
@@ -83,7 +89,21 @@ public:
 	virtual void beginRigidMotion(int g);
 	/// The nodes take over.
 	virtual void endRigidMotion(int g);
-	/// To be called after grains were begun or ended.
+	/// Whether a grain that moves rigidly does not move at all.
+	virtual bool isMotionless(int) const { return false; }
+	/// Asleep: at rest, and kept as it is. Phases are not called for such grains.
+	virtual bool isAsleep(int) const { return false; }
+	/// Time for which a grain has been at rest up to a small share of its elastic energy, in
+	/// periods of its slowest vibration, the last dt included; the report must be that
+	/// of the present positions. Always 0 where nothing damps.
+	virtual double watchRest(int /*g*/, double /*dt*/) { return 0; }
+	/// Before the last `move`: the new velocities become 0. Returns the momentum that this
+	/// takes away, N s.
+	virtual Vec<dim> fallAsleep(int g);
+	virtual void wake(int g);
+	/// How often rigid motion or sleep of a grain began or ended.
+	long changesOfActivity() const { return changesOfActivity_; }
+	/// To be called after such changes.
 	virtual void arrangeGrains() {}
 	virtual RigidBounds<dim> rigidBounds(int g) const;
 
@@ -157,6 +177,9 @@ public:
 	virtual GrainState state(int g) const = 0;
 	/// Throws std::invalid_argument where the state does not fit the discretisation.
 	virtual void setState(int g, const GrainState& state) = 0;
+
+protected:
+	long changesOfActivity_ = 0;
 };
 
 /// Undeformed grains at their origins. Throws std::invalid_argument naming what is inadmissible.

@@ -2,7 +2,7 @@
 #include "grain/CriticalTimeStep.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
 
 namespace softgrain {
 
@@ -13,6 +13,10 @@ namespace {
 constexpr double undeformedStrain = 1e-8;
 /// Strain by centrifugal forces, (omega R/c)^2, that rigid motion may leave out.
 constexpr double spinStrain = 1e-4;
+/// Period of the slowest vibration of a disk, times the speed of shear waves over its radius
+/// (Lamb; a ball's is within a tenth). Slender grains: times the square of their slenderness, as of
+/// a beam.
+constexpr double slowestPeriod = 2.7;
 /// How far the outline may lie out of its facets, over the longest edge: a triangle of a ball,
 /// with room to spare.
 constexpr double bulgeShare = 0.3;
@@ -90,6 +94,9 @@ template <int dim> void TotalLagrangian<dim>::measureShapes()
 		limits_.push_back(
 			{ spinStrain * wave * wave / (rim * rim),
 			  undeformedStrain * undeformedStrain * shape_[g].mass * wave * wave });
+		const double shear = std::sqrt(own.constants.mu() / own.constants.density);
+		rest_.emplace_back(own.damping, slowestPeriod * rim * outlineRadius_ /
+							(reference.inradius * shear));
 	}
 }
 
@@ -126,6 +133,7 @@ template <int dim> void TotalLagrangian<dim>::beginRigidMotion(int g)
 {
 	rigid_[g] = rigidMotionOf<dim>(wholeOfParticles(g));
 	isRigid_[g] = 1;
+	++this->changesOfActivity_;
 	nodesWritten_[g] = 0;
 	batch_.report[g] = {};
 	holder_.forget(g);
@@ -135,6 +143,7 @@ template <int dim> void TotalLagrangian<dim>::endRigidMotion(int g)
 {
 	writeNodes(g);
 	isRigid_[g] = 0;
+	++this->changesOfActivity_;
 	std::fill_n(batch_.force.of(g), nodes(), Vec<dim>::Zero());
 	if (damper_) damper_->forget(g);
 }
@@ -143,7 +152,7 @@ template <int dim> void TotalLagrangian<dim>::arrangeGrains()
 {
 	std::vector<int> active;
 	for (int g = 0; g < grains(); ++g)
-		if (!isRigid_[g]) active.push_back(g);
+		if (!isRigid_[g] && !isAsleep(g)) active.push_back(g);
 	computeFirst(std::move(active));
 }
 
@@ -177,7 +186,7 @@ template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& s
 	if (holder_.isNeeded()) {
 		std::vector<int> due;
 		for (int g = 0; g < grains(); ++g)
-			if (!isRigid_[g] && holder_.isDue(g, schedule))
+			if (!isRigid_[g] && !isAsleep(g) && holder_.isDue(g, schedule))
 				due.push_back(g);
 			else if (holder_.holds(g))
 				holder_.report(batch_, g);
@@ -189,6 +198,80 @@ template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& s
 	if (holder_.isNeeded())
 		forEachSlow(threads, [&](int g) { holder_.hold(batch_, g, schedule); });
 	return static_cast<int>(computed_.size());
+}
+
+template <int dim> double TotalLagrangian<dim>::watchRest(int g, double dt)
+{
+	RestWatch& rest = rest_[g];
+	if (!rest.mayRest()) return 0;
+	const double kinetic = softgrain::kineticEnergy(batch_, batch_.v, batch_.v, g);
+	return rest.count(rest.isCalm(kinetic, batch_.report[g].elasticEnergy), dt);
+}
+
+template <int dim> Vec<dim> TotalLagrangian<dim>::fallAsleep(int g)
+{
+	rest_[g].fallAsleep();
+	++this->changesOfActivity_;
+	Vec<dim> momentum = Vec<dim>::Zero();
+	if (isRigid_[g]) return momentum;
+	for (int I = 0; I < nodes(); ++I)
+		momentum += batch_.nodeMass(g, I) * batch_.vNext.get(g, I);
+	std::fill_n(batch_.vNext.of(g), nodes(), Vec<dim>::Zero());
+	if (damper_) damper_->stop(g);
+	return momentum;
+}
+
+template <int dim> void TotalLagrangian<dim>::wake(int g)
+{
+	rest_[g].wake();
+	++this->changesOfActivity_;
+}
+
+namespace {
+
+template <int dim> std::array<double, 5> materialNumbers(const GrainParameters<dim>& grain)
+{
+	const ElasticConstants& c = grain.constants;
+	return { c.young, c.poisson, c.density, grain.damping.mass, grain.damping.stiffness };
+}
+
+} // namespace
+
+/// Calm time; of a sleeping grain also the material it rests with, what was known of it, and the
+/// forces of its nodes, so that nothing is computed when it is loaded or woken.
+template <int dim> std::vector<double> TotalLagrangian<dim>::restNumbers(int g) const
+{
+	const RestWatch& rest = rest_[g];
+	if (rest.calmTime() == 0) return {};
+	std::vector<double> numbers { rest.calmTime() };
+	if (!rest.isAsleep()) return numbers;
+	const BulkReport& report = batch_.report[g];
+	for (double number : materialNumbers(batch_.grain[g]))
+		numbers.push_back(number);
+	numbers.insert(numbers.end(),
+		       { report.elasticEnergy, report.stiffening, rateStiffening(g) });
+	for (int I = 0; I < nodes(); ++I)
+		for (int a = 0; a < dim; ++a)
+			numbers.push_back(batch_.force.get(g, I)[a]);
+	return numbers;
+}
+
+/// A grain that has another material now is awake.
+template <int dim> void TotalLagrangian<dim>::restoreRest(int g, const std::vector<double>& numbers)
+{
+	rest_[g].wake();
+	if (numbers.empty()) return;
+	if (numbers.size() == 1) return rest_[g].restore(numbers[0], false);
+	const auto material = materialNumbers(batch_.grain[g]);
+	const int figures = 1 + static_cast<int>(material.size()), forces = figures + 3;
+	requireSize("figures at rest", numbers, forces + nodes() * dim);
+	if (!std::equal(material.begin(), material.end(), numbers.begin() + 1)) return;
+	rest_[g].restore(numbers[0], true);
+	batch_.report[g].elasticEnergy = numbers[figures];
+	batch_.report[g].stiffening = numbers[figures + 1];
+	damper_->setRateStiffening(g, numbers[figures + 2]);
+	for (int I = 0; I < nodes(); ++I)
+		batch_.force.set(g, I, Eigen::Map<const Vec<dim>>(&numbers[forces + I * dim]));
 }
 
 template <int dim> RigidBounds<dim> TotalLagrangian<dim>::rigidBounds(int g) const
@@ -504,6 +587,7 @@ void TotalLagrangian<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>
 				 const Mat<dim>& spin)
 {
 	isRigid_[g] = 0;
+	wake(g);
 	nodesWritten_[g] = 1;
 	holder_.forget(g);
 	batch_.place(g, rotation, velocity, spin);
@@ -538,6 +622,7 @@ template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
 	GrainState s;
 	if (isRigid_[g]) s.rigid = rigid_[g].numbers();
 	s.held = heldForces(g);
+	s.rest = restNumbers(g);
 	auto append = [](std::vector<double>& list, const Vec<dim>& value) {
 		list.insert(list.end(), value.data(), value.data() + dim);
 	};
@@ -563,6 +648,8 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 		rigid_[g] = RigidMotion<dim>::fromNumbers(s.rigid);
 	}
 	isRigid_[g] = !s.rigid.empty();
+	restoreRest(g, s.rest);
+	++this->changesOfActivity_;
 	nodesWritten_[g] = 1;
 	for (int I = 0; I < nodes(); ++I)
 		batch_.x.set(g, I, Eigen::Map<const Vec<dim>>(&s.x[I * dim]));

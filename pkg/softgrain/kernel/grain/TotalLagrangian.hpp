@@ -8,6 +8,7 @@
 #include "grain/ForceHolder.hpp"
 #include "grain/GrainSet.hpp"
 #include "grain/PointVelocities.hpp"
+#include "grain/RestWatch.hpp"
 #include "grain/RigidMotion.hpp"
 
 #include <optional>
@@ -33,6 +34,14 @@ public:
 	bool mayMoveRigidly(int g) const override;
 	void beginRigidMotion(int g) override;
 	void endRigidMotion(int g) override;
+	bool isMotionless(int g) const override
+	{
+		return isRigid_[g] && rigid_[g].velocity.isZero(0) && rigid_[g].momentum.isZero(0);
+	}
+	bool isAsleep(int g) const override { return rest_[g].isAsleep(); }
+	double watchRest(int g, double dt) override;
+	Vec<dim> fallAsleep(int g) override;
+	void wake(int g) override;
 	void arrangeGrains() override;
 	RigidBounds<dim> rigidBounds(int g) const override;
 
@@ -105,6 +114,8 @@ private:
 	void setHeldForces(int g, const std::vector<double>& numbers);
 	/// If the grain moves rigidly and somebody wants to know its nodes.
 	void writeNodes(int g) const;
+	std::vector<double> restNumbers(int g) const;
+	void restoreRest(int g, const std::vector<double>& numbers);
 	void moveNodes(int g, double dt);
 	Vec<dim> pointAt(int g, int p) const;
 	bool usesOwnNodes(int g) const { return ownNodes_[g].shapes.rows() > 0; }
@@ -129,6 +140,7 @@ private:
 	};
 	std::vector<RigidShape<dim>> shape_;
 	std::vector<RigidLimits> limits_;
+	std::vector<RestWatch> rest_;
 	double outlineRadius_ = 0, outlineBulge_ = 0; ///< as in RigidBounds, in radii
 	std::vector<RigidMotion<dim>> rigid_;         ///< where isRigid_
 	std::vector<char> isRigid_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace softgrain {
 
@@ -81,7 +82,9 @@ template <int dim> void System<dim>::updateGridNodes(int g) const
 
 template <int dim> void System<dim>::updateSurfaces(int threads)
 {
-	forEachOf(all_, threads, [this](int g, auto&&...) { updateSurface(g); });
+	std::vector<int> all(grains());
+	std::iota(all.begin(), all.end(), 0);
+	forEachOf(all, threads, [this](int g, auto&&...) { updateSurface(g); });
 	forcesFresh_ = false;
 }
 
@@ -158,6 +161,13 @@ bool System<dim>::isFarFrom(int g, const RigidSide<dim>& rigid, double reach) co
 
 template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) const
 {
+	if (list.isAsleep()) {
+		if (!liesStill(list))
+			list.rest.changed = true;
+		else if (list.rest.found)
+			return false;
+	}
+	list.rest.found = true;
 	auto searchWithin = [&](double within, bool isFar) {
 		if (isFar) {
 			list.contacts.clear();

@@ -35,6 +35,7 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 							       reference.pointSpacing());
 	}
 	loads_.resize(place_.size());
+	resting_.resize(place_.size(), -1);
 	surface_.resize(place_.size());
 	sets_.push_back(std::move(set));
 	rate_.resize(place_.size(), 1);
@@ -79,7 +80,8 @@ template <int dim> void System<dim>::setMultirate(bool on)
 template <int dim> std::vector<int> System<dim>::ratesOf(const std::vector<double>& timeSteps) const
 {
 	constexpr double rounding = 1e-9; // ten times as long is ten times, not nine
-	std::vector<int> ascending = all_;
+	std::vector<int> ascending(grains());
+	std::iota(ascending.begin(), ascending.end(), 0);
 	std::stable_sort(ascending.begin(), ascending.end(),
 			 [&](int a, int b) { return timeSteps[a] < timeSteps[b]; });
 	std::vector<int> rates(grains(), 1);
@@ -94,40 +96,48 @@ template <int dim> std::vector<int> System<dim>::ratesOf(const std::vector<doubl
 	return rates;
 }
 
-/// Lists of active and rigid grains as the sets say.
+/// Lists of active, rigid and sleeping grains as the sets say.
 template <int dim> void System<dim>::listGrains()
 {
-	bool changed = listedRigid_.size() != place_.size();
-	listedRigid_.resize(place_.size(), 0);
+	long changes = 0;
+	for (const auto& set : sets_)
+		changes += set->changesOfActivity();
+	if (listedChanges_ == changes && listed_.size() == place_.size()) return;
+	listedChanges_ = changes;
+	listed_.resize(place_.size());
+	for (auto* list : { &active_, &rigid_, &asleep_, &awake_ })
+		list->clear();
 	for (int g = 0; g < grains(); ++g) {
-		const char rigid = isRigid(g);
-		changed = changed || rigid != listedRigid_[g];
-		listedRigid_[g] = rigid;
+		listed_[g] = isAsleep(g) ? asleep : isRigid(g) ? rigid : active;
+		(listed_[g] == active  ? active_
+		 : listed_[g] == rigid ? rigid_
+				       : asleep_)
+			.push_back(g);
+		if (listed_[g] != asleep) awake_.push_back(g);
 	}
-	if (!changed) return;
-	active_.clear();
-	rigid_.clear();
-	all_.clear();
-	for (int g = 0; g < grains(); ++g) {
-		all_.push_back(g);
-		(listedRigid_[g] ? rigid_ : active_).push_back(g);
-	}
+	measureSleepers();
 	for (const auto& set : sets_)
 		set->arrangeGrains();
 }
 
-/// Grains that are touched, or spin too fast, are woken before the solve.
+/// Grains that are touched, or spin too fast, are woken before the solve. Rigid ones that do not
+/// move and that nothing drives sleep.
 template <int dim>
-void System<dim>::chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion)
+void System<dim>::chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings)
 {
-	for (int g = 0; g < grains(); ++g) {
+	for (int g : awake_) {
 		GrainSet<dim>& set = setOf(g);
 		const int k = indexInSet(g);
-		const bool rigid = rigidMotion && !touched[g] && set.mayMoveRigidly(k);
+		const bool rigid = settings.rigidMotion && !touched[g] && set.mayMoveRigidly(k);
 		if (rigid && !set.isRigid(k)) set.beginRigidMotion(k);
 		if (!rigid && set.isRigid(k)) {
 			body(g); // the next surface is compared with the present one
 			set.endRigidMotion(k);
+		}
+		if (rigid && settings.sleep && set.isMotionless(k) && loads_[g].isZero()) {
+			set.fallAsleep(k);
+			bodies_[g].fastest = 0;
+			resting_[g] = 0;
 		}
 	}
 	listGrains();
@@ -202,7 +212,7 @@ template <int dim> void System<dim>::updateForces(int threads)
 
 template <int dim> double System<dim>::stiffening() const
 {
-	double largest = 1;
+	double largest = sleepersStiffening_;
 	for (int g : active_)
 		largest = std::max(largest, setOf(g).report(indexInSet(g)).stiffening);
 	return largest;
@@ -210,7 +220,7 @@ template <int dim> double System<dim>::stiffening() const
 
 template <int dim> double System<dim>::rateStiffening() const
 {
-	double largest = 1;
+	double largest = sleepersRateStiffening_;
 	for (int g : damped_)
 		largest = std::max(largest, setOf(g).rateStiffening(indexInSet(g)));
 	return largest;
@@ -229,7 +239,7 @@ template <int dim>
 void System<dim>::predictVelocities(const std::vector<char>& touched, const StepSettings& settings)
 {
 	const double kick = kickTime(settings.dt);
-	forEachOf(all_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		set.predictVelocities(k, kick, loads_[g]);
 		if (touched[g]) gatherContacts(g, settings.trackEnergy);
 	});
@@ -255,16 +265,17 @@ void System<dim>::correctVelocities(const std::vector<char>& touched, const Step
 {
 	finite_.resize(grains());
 	kinetic_.resize(grains());
-	forEachOf(all_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		if (touched[g]) set.applyContactImpulses(k, bodies_[g].impulse);
 		finite_[g] = set.hasFiniteVelocities(k);
 		if (settings.trackEnergy) kinetic_[g] = set.kineticEnergy(k);
 	});
-	for (int g = 0; g < grains(); ++g)
+	for (int g : awake_)
 		if (!finite_[g]) throw StepError(g, -1, "a nodal velocity is not finite");
 }
 
-template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, double kick)
+template <int dim>
+void System<dim>::balanceEnergy(const ContactWork& work, double kick, double dropped)
 {
 	energy_ = continuation_.sums;
 	energy_.kinetic = energy_.elastic = 0;
@@ -272,13 +283,15 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 	for (int g = 0; g < grains(); ++g) {
 		const GrainSet<dim>& set = setOf(g);
 		const int k = indexInSet(g);
-		energy_.kinetic += kinetic_[g];
 		energy_.elastic += set.report(k).elasticEnergy;
+		if (listed_[g] == asleep) continue;
+		energy_.kinetic += kinetic_[g];
 		if (!loads_[g].isZero())
 			set.addLoadWork(k, kick, loads_[g], loads.before, loads.after);
 	}
 	for (int g : damped_)
-		setOf(g).addDampingLoss(indexInSet(g), damping.before, damping.after);
+		if (listed_[g] != asleep)
+			setOf(g).addDampingLoss(indexInSet(g), damping.before, damping.after);
 	auto book = [this](double EnergyBalance::* sum, const ContactWork::Halves& halves) {
 		energy_.*sum += halves.before; // the first half is done when t_n is reached
 		continuation_.sums.*sum += halves.before + halves.after;
@@ -288,6 +301,7 @@ template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, doub
 	book(&EnergyBalance::planes, work.planes);
 	book(&EnergyBalance::loads, loads);
 	book(&EnergyBalance::damping, damping);
+	book(&EnergyBalance::sleep, { dropped, 0 });
 }
 
 template <int dim>
@@ -316,9 +330,14 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	}
 
 	clock.end("sortLists");
-	chooseRigidGrains(touched, settings.rigidMotion);
+	wakeGrains(lists, report.kick, settings.sleep);
+	chooseRigidGrains(touched, settings);
+	std::erase_if(lists,
+		      [](ContactList<dim>* list) { return list->rest.kept = list->isAsleep(); });
+	findRestedGrains(lists, touched, settings);
 	report.activeGrains = static_cast<int>(active_.size());
-	clock.end("chooseRigidGrains");
+	report.sleepingGrains = static_cast<int>(asleep_.size());
+	clock.end("chooseInactiveGrains");
 	if (gridSpacing_ > 0) useGridNodes(lists);
 	predictVelocities(touched, settings);
 	clock.end("predictVelocities");
@@ -328,16 +347,18 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	clock.end("solve");
 	correctVelocities(touched, settings);
 	clock.end("correctVelocities");
+	fallAsleep(lists, report);
 	if (settings.trackEnergy) {
-		balanceEnergy(solver_.work(), kickTime(settings.dt));
+		balanceEnergy(workOfContacts(), kickTime(settings.dt), report.droppedEnergy);
 		clock.end("balanceEnergy");
 	}
 	for (const auto& set : sets_)
 		set->prepareMove(settings.threads);
-	forEachOf(all_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		set.move(k, settings.dt);
 		followMotion(g, settings.dt);
 	});
+	listGrains();
 	continuation_.lastStep = settings.dt;
 	++continuation_.steps;
 	forcesFresh_ = false;

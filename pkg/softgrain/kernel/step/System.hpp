@@ -28,7 +28,7 @@ struct StepError : std::runtime_error {
 };
 
 /// Energies at t_n, J (2D: J/m). kinetic + elastic = initial + work - friction - impact - damping
-/// up to rounding and the second-order error of the time integration.
+/// - sleep up to rounding and the second-order error of the time integration.
 struct EnergyBalance {
 	double kinetic = 0; ///< 1/2 sum mI v(t_n - dt/2) . v(t_n + dt/2)
 	double elastic = 0;
@@ -37,6 +37,7 @@ struct EnergyBalance {
 	double planes = 0; ///< work of moving planes and rigid bodies on the grains since the start
 	double loads = 0;  ///< work of body loads since the start
 	double damping = 0; ///< dissipated by damping since the start
+	double sleep = 0;    ///< taken away by grains falling asleep since the start
 };
 
 /// Work done since the end of the last step, in counts: a change can be judged by them on a busy
@@ -54,7 +55,10 @@ struct StepReport {
 	double deepest = 0;    ///< largest overlap of the step, in dr
 	double stiffening = 1; ///< largest over all grains
 	double kick = 0; ///< time over which the forces at t_n acted; impulse / kick is a force, s
-	int activeGrains = 0; ///< computed, not moved as rigid bodies
+	int activeGrains = 0; ///< computed, not moved as rigid bodies nor asleep
+	int sleepingGrains = 0;
+	double droppedMomentum = 0; ///< sum over the grains that fell asleep, N s
+	double droppedEnergy = 0;   ///< the kinetic energy they had, J
 };
 
 struct StepSettings {
@@ -62,6 +66,7 @@ struct StepSettings {
 	SolverSettings solver;
 	bool trackEnergy = false;
 	bool rigidMotion = true; ///< undeformed grains without contact move as rigid bodies
+	bool sleep = true;       ///< damped grains that came to rest are left alone
 	int threads = 1;
 	PhaseClock* clock = nullptr; ///< gets the times of the phases
 };
@@ -109,10 +114,20 @@ public:
 		return bodies_[g];
 	}
 	bool isRigid(int g) const { return setOf(g).isRigid(indexInSet(g)); }
+	bool isAsleep(int g) const { return setOf(g).isAsleep(indexInSet(g)); }
 	std::vector<BodyLoad<dim>>& loads() { return loads_; }
 	/// Rigid bodies that take part in the contacts of the next step, with the velocities that
 	/// they get without contact; the step changes them.
 	std::vector<RigidPartner<dim>>& rigidPartners() { return partners_; }
+	/// Wakes a sleeping grain if the load is another.
+	void setLoad(int g, const BodyLoad<dim>& load);
+	/// A grain about which something was changed by hand; the grains that it rests with follow
+	/// in the next step.
+	void wake(int g);
+	/// What a sleeping grain is saved with besides its state: the load under which it sleeps
+	/// and the number of its pairs in contact. Empty if it is awake.
+	std::vector<double> sleepNumbers(int g) const;
+	void restoreSleep(int g, const std::vector<double>& numbers);
 	const EnergyBalance& energy() const { return energy_; }
 	const Continuation& continuation() const { return continuation_; }
 	void continueFrom(const Continuation& c)
@@ -155,7 +170,8 @@ public:
 	double reach(int g, const RigidSide<dim>& rigid, double dt) const;
 	/// Renews the contacts of a pair (of a grain and a plane or a rigid body) within reach for
 	/// a step of dt; may be called by several threads at a time. Balls about grains that move
-	/// rigidly come first: false if they are so far apart that no surface was looked at.
+	/// rigidly come first: false if they are so far apart that no surface was looked at, or both
+	/// asleep.
 	bool search(ContactList<dim>& list, double dt) const;
 	/// Whether the box of a grain grown by a margin lies within a box.
 	bool isInside(int g, const Box<dim>& box, double margin) const;
@@ -189,10 +205,18 @@ private:
 	bool isFarFrom(int g, const Plane<dim>& plane, double reach) const;
 	bool isFarFrom(int g, const RigidSide<dim>& rigid, double reach) const;
 	double outsideReach(double reach) const;
-	void chooseRigidGrains(const std::vector<char>& touched, bool rigidMotion);
+	void chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings);
 	void listGrains();
 	std::vector<int> ratesOf(const std::vector<double>& timeSteps) const;
 	void measureTimeSteps();
+
+	bool liesStill(const ContactList<dim>& list) const;
+	void wakeGrains(const std::vector<ContactList<dim>*>& lists, double kick, bool sleep);
+	void findRestedGrains(const std::vector<ContactList<dim>*>& lists,
+			      const std::vector<char>& touched, const StepSettings& settings);
+	ContactWork workOfContacts();
+	void fallAsleep(const std::vector<ContactList<dim>*>& lists, StepReport& report);
+	void measureSleepers();
 
 	double criticalTimeStep(double stiffening, double rateStiffening) const;
 	void renewOutline(int g);
@@ -203,15 +227,21 @@ private:
 	void predictVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void gatherContacts(int g, bool trackEnergy);
 	void correctVelocities(const std::vector<char>& touched, const StepSettings& settings);
-	void balanceEnergy(const ContactWork& work, double kick);
+	void balanceEnergy(const ContactWork& work, double kick, double dropped);
 
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
 	std::vector<Place> place_;
 	mutable std::vector<ContactBody<dim>> bodies_;    ///< where `surface_` is fresh
 	std::vector<std::vector<Vec<dim>>> lastPosition_; ///< of the contact nodes, m
 	mutable std::vector<Freshness> surface_;
-	std::vector<char> listedRigid_; ///< by grain: in `rigid_`, else in `active_`
-	std::vector<int> active_, rigid_, all_;
+	enum Activity : char { active, rigid, asleep };
+	std::vector<Activity> listed_; ///< by grain: the list it is in
+	long listedChanges_ = -1;      ///< of activity, of all sets, when the lists were made
+	std::vector<int> active_, rigid_, asleep_;
+	std::vector<int> awake_;   ///< active and rigid
+	std::vector<int> rested_;  ///< falling asleep in the step at hand
+	std::vector<int> resting_; ///< by sleeping grain: its pairs in contact; -1: woken
+	double sleepersStiffening_ = 1, sleepersRateStiffening_ = 1; ///< largest
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
 	std::vector<int> rate_; ///< by grain

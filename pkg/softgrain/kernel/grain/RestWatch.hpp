@@ -1,0 +1,53 @@
+// When a grain counts as at rest, and what a grain that is asleep goes on from.
+#pragma once
+
+#include "grain/Batch.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+/// A damped grain is calm while its kinetic energy is below a share of its elastic energy. Damping
+/// that is more than critical slows the way to equilibrium down: what is left of it is then larger
+/// than the speed says, by damping over frequency, and the share is smaller by the square of that.
+/// (doc/decisions/0014-inactive-grains.md)
+class RestWatch {
+public:
+	/// `slowest`: period of the slowest vibration, s.
+	RestWatch(const Damping& damping, double slowest);
+
+	bool mayRest() const { return mayRest_; }
+	bool isCalm(double kineticEnergy, double elasticEnergy) const
+	{
+		return elasticEnergy > 0 && kineticEnergy <= share_ * elasticEnergy;
+	}
+	/// After a further time dt; returns the time since the grain became calm, in periods.
+	double count(bool calm, double dt)
+	{
+		calmTime_ = calm ? calmTime_ + dt : 0;
+		return calmTime_ / period_;
+	}
+	bool isAsleep() const { return asleep_; }
+	void fallAsleep() { asleep_ = true; }
+	void wake()
+	{
+		asleep_ = false;
+		calmTime_ = 0;
+	}
+
+	double calmTime() const { return calmTime_; }
+	void restore(double calmTime, bool asleep)
+	{
+		calmTime_ = calmTime;
+		asleep_ = asleep;
+	}
+
+private:
+	double period_; ///< s
+	double share_;  ///< kinetic over elastic energy up to which it is calm
+	bool mayRest_;
+	double calmTime_ = 0; ///< s
+	bool asleep_ = false;
+};
+
+} // namespace softgrain

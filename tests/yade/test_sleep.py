@@ -1,0 +1,259 @@
+"""Damped grains that came to rest sleep: nothing is done for them, and nothing changes by it."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import RADIUS, add_disk, add_wall, present_state, ready, run, soft_material
+from yade import NewtonIntegrator, O, Quaternion, Vector3
+
+import softgrain as sg
+
+GRAVITY = 1000.0  # m/s^2: weight over modulus 0.02, so that grains come to rest soon
+
+
+def newton():
+    return next(engine for engine in O.engines if isinstance(engine, NewtonIntegrator))
+
+
+def heap(damping=4000.0, **engine):
+    """Two disks on a floor between walls and a third upon them; returns the disks."""
+    O.reset()
+    material = soft_material(massDamping=damping, frictionAngle=math.atan(0.3))
+    places = ((0, 0, 0), (2.1 * RADIUS, 0, 0), (1.05 * RADIUS, 1.8 * RADIUS, 0))
+    disks = [add_disk(place, material=material) for place in places]
+    add_wall(-RADIUS, 1, friction=0.3)
+    add_wall(-1.05 * RADIUS, 0, friction=0.3)
+    add_wall(3.15 * RADIUS, 0, friction=0.3)
+    ready(gravity=(0, -GRAVITY, 0), **engine)
+    O.trackEnergy = True
+    return disks
+
+
+def asleep():
+    return [body.shape.isAsleep() for body in sg.soft_bodies()]
+
+
+def rest():
+    """Run until all sleep."""
+    while not all(asleep()):
+        run(1)
+        assert O.iter < 30000
+
+
+def forces():
+    """On all bodies, as YADE shows them after a step."""
+    return np.array([O.forces.f(body.id) for body in O.bodies])
+
+
+def test_same_results_without():
+    """Places and forces to 1e-5 of the radius and of the weight; nothing jumps."""
+    states = []
+    for sleep in (True, False):
+        heap(sleep=sleep)
+        run(9000)
+        assert all(asleep()) == sleep
+        states.append((present_state(), forces()))
+        energy = sg.integrator().energy()
+    with_it, without = states
+    np.testing.assert_allclose(with_it[0]["nodes"], without[0]["nodes"], atol=1e-5 * RADIUS)
+    weight = sum(body.state.mass for body in sg.soft_bodies()) * GRAVITY
+    np.testing.assert_allclose(with_it[1], without[1], atol=1e-4 * weight)
+    assert energy["sleep"] == 0
+
+
+def test_nothing_is_done():
+    heap()
+    balance = None
+    while not all(asleep()):
+        run(1)
+        balance = balance or sg.Balance()
+    before = balance.error()
+    engine = sg.integrator()
+    run(2)
+    counts = [engine.pointsUpdated, engine.contactsSwept, engine.candidatesTested]
+    state, on_bodies = present_state(), forces()
+    interactions = [(i.phys.normalForce, i.geom.contacts()["impulse"]) for i in O.interactions]
+    run(100)
+    assert [engine.pointsUpdated, engine.contactsSwept, engine.candidatesTested] == counts
+    assert (engine.activeGrains, engine.sleepingGrains) == (0, 3)
+    for name, values in present_state().items():
+        if name != "time":
+            np.testing.assert_array_equal(values, state[name], err_msg=name)
+    np.testing.assert_array_equal(forces(), on_bodies)
+    for now, then in zip(O.interactions, interactions):
+        assert now.phys.normalForce == then[0]
+        np.testing.assert_array_equal(now.geom.contacts()["impulse"], then[1])
+    weight = sum(body.state.mass for body in sg.soft_bodies()) * GRAVITY
+    walls = [body.id for body in O.bodies if body not in sg.soft_bodies()]
+    assert on_bodies[walls, 1].sum() == pytest.approx(-weight, rel=1e-4)
+    assert engine.energy()["kinetic"] == 0
+    assert 0 < engine.energy()["sleep"] == engine.droppedEnergy
+    assert engine.droppedEnergy < 1e-8 * engine.energy()["elastic"]
+    assert 0 < engine.droppedMomentum < 1e-5 * weight * 1e-3  # of the weight in a millisecond
+    assert balance.error() < before + 1e-9
+
+
+def push_a_disk():
+    sg.soft_bodies()[2].state.vel = (0.1, 0, 0)
+
+
+def shift_a_disk():
+    sg.soft_bodies()[2].state.pos += Vector3(0, 0.1 * RADIUS, 0)
+
+
+def turn_a_disk():
+    sg.soft_bodies()[2].state.ori = Quaternion(Vector3(0, 0, 1), 0.1)
+
+
+def turn_gravity():
+    newton().gravity = (1e-3 * GRAVITY, -GRAVITY, 0)
+
+
+def load_a_disk():
+    O.forces.setPermF(sg.soft_bodies()[2].id, (0, -1, 0))
+
+
+def move_a_wall():
+    O.bodies[3].state.vel = (0, -0.1, 0)
+
+
+def shift_a_wall():
+    O.bodies[3].state.pos -= Vector3(0, 1e-3 * RADIUS, 0)
+
+
+def soften_the_material():
+    sg.soft_bodies()[0].material.young = 0.9e6
+
+
+def damp_less():
+    sg.soft_bodies()[0].material.massDamping = 100
+
+
+def smooth_a_pair():
+    next(iter(O.interactions)).phys.tangensOfFrictionAngle = 0.01
+
+
+def add_a_disk():
+    add_disk((1.05 * RADIUS, 20 * RADIUS, 0))
+
+
+def erase_a_disk():
+    O.bodies.erase(2)
+
+
+def erase_an_interaction():
+    pair = next(iter(O.interactions))
+    O.interactions.erase(pair.id1, pair.id2)
+
+
+def switch_off():
+    sg.integrator().sleep = False
+
+
+CHANGES = (
+    push_a_disk,
+    shift_a_disk,
+    turn_a_disk,
+    turn_gravity,
+    load_a_disk,
+    move_a_wall,
+    shift_a_wall,
+    soften_the_material,
+    damp_less,
+    smooth_a_pair,
+    add_a_disk,
+    erase_a_disk,
+    erase_an_interaction,
+    switch_off,
+)
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
+@pytest.mark.parametrize("loaded", (False, True), ids=("", "loaded"))
+def test_woken_by(change, loaded, tmp_path):
+    if loaded and change is add_a_disk:
+        pytest.skip("the first step after loading makes all grains")
+    heap()
+    rest()
+    run(5)
+    if loaded:
+        O.save(str(tmp_path / "asleep.yade.bz2"))
+        O.load(str(tmp_path / "asleep.yade.bz2"))
+    change()
+    run(1)
+    assert not any(asleep())
+    assert sg.integrator().sleepingGrains == 0
+
+
+def test_woken_by_a_falling_disk():
+    heap()
+    add_disk((1.05 * RADIUS, 6 * RADIUS, 0))
+    sg.soft_bodies()[3].state.vel = (0, 1, 0)
+    newton().gravity = (0, 0, 0)
+    for body in sg.soft_bodies()[:3]:
+        O.forces.setPermF(body.id, (0, -GRAVITY * body.state.mass, 0))
+    while sum(asleep()) < 3:
+        run(1)
+        assert O.iter < 30000
+    sg.soft_bodies()[3].state.pos = (1.05 * RADIUS, 6 * RADIUS, 0)
+    sg.soft_bodies()[3].state.vel = (0, -1, 0)
+    while sum(asleep()) == 3:
+        run(1)
+        assert O.iter < 60000
+    assert sum(asleep()) == 0
+    run(100)
+    assert sg.integrator().activeGrains == 4
+
+
+def test_undamped_grains_do_not_sleep():
+    """And are not changed by the switch."""
+    states = []
+    for sleep in (True, False):
+        heap(damping=0, sleep=sleep)
+        run(400)
+        states.append(present_state())
+        assert sg.integrator().droppedMomentum == 0
+    for name in states[0]:
+        np.testing.assert_array_equal(states[0][name], states[1][name], err_msg=name)
+
+
+@pytest.mark.parametrize("suffix", ("yade.bz2", "xml.gz"))
+@pytest.mark.parametrize("when", ("falling asleep", "asleep"))
+def test_save_and_load(when, suffix, tmp_path):
+    """A loaded run goes on with the same bits: asleep, and woken later."""
+    heap()
+    if when == "asleep":
+        rest()
+    else:
+        run(2000)
+    run(10)
+    assert all(asleep()) == (when == "asleep")
+    O.save(str(tmp_path / f"scene.{suffix}"))
+
+    def go_on():
+        rest()
+        run(20)
+        states = [present_state(), {"forces": forces()}]
+        for interaction in sorted(O.interactions, key=lambda i: (i.id1, i.id2)):
+            states.append(interaction.geom.contacts())
+        turn_gravity()
+        run(50)
+        assert not any(asleep())
+        return [*states, present_state()]
+
+    after = go_on()
+    O.load(str(tmp_path / f"scene.{suffix}"))
+    assert all(asleep()) == (when == "asleep")
+    for found, expected in zip(go_on(), after):
+        for name in expected:
+            np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+
+
+def test_walls_that_move_keep_grains_awake():
+    heap()
+    O.bodies[5].state.vel = (1e-7, 0, 0)
+    run(10000)
+    assert not any(asleep())
+    O.bodies[5].state.vel = (0, 0, 0)
+    rest()
