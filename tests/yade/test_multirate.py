@@ -19,7 +19,7 @@ def pressed(ratio=RATIO, speed=0.5, **engine):
         add_disk((side * 1.2 * small, small, 0), small)
     walls = add_wall(0, 1, friction=0.5), add_wall(2 * RADIUS + 1.9 * small, 1, friction=0.5)
     walls[1].state.vel = (0, -speed, 0)
-    ready(rigidMotion=False, **engine)
+    ready(rigidMotion=False, **{"multirate": True, **engine})
     O.trackEnergy = True
     return walls
 
@@ -32,7 +32,7 @@ def test_rates_follow_size_and_stiffness():
     add_disk()
     add_disk((5 * RADIUS, 0, 0), 0.3 * RADIUS)
     add_disk((10 * RADIUS, 0, 0), material=soft_material(young=1e8))
-    ready()
+    ready(multirate=True)
     assert sg.integrator().rates() == {}
     run(1)
     assert sg.integrator().rates() == {1: 1, 3: 1, 9: 1}
@@ -122,7 +122,7 @@ def test_equal_grains_are_not_touched():
 def test_velocities_at_points_need_every_step(method):
     add_disk(**method)
     add_disk((5 * RADIUS, 0, 0), RADIUS / RATIO, **method)
-    ready()
+    ready(multirate=True)
     run(3)
     assert sg.integrator().rates() == {1: 2}
 
@@ -161,7 +161,7 @@ def test_grain_that_waits_rigidly():
     disk = add_disk()
     add_disk((1.2 * RADIUS, 0, 0), RADIUS / RATIO)
     disk.state.vel = (1, 0, 0)
-    ready()
+    ready(multirate=True)
     O.trackEnergy = True
     run(50)
     assert sg.integrator().activeGrains == 0
