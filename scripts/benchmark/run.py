@@ -62,8 +62,16 @@ def cases():
         Case("scale, many", "scale", fewer, **many, grains=10000),
         Case("at rest, all computed", "sleeping", fewer, grains=10000, steps=5),
         Case("at rest, skipped", "sleeping", fewer, grains=10000, steps=5, skip=True),
-        Case("packing at rest, all computed", "resting", small, **{**packing, "grains": 100}),
-        Case("packing at rest, asleep", "resting", small, **{**packing, "grains": 100}, skip=True),
+        Case(
+            "packing at rest, all computed", "resting", {"zeta": 0.15}, **{**packing, "grains": 25}
+        ),
+        Case(
+            "packing at rest, asleep",
+            "resting",
+            {"zeta": 0.15},
+            **{**packing, "grains": 25},
+            skip=True,
+        ),
         Case("mixed", "mixed", small, **packing),
         Case(ONE_STEP, "sizes", pressed, grains=100, zeta=0.15, steps=100),
         Case(OWN_STEPS, "sizes", pressed, grains=100, zeta=0.15, steps=100, multirate=True),

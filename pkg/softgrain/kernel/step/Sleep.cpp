@@ -95,13 +95,12 @@ void System<dim>::wakeGrains(const std::vector<ContactList<dim>*>& lists, double
 			if (g < 0) continue;
 			if (still)
 				++resting[g];
-			else
+			else if (listed_[g] == asleep || list->rest.kick > 0)
 				changed.push_back(g);
 		}
 	}
-	for (int g : asleep_) {
+	for (int g : asleep_)
 		if (!sleep || resting[g] != resting_[g]) changed.push_back(g);
-	}
 	if (changed.empty()) return;
 
 	Islands islands(grains());
