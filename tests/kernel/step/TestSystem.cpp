@@ -209,7 +209,9 @@ TEMPLATE_TEST_CASE_SIG(
 	Scene<dim> scene;
 	scene.add(grainsAt<dim>(0.35, { Vec<dim>::Zero(), 0.03 * Vec<dim>::Unit(0) }));
 	scene.advance(1e-6);
-	scene.system.loads()[1].acceleration[0] = std::numeric_limits<double>::infinity();
+	BodyLoad<dim> load;
+	load.acceleration[0] = std::numeric_limits<double>::infinity();
+	scene.system.setLoad(1, load);
 	const auto before = scene.state();
 	try {
 		scene.advance(1e-6);
@@ -219,7 +221,8 @@ TEMPLATE_TEST_CASE_SIG(
 		CHECK(error.point == -1);
 	}
 	CHECK(scene.state() == before);
-	scene.system.loads()[1].acceleration[0] = 1; // and it can go on
+	load.acceleration[0] = 1; // and it can go on
+	scene.system.setLoad(1, load);
 	scene.advance(1e-6);
 	CHECK(scene.state() != before);
 }
