@@ -92,8 +92,8 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.angularVelocity = body.state->angVel;
 	d.orientation = body.state->ori;
 	d.origin = stateOrigin;
-	d.state = { savedPositions,   savedVelocities, savedGradients, savedRigidMotion,
-		    savedForces,      savedRest,       savedSleep };
+	d.state = { savedPositions, savedVelocities, savedGradients, savedRigidMotion,
+		    savedForces,    savedRest,       savedSleep };
 	return d;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace softgrain {
@@ -184,6 +185,9 @@ template <int dim> void System<dim>::useGridNodes(const std::vector<ContactList<
 
 namespace {
 
+/// From so many sets on a thread has enough to do with whole ones.
+constexpr int setsPerThread = 4;
+
 template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 {
 	std::string what =
@@ -196,13 +200,20 @@ template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 
 } // namespace
 
+/// Threads share the grains of a set or, if there are many sets, the sets.
 template <int dim> void System<dim>::updateForces(int threads)
 {
 	listGrains();
-	const ForceSchedule schedule { threads, continuation_.steps, continuation_.lastStep };
-	for (const auto& set : sets_)
-		updatedPoints_ +=
-			static_cast<long>(set->updateForces(schedule)) * set->reference().points();
+	const int sets = static_cast<int>(sets_.size());
+	const bool shareSets = sets >= setsPerThread * threads;
+	const ForceSchedule schedule { shareSets ? 1 : threads, continuation_.steps,
+				       continuation_.lastStep };
+	long points = 0;
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (shareSets) reduction(+ : points)
+	for (int i = 0; i < sets; ++i)
+		points += static_cast<long>(sets_[i]->updateForces(schedule)) *
+			  sets_[i]->reference().points();
+	updatedPoints_ += points;
 	for (int g : active_) {
 		const int point = setOf(g).report(indexInSet(g)).invertedPoint;
 		if (point >= 0) throw StepError(g, point, whatStopped(setOf(g), indexInSet(g)));

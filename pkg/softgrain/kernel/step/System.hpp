@@ -37,7 +37,7 @@ struct EnergyBalance {
 	double planes = 0; ///< work of moving planes and rigid bodies on the grains since the start
 	double loads = 0;  ///< work of body loads since the start
 	double damping = 0; ///< dissipated by damping since the start
-	double sleep = 0;    ///< taken away by grains falling asleep since the start
+	double sleep = 0;   ///< taken away by grains falling asleep since the start
 };
 
 /// Work done since the end of the last step, in counts: a change can be judged by them on a busy
@@ -170,8 +170,8 @@ public:
 	double reach(int g, const RigidSide<dim>& rigid, double dt) const;
 	/// Renews the contacts of a pair (of a grain and a plane or a rigid body) within reach for
 	/// a step of dt; may be called by several threads at a time. Balls about grains that move
-	/// rigidly come first: false if they are so far apart that no surface was looked at, or both
-	/// asleep.
+	/// rigidly come first: false if they are so far apart that no surface was looked at, or
+	/// both asleep.
 	bool search(ContactList<dim>& list, double dt) const;
 	/// Whether the box of a grain grown by a margin lies within a box.
 	bool isInside(int g, const Box<dim>& box, double margin) const;
@@ -244,7 +244,7 @@ private:
 	double sleepersStiffening_ = 1, sleepersRateStiffening_ = 1; ///< largest
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
-	std::vector<int> rate_; ///< by grain
+	std::vector<int> rate_;                   ///< by grain
 	bool multirate_ = false, ratesChosen_ = false;
 	std::vector<int> damped_; ///< grains with damping
 	/// Smallest undeformed critical step over the rate of the others, s.
