@@ -4,6 +4,7 @@
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 #include "SoftGrainIntegrator.hpp"
+#include "Threads.hpp"
 #include "Timing.hpp"
 
 #include <array>
@@ -19,7 +20,7 @@ using softgrain::Vec3;
 void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interactions, Real kick)
 {
 	const long count = static_cast<long>(interactions.size());
-#pragma omp parallel for schedule(static) num_threads(threads())
+#pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads()))
 	for (long k = 0; k < count; ++k) {
 		SoftGeom& geom = static_cast<SoftGeom&>(*interactions[k]->geom);
 		SoftPhys& phys = static_cast<SoftPhys&>(*interactions[k]->phys);
@@ -55,7 +56,7 @@ void SoftGrainIntegrator::publishMotions()
 {
 	const Real dt = scene->dt;
 	const int count = assembly_->grains();
-#pragma omp parallel for schedule(static) num_threads(threads())
+#pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads()))
 	for (int g = 0; g < count; ++g) {
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
 		SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);

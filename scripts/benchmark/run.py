@@ -48,6 +48,7 @@ def cases():
     balls = {"dim": 3, "zeta": 0.2, "node_spacing": 2, "grains": 64, "steps": 10}
     fewer_balls = {"grains": 16, "steps": 20}
     pressed = {"grains": 30, "zeta": 0.2}
+    loose = {"grains": 25, "zeta": 0.2, "until_phi": 0.9}
     return [
         Case("bulk, h = 2 dr", "bulk", {"steps": 20}, **bulk, node_spacing=2),
         Case("bulk, h = 1.25 dr", "bulk", {"steps": 20}, **bulk),
@@ -57,7 +58,8 @@ def cases():
         Case("bulk, 3D cubic", "bulk", fewer_balls, **balls, order=3),
         Case("dense", "dense", small, **packing),
         Case("rigid", "rigid", {"grains": 100}, **{**packing, "steps": 2000}),
-        Case("compaction", "paper", {"grains": 25, "zeta": 0.2, "until_phi": 0.9}, grains=400),
+        Case("compaction", "paper", loose, grains=400),
+        Case("compaction, h = 2 dr", "paper", loose, grains=400, node_spacing=2),
         Case("scale, few", "scale", {}, **many, grains=400),
         Case("scale, many", "scale", fewer, **many, grains=10000),
         Case("at rest, all computed", "sleeping", fewer, grains=10000, steps=5),

@@ -85,7 +85,8 @@ def check_repeats(folder, *options):
 
 
 def test_repeats_with_other_threads(tmp_path):
-    check_repeats(tmp_path, "--grains", "12", "--zeta", "0.25", "--until-phi", "0.9")
+    """Enough grains for two threads."""
+    check_repeats(tmp_path, "--grains", "40", "--zeta", "0.3", "--until-phi", "0.88")
 
 
 def test_points_geometry(tmp_path):

@@ -48,27 +48,26 @@ template <int dim> Mat<dim> angularMomentum(const Scene<dim>& scene)
 	return sum - sum.transpose();
 }
 
-/// Ten grains of two batches that are squeezed between planes with friction.
+/// Grains of two batches, enough for three threads, that are squeezed between planes with friction.
 Scene<2> squeezedPacking(int threads, bool shuffled)
 {
 	Scene<2> scene;
 	scene.settings.threads = threads;
 	scene.settings.trackEnergy = true;
+	constexpr int side = 7;
 	const double a = 0.0202;
-	scene.add(grainsAt<2>(0.35, { { 0, 0 },
-				      { a, 0 },
-				      { 2 * a, 0 },
-				      { 0, a },
-				      { a, a },
-				      { 2 * a, a },
-				      { 0, 2 * a },
-				      { a, 2 * a },
-				      { 2 * a, 2 * a } }));
+	std::vector<Vec<2>> places;
+	for (int row = 0; row < side; ++row)
+		for (int column = 0; column < side; ++column)
+			places.push_back({ column * a, row * a });
+	scene.add(grainsAt<2>(0.35, places));
 	scene.add(grainsAt<2>(0.4, { { 0.5 * a, 0.5 * a } }, { 0.0035 }));
+	REQUIRE(threadsFor(scene.system.grains(), threads) == threads);
 	scene.addPairs(0.3);
 	for (int g = 0; g < scene.system.grains(); ++g) {
 		scene.addPlane(g, { -0.0101, 0 }, { 1, 0 }, { 0.5, 0 }, 0.3).second = -1;
-		scene.addPlane(g, { 2 * a + 0.0101, 0 }, { -1, 0 }, { -0.5, 0 }, 0.3).second = -2;
+		scene.addPlane(g, { (side - 1) * a + 0.0101, 0 }, { -1, 0 }, { -0.5, 0 }, 0.3)
+			.second = -2;
 		scene.addPlane(g, { 0, -0.0101 }, { 0, 1 }, { 0, 0.5 }, 0.3).second = -3;
 	}
 	if (shuffled) {

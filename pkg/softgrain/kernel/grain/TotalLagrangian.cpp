@@ -2,7 +2,6 @@
 #include "grain/CriticalTimeStep.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace softgrain {
@@ -102,76 +101,6 @@ template <int dim> void TotalLagrangian<dim>::measureShapes()
 }
 
 template <int dim>
-double TotalLagrangian<dim>::vibrationEnergy(int g, const WholeGrain<dim>& whole) const
-{
-	const Mat<dim> spin = spinMatrix<dim>(whole.angularVelocity);
-	double sum = 0;
-	auto add = [&](double mass, const Vec<dim>& x, const Vec<dim>& v) {
-		sum += 0.5 * mass * (v - whole.velocity - spin * (x - whole.centre)).squaredNorm();
-	};
-	if (pointVelocities_)
-		for (int p = 0; p < batch_.reference->points(); ++p)
-			add(batch_.massScale[g] * batch_.reference->pointVolume[p], pointAt(g, p),
-			    pointVelocities_->get(g, p));
-	else
-		for (int I = 0; I < nodes(); ++I)
-			add(batch_.nodeMass(g, I), batch_.x.get(g, I), batch_.v.get(g, I));
-	return sum;
-}
-
-template <int dim> bool TotalLagrangian<dim>::mayMoveRigidly(int g) const
-{
-	const RigidLimits& limits = limits_[g];
-	if (isRigid_[g])
-		return rigid_[g].angularVelocity(shape_[g]).squaredNorm() <= limits.squaredSpin;
-	if (!(batch_.report[g].elasticEnergy <= limits.energy)) return false; // most often
-	const WholeGrain<dim> whole = wholeOfParticles(g);
-	return whole.angularVelocity.squaredNorm() <= limits.squaredSpin &&
-	       vibrationEnergy(g, whole) <= limits.energy;
-}
-
-template <int dim> void TotalLagrangian<dim>::beginRigidMotion(int g)
-{
-	rigid_[g] = rigidMotionOf<dim>(wholeOfParticles(g));
-	isRigid_[g] = 1;
-	++this->changesOfActivity_;
-	nodesWritten_[g] = 0;
-	batch_.report[g] = {};
-	holder_.forget(g);
-}
-
-template <int dim> void TotalLagrangian<dim>::endRigidMotion(int g)
-{
-	writeNodes(g);
-	isRigid_[g] = 0;
-	++this->changesOfActivity_;
-	std::fill_n(batch_.force.of(g), nodes(), Vec<dim>::Zero());
-	if (damper_) damper_->forget(g);
-}
-
-template <int dim> void TotalLagrangian<dim>::arrangeGrains()
-{
-	std::vector<int> active;
-	for (int g = 0; g < grains(); ++g)
-		if (!isRigid_[g] && !isAsleep(g)) active.push_back(g);
-	computeFirst(std::move(active));
-}
-
-/// Lays the grains into the blocks that are computed, in their order.
-template <int dim> void TotalLagrangian<dim>::computeFirst(std::vector<int> chosen)
-{
-	std::vector<int> others;
-	auto next = chosen.begin();
-	for (int g = 0; g < grains(); ++g)
-		if (next != chosen.end() && *next == g)
-			++next;
-		else
-			others.push_back(g);
-	batch_.arrange(chosen, others);
-	computed_ = std::move(chosen);
-}
-
-template <int dim>
 template <class Visit>
 void TotalLagrangian<dim>::forEachSlow(int threads, Visit&& visit)
 {
@@ -201,109 +130,14 @@ template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& s
 	return static_cast<int>(computed_.size());
 }
 
-template <int dim> double TotalLagrangian<dim>::watchRest(int g, double dt)
+/// Relative to the grain's origin.
+template <int dim> Vec<dim> TotalLagrangian<dim>::pointAt(int g, int p) const
 {
-	RestWatch& rest = rest_[g];
-	if (!rest.mayRest()) return 0;
-	const double kinetic = softgrain::kineticEnergy(batch_, batch_.v, batch_.v, g);
-	return rest.count(rest.isCalm(kinetic, batch_.report[g].elasticEnergy), dt);
-}
-
-template <int dim> Vec<dim> TotalLagrangian<dim>::fallAsleep(int g)
-{
-	rest_[g].fallAsleep();
-	++this->changesOfActivity_;
-	Vec<dim> momentum = Vec<dim>::Zero();
-	if (isRigid_[g]) return momentum;
-	for (int I = 0; I < nodes(); ++I)
-		momentum += batch_.nodeMass(g, I) * batch_.vNext.get(g, I);
-	std::fill_n(batch_.vNext.of(g), nodes(), Vec<dim>::Zero());
-	if (damper_) damper_->stop(g);
-	return momentum;
-}
-
-template <int dim> void TotalLagrangian<dim>::wake(int g)
-{
-	rest_[g].wake();
-	++this->changesOfActivity_;
-}
-
-namespace {
-
-template <int dim> std::array<double, 5> materialNumbers(const GrainParameters<dim>& grain)
-{
-	const ElasticConstants& c = grain.constants;
-	return { c.young, c.poisson, c.density, grain.damping.mass, grain.damping.stiffness };
-}
-
-} // namespace
-
-/// Calm time; of a sleeping grain also the material it rests with, what was known of it, and the
-/// forces of its nodes, so that nothing is computed when it is loaded or woken.
-template <int dim> std::vector<double> TotalLagrangian<dim>::restNumbers(int g) const
-{
-	const RestWatch& rest = rest_[g];
-	if (rest.calmTime() == 0) return {};
-	std::vector<double> numbers { rest.calmTime() };
-	if (!rest.isAsleep()) return numbers;
-	const BulkReport& report = batch_.report[g];
-	for (double number : materialNumbers(batch_.grain[g]))
-		numbers.push_back(number);
-	numbers.insert(numbers.end(),
-		       { report.elasticEnergy, report.stiffening, rateStiffening(g) });
-	for (int I = 0; I < nodes(); ++I)
-		for (int a = 0; a < dim; ++a)
-			numbers.push_back(batch_.force.get(g, I)[a]);
-	return numbers;
-}
-
-/// A grain that has another material now is awake.
-template <int dim> void TotalLagrangian<dim>::restoreRest(int g, const std::vector<double>& numbers)
-{
-	rest_[g].wake();
-	if (numbers.empty()) return;
-	if (numbers.size() == 1) return rest_[g].restore(numbers[0], false);
-	const auto material = materialNumbers(batch_.grain[g]);
-	const int figures = 1 + static_cast<int>(material.size()), forces = figures + 3;
-	requireSize("figures at rest", numbers, forces + nodes() * dim);
-	if (!std::equal(material.begin(), material.end(), numbers.begin() + 1)) return;
-	rest_[g].restore(numbers[0], true);
-	batch_.report[g].elasticEnergy = numbers[figures];
-	batch_.report[g].stiffening = numbers[figures + 1];
-	damper_->setRateStiffening(g, numbers[figures + 2]);
-	for (int I = 0; I < nodes(); ++I)
-		batch_.force.set(g, I, Eigen::Map<const Vec<dim>>(&numbers[forces + I * dim]));
-}
-
-template <int dim> RigidBounds<dim> TotalLagrangian<dim>::rigidBounds(int g) const
-{
-	const RigidMotion<dim>& motion = rigid_[g];
-	const double R = batch_.grain[g].radius;
-	RigidBounds<dim> bounds;
-	bounds.centre = batch_.grain[g].origin + motion.centre;
-	bounds.radius = R * outlineRadius_;
-	bounds.bulge = R * outlineBulge_;
-	bounds.speed =
-		motion.velocity.norm() + motion.angularVelocity(shape_[g]).norm() * bounds.radius;
-	return bounds;
-}
-
-template <int dim> void TotalLagrangian<dim>::writeNodes(int g) const
-{
-	if (nodesWritten_[g]) return;
-	nodesWritten_[g] = 1;
-	const RigidMotion<dim>& motion = rigid_[g];
-	const double R = batch_.grain[g].radius;
-	const Mat<dim> spin = spinMatrix<dim>(motion.angularVelocity(shape_[g]));
-	for (int I = 0; I < nodes(); ++I) {
-		const Vec<dim> x =
-			motion.positionOf(R * batch_.reference->nodePosition[I], shape_[g]);
-		batch_.x.set(g, I, x);
-		batch_.v.set(g, I, motion.velocity + spin * (x - motion.centre));
-	}
-	if (!pointVelocities_) return;
-	pointVelocities_->takeFromNodes(batch_, g);
-	pointVelocities_->mapToNodes(batch_, g);
+	const auto& shapes = batch_.reference->pointShapes;
+	Vec<dim> x = Vec<dim>::Zero();
+	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
+		x += shapes.value[k].N * batch_.x.get(g, shapes.column[k]);
+	return x;
 }
 
 template <int dim> WholeGrain<dim> TotalLagrangian<dim>::whole(int g) const
@@ -553,136 +387,6 @@ template <int dim> double TotalLagrangian<dim>::presentKineticEnergy(int g) cons
 	for (int p = 0; p < batch_.reference->points(); ++p)
 		sum += batch_.reference->pointVolume[p] * pointVelocities_->get(g, p).squaredNorm();
 	return 0.5 * batch_.massScale[g] * sum;
-}
-
-template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodePositions(int g) const
-{
-	writeNodes(g);
-	std::vector<Vec<dim>> x;
-	for (int I = 0; I < nodes(); ++I)
-		x.push_back(batch_.position(g, I));
-	return x;
-}
-
-template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodeVelocities(int g) const
-{
-	writeNodes(g);
-	std::vector<Vec<dim>> v;
-	for (int I = 0; I < nodes(); ++I)
-		v.push_back(batch_.v.get(g, I));
-	return v;
-}
-
-/// Relative to the grain's origin.
-template <int dim> Vec<dim> TotalLagrangian<dim>::pointAt(int g, int p) const
-{
-	const auto& shapes = batch_.reference->pointShapes;
-	Vec<dim> x = Vec<dim>::Zero();
-	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-		x += shapes.value[k].N * batch_.x.get(g, shapes.column[k]);
-	return x;
-}
-
-template <int dim>
-void TotalLagrangian<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity,
-				 const Mat<dim>& spin)
-{
-	isRigid_[g] = 0;
-	wake(g);
-	nodesWritten_[g] = 1;
-	holder_.forget(g);
-	batch_.place(g, rotation, velocity, spin);
-	if (!pointVelocities_) return;
-	pointVelocities_->takeFromNodes(batch_, g);
-	pointVelocities_->mapToNodes(batch_, g);
-}
-
-template <int dim>
-void TotalLagrangian<dim>::moveRigidly(int g, const Mat<dim>& rotation, const Vec<dim>& shift,
-				       const Vec<dim>& velocity, const Mat<dim>& spin)
-{
-	if (isRigid_[g]) {
-		rigid_[g].add(rotation, shift, velocity, spin, shape_[g]);
-		nodesWritten_[g] = 0;
-		return;
-	}
-	holder_.forget(g); // forces turn with the grain
-	const Vec<dim> centre = whole(g).centre;
-	batch_.moveRigidly(g, centre, rotation, shift, velocity, spin);
-	if (!pointVelocities_) return;
-	for (int p = 0; p < batch_.reference->points(); ++p)
-		pointVelocities_->set(g, p,
-				      rotation * pointVelocities_->get(g, p) + velocity +
-					      spin * (pointAt(g, p) - centre - shift));
-	pointVelocities_->mapToNodes(batch_, g);
-}
-
-template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
-{
-	writeNodes(g);
-	GrainState s;
-	if (isRigid_[g]) s.rigid = rigid_[g].numbers();
-	s.held = heldForces(g);
-	s.rest = restNumbers(g);
-	auto append = [](std::vector<double>& list, const Vec<dim>& value) {
-		list.insert(list.end(), value.data(), value.data() + dim);
-	};
-	for (int I = 0; I < nodes(); ++I)
-		append(s.x, batch_.x.get(g, I));
-	if (pointVelocities_)
-		for (int p = 0; p < batch_.reference->points(); ++p)
-			append(s.v, pointVelocities_->get(g, p));
-	else
-		for (int I = 0; I < nodes(); ++I)
-			append(s.v, batch_.v.get(g, I));
-	return s;
-}
-
-template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& s)
-{
-	const int velocities = pointVelocities_ ? batch_.reference->points() : nodes();
-	requireSize("positions", s.x, nodes() * dim);
-	requireSize("velocities", s.v, velocities * dim);
-	requireSize("deformation gradients", s.F, 0);
-	if (!s.rigid.empty()) {
-		requireSize("rigid motion", s.rigid, RigidMotion<dim>::numberCount);
-		rigid_[g] = RigidMotion<dim>::fromNumbers(s.rigid);
-	}
-	isRigid_[g] = !s.rigid.empty();
-	restoreRest(g, s.rest);
-	++this->changesOfActivity_;
-	nodesWritten_[g] = 1;
-	for (int I = 0; I < nodes(); ++I)
-		batch_.x.set(g, I, Eigen::Map<const Vec<dim>>(&s.x[I * dim]));
-	for (int k = 0; k < velocities; ++k) {
-		const Vec<dim> v = Eigen::Map<const Vec<dim>>(&s.v[k * dim]);
-		if (pointVelocities_)
-			pointVelocities_->set(g, k, v);
-		else
-			batch_.v.set(g, k, v);
-	}
-	if (pointVelocities_) pointVelocities_->mapToNodes(batch_, g);
-	setHeldForces(g, s.held);
-}
-
-template <int dim> std::vector<double> TotalLagrangian<dim>::heldForces(int g) const
-{
-	std::vector<double> numbers;
-	if (!holder_.holds(g)) return numbers;
-	holder_.append(batch_, g, numbers);
-	if (damper_) damper_->append(g, numbers);
-	return numbers;
-}
-
-template <int dim>
-void TotalLagrangian<dim>::setHeldForces(int g, const std::vector<double>& numbers)
-{
-	holder_.forget(g);
-	if (numbers.empty()) return;
-	const int own = ForceHolder<dim>::numberCount(batch_);
-	requireSize("forces", numbers, own + (damper_ ? damper_->numberCount() : 0));
-	holder_.restore(batch_, g, numbers.data());
-	if (damper_) damper_->restore(g, numbers.data() + own);
 }
 
 template class TotalLagrangian<2>;

@@ -204,6 +204,7 @@ template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 template <int dim> void System<dim>::updateForces(int threads)
 {
 	listGrains();
+	threads = threadsFor(static_cast<long>(active_.size()), threads);
 	const int sets = static_cast<int>(sets_.size());
 	const bool shareSets = sets >= setsPerThread * threads;
 	const ForceSchedule schedule { shareSets ? 1 : threads, continuation_.steps,

@@ -1,6 +1,7 @@
 // The step of the whole system: a list of named phases over sets of grains and their contacts.
 #pragma once
 
+#include "Threads.hpp"
 #include "contact/ContactSolver.hpp"
 #include "contact/Search.hpp"
 #include "grain/GrainSet.hpp"
@@ -265,7 +266,7 @@ template <class Phase>
 void System<dim>::forEachOf(const std::vector<int>& chosen, int threads, Phase&& phase)
 {
 	const int count = static_cast<int>(chosen.size());
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(static) num_threads(threadsFor(count, threads))
 	for (int k = 0; k < count; ++k) {
 		const int g = chosen[k];
 		phase(g, *sets_[place_[g].set], place_[g].index);
