@@ -10,7 +10,8 @@ from softgrain.observe import soft_bodies, von_mises
 
 
 def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, title=None, dpi=200):
-    """Draw all soft disks with their outlines and a stress field inside.
+    """Draw all soft disks with their outlines and a stress field inside, rigid spheres, boxes and
+    facets in grey.
 
     Args:
         path (str | Path): picture file; the suffix decides the format (png, pdf, svg).
@@ -31,12 +32,14 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
     if not disks:
         raise ValueError("draw_packing: the scene has no soft disk")
     outlines = [_outline(b) for b in disks]
-    figure = Figure(figsize=_size(outlines, box), layout="constrained")
+    rigid = rigid_polygons()
+    figure = Figure(figsize=_size(outlines + rigid, box), layout="constrained")
     axes = figure.add_subplot()
     if field:
         _draw_field(figure, axes, disks, outlines, field, scale, limits)
     else:
         axes.add_collection(PolyCollection(outlines, facecolors="0.85", edgecolors="none"))
+    axes.add_collection(PolyCollection(rigid, facecolors="0.75", edgecolors="0.35", linewidths=0.5))
     closed = [np.vstack([o, o[:1]]) for o in outlines]
     axes.add_collection(LineCollection(closed, colors="black", linewidths=0.5))
     if box is not None:
@@ -59,6 +62,35 @@ def _outline(body):
         centre = outline.mean(axis=0)
         outline = outline[np.argsort(np.arctan2(*(outline - centre).T[::-1]))]
     return outline
+
+
+def rigid_polygons():
+    """Outlines of the rigid spheres, boxes and facets of a 2D scene, seen along z.
+
+    Returns:
+        list of ndarray: of shape (n, 2) [m]; a facet that stands upright is a line to and fro.
+    """
+    polygons = []
+    for body in O.bodies:
+        corners = _corners(body.shape) if body else None
+        if corners is not None:
+            turn = np.array(body.state.ori.toRotationMatrix())
+            places = np.array(body.state.pos) + np.array(corners) @ turn.T
+            polygons.append(places[:, :2])
+    return polygons
+
+
+def _corners(shape):
+    """In the frame of the body; None for other shapes."""
+    if isinstance(shape, wrapper.Sphere):
+        angle = np.linspace(0, 2 * np.pi, 72, endpoint=False)
+        return shape.radius * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    if isinstance(shape, wrapper.Box):
+        width, height, _ = shape.extents
+        return [(x * width, y * height, 0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    if isinstance(shape, wrapper.Facet):
+        return shape.vertices
+    return None
 
 
 def _size(outlines, box):

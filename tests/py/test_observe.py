@@ -162,6 +162,25 @@ def test_picture(tmp_path, field, contact):
     assert path.stat().st_size > 1000
 
 
+def area(polygon):
+    x, y = polygon.T
+    return 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+
+
+def test_rigid_bodies_in_the_picture():
+    sphere = utils.sphere((0.03, 0.01, 0), 0.01)
+    box = utils.box((0, 0.05, 0), (0.02, 0.01, 0.5), orientation=((0, 0, 1), math.pi / 2))
+    facet = utils.facet([(0, 0, -1), (0.1, 0.02, 1), (0, 0, 1)])
+    two_disks()
+    O.bodies.append([sphere, box, utils.wall(0, axis=0), facet])
+    ball, block, line = picture.rigid_polygons()
+    assert area(ball) == pytest.approx(math.pi * 1e-4, rel=2e-3)
+    assert ball.mean(axis=0) == pytest.approx((0.03, 0.01))
+    assert area(block) == pytest.approx(8e-4)
+    assert np.ptp(block, axis=0) == pytest.approx((0.02, 0.04))
+    assert line.tolist() == [pytest.approx(p) for p in ([0, 0], [0.1, 0.02], [0, 0])]
+
+
 def test_picture_errors(tmp_path):
     with pytest.raises(ValueError, match="no soft disk"):
         sg.draw_packing(tmp_path / "packing.png")
