@@ -19,16 +19,7 @@ from softgrain import _host  # noqa: E402
 _classes = _host.load_plugin()
 globals().update(_classes)
 
-from softgrain.build import (  # noqa: E402
-    as_disks,
-    critical_time_step,
-    engines,
-    set_time_step,
-    soft_block,
-    soft_disk,
-    soft_sphere,
-    soften,
-)
+from softgrain.build import soft_block, soft_disk, soft_sphere  # noqa: E402
 from softgrain.contact_problem import solve_contact_problem  # noqa: E402
 from softgrain.observe import (  # noqa: E402
     Balance,
@@ -43,6 +34,8 @@ from softgrain.observe import (  # noqa: E402
 from softgrain.picture import draw_packing  # noqa: E402
 from softgrain.profile import contact_halfwidth, contact_profile  # noqa: E402
 from softgrain.quasi_static import quasi_static, scale_mass, suggest_speed  # noqa: E402
+from softgrain.softening import as_disks, soften  # noqa: E402
+from softgrain.time_loop import critical_time_step, engines, set_time_step  # noqa: E402
 from softgrain.timing import phase_times, reset_times  # noqa: E402
 
 __all__ = sorted(_classes) + [

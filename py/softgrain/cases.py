@@ -10,7 +10,7 @@ import numpy as np
 import yade.utils
 from yade import FrictMat, O, Quaternion, wrapper
 
-from softgrain import build, command_line, observe, profile
+from softgrain import build, command_line, observe, profile, time_loop
 
 #: omega R / c_s of the lowest vibration of a free disk (Lamb), nu = 0.45; it changes little with
 #: nu.
@@ -88,9 +88,9 @@ def add_wall(position, axis, sense, velocity=0.0):
 
 def start(options):
     """Engines and time step for the scene."""
-    O.engines = build.engines(**command_line.engine_attributes(options))
+    O.engines = time_loop.engines(**command_line.engine_attributes(options))
     O.trackEnergy = True
-    build.set_time_step(options.time_step_fraction)
+    time_loop.set_time_step(options.time_step_fraction)
 
 
 def window_seconds(options):

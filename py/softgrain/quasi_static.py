@@ -8,7 +8,7 @@ import warnings
 
 from yade import NewtonIntegrator, O, Vector3, wrapper
 
-from softgrain import build
+from softgrain import time_loop
 from softgrain.observe import soft_bodies
 
 
@@ -149,9 +149,9 @@ def scale_mass(factor, materials=None):
             "their mass. Scale before they move, or where sg.quasi_static() is small",
             stacklevel=2,
         )
-    automatic = build.automatic_fraction()
+    automatic = time_loop.automatic_fraction()
     for material in materials:
         material.massScaling = factor
     if automatic is not None:
-        build.set_time_step(automatic)
-    return build.critical_time_step()
+        time_loop.set_time_step(automatic)
+    return time_loop.critical_time_step()

@@ -66,7 +66,7 @@ OutlineCurve::Place OutlineCurve::nearest(const Vec<2>& x, double t) const
 /// centre of curvature on the other side.
 OutlineCurve::Place OutlineCurve::nearestToFar(const Vec<2>& x) const
 {
-	constexpr int halvings = 40;
+	constexpr int halvings = 40; // t to 1e-12: what is left is far below the roundings of x
 	auto ahead = [&x](const Place& place) { return (x - place.position).dot(place.tangent); };
 	const Place start = at(0), end = at(1);
 	if (ahead(start) <= 0) return start;

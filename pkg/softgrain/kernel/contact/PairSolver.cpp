@@ -107,21 +107,10 @@ template <int dim> void PairSolver<dim>::pushPartner(const Constraint& c, const 
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweep(SweepOrder order)
 {
-	SweepChange sum;
-	auto visit = [&](Constraint& c) {
-		const Vec<dim> r = solvedImpulse(c);
-		const Vec<dim> J = r - c.impulse;
-		sum.total += c.W * r.squaredNorm();
-		if (J.isZero(0)) return;
-		sum.changed += c.W * J.squaredNorm();
-		c.impulse = r;
-		applyImpulse(c, J);
-	};
-	if (order == SweepOrder::forwards)
-		std::for_each(constraints_.begin(), constraints_.end(), visit);
-	else
-		std::for_each(constraints_.rbegin(), constraints_.rend(), visit);
-	return sum;
+	return sweepOver(
+		constraints_, order, [this](const Constraint& c) { return solvedImpulse(c); },
+		[](const Constraint& c, const Vec<dim>& r) { return c.W * r.squaredNorm(); },
+		[this](const Constraint& c, const Vec<dim>& J) { applyImpulse(c, J); });
 }
 
 template <int dim> SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS ResidualSum PairSolver<dim>::residual() const

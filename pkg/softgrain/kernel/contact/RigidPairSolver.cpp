@@ -124,21 +124,10 @@ template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, 
 
 template <int dim> SweepChange RigidPairSolver<dim>::sweep(SweepOrder order)
 {
-	SweepChange sum;
-	auto visit = [&](Constraint& c) {
-		const Vec<dim> r = solvedImpulse(c);
-		const Vec<dim> J = r - c.impulse;
-		sum.total += energy(c, r);
-		if (J.isZero(0)) return;
-		sum.changed += energy(c, J);
-		c.impulse = r;
-		applyImpulse(c, J);
-	};
-	if (order == SweepOrder::forwards)
-		std::for_each(constraints_.begin(), constraints_.end(), visit);
-	else
-		std::for_each(constraints_.rbegin(), constraints_.rend(), visit);
-	return sum;
+	return sweepOver(
+		constraints_, order, [this](const Constraint& c) { return solvedImpulse(c); },
+		[this](const Constraint& c, const Vec<dim>& r) { return energy(c, r); },
+		[this](const Constraint& c, const Vec<dim>& J) { applyImpulse(c, J); });
 }
 
 template <int dim> ResidualSum RigidPairSolver<dim>::residual() const

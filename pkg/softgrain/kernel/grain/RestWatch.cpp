@@ -1,5 +1,7 @@
 #include "grain/RestWatch.hpp"
 
+#include <numbers>
+
 namespace softgrain {
 
 namespace {
@@ -13,7 +15,7 @@ RestWatch::RestWatch(const Damping& damping, double slowest)
 	: period_(slowest)
 	, mayRest_(damping.acts())
 {
-	const double omega = 2 * 3.141592653589793 / slowest;
+	const double omega = 2 * std::numbers::pi / slowest;
 	const double overdamped = 1 + damping.mass / omega + damping.stiffness * omega;
 	share_ = calmShare / (overdamped * overdamped);
 }

@@ -203,23 +203,18 @@ template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double
 	return holds(body(g).box.grown(margin));
 }
 
-template void System<2>::updateSurfaces(int);
-template void System<2>::updateSurface(int);
-template void System<2>::renewSurface(int) const;
-template void System<2>::followMotion(int, double);
-template double System<2>::reach(int, int, double) const;
-template double System<2>::reach(int, const Plane<2>&, double) const;
-template double System<2>::reach(int, const RigidSide<2>&, double) const;
-template bool System<2>::search(ContactList<2>&, double) const;
-template bool System<2>::isInside(int, const Box<2>&, double) const;
-template void System<3>::updateSurfaces(int);
-template void System<3>::updateSurface(int);
-template void System<3>::renewSurface(int) const;
-template void System<3>::followMotion(int, double);
-template double System<3>::reach(int, int, double) const;
-template double System<3>::reach(int, const Plane<3>&, double) const;
-template double System<3>::reach(int, const RigidSide<3>&, double) const;
-template bool System<3>::search(ContactList<3>&, double) const;
-template bool System<3>::isInside(int, const Box<3>&, double) const;
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template void System<dim>::updateSurfaces(int);                                            \
+	template void System<dim>::updateSurface(int);                                             \
+	template void System<dim>::renewSurface(int) const;                                        \
+	template void System<dim>::followMotion(int, double);                                      \
+	template double System<dim>::reach(int, int, double) const;                                \
+	template double System<dim>::reach(int, const Plane<dim>&, double) const;                  \
+	template double System<dim>::reach(int, const RigidSide<dim>&, double) const;              \
+	template bool System<dim>::search(ContactList<dim>&, double) const;                        \
+	template bool System<dim>::isInside(int, const Box<dim>&, double) const;
+SOFTGRAIN_INSTANTIATE(2)
+SOFTGRAIN_INSTANTIATE(3)
+#undef SOFTGRAIN_INSTANTIATE
 
 } // namespace softgrain

@@ -1,0 +1,144 @@
+"""Engines and time step of scenes with soft grains."""
+
+from yade import (
+    Bo1_Box_Aabb,
+    Bo1_Facet_Aabb,
+    Bo1_Sphere_Aabb,
+    Bo1_Wall_Aabb,
+    ForceResetter,
+    Ig2_Box_Sphere_ScGeom,
+    Ig2_Facet_Sphere_ScGeom,
+    Ig2_Sphere_Sphere_ScGeom,
+    Ig2_Wall_Sphere_ScGeom,
+    InsertionSortCollider,
+    InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys,
+    Law2_ScGeom_FrictPhys_CundallStrack,
+    NewtonIntegrator,
+    O,
+    wrapper,
+)
+
+#: O.dt as last set by set_time_step [s] and the fraction of the critical step that it was.
+_own_step = {"dt": None, "fraction": None}
+
+
+def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
+    """Ready-made list of engines for soft grains and the rigid bodies they touch: walls, spheres,
+    clumps of spheres, facets, boxes. Rigid bodies touch each other by YADE's linear law with
+    friction (``Law2_ScGeom_FrictPhys_CundallStrack``), whose stiffness may ask for a smaller
+    ``O.dt`` than soft grains do: assign it by hand then.
+
+    Args:
+        verlet_distance (float | None): ``InsertionSortCollider.verletDist`` [m]; None: a twentieth
+            of the smallest soft grain's radius.
+        gravity (Vector3): ``NewtonIntegrator.gravity`` [m/s²].
+        label (str | None): label of the ``SoftGrainIntegrator``.
+        **integrator: attributes of ``SoftGrainIntegrator``.
+
+    Returns:
+        list of Engine: for ``O.engines``.
+
+    Raises:
+        ValueError: an attribute is out of its range, or there is no soft grain and no
+            verlet_distance.
+    """
+    if verlet_distance is None:
+        radii = [b.shape.radius for b in O.bodies if b and isinstance(b.shape, wrapper.SoftGrain)]
+        if not radii:
+            raise ValueError("verlet_distance: give it, or add soft grains first")
+        verlet_distance = 0.05 * min(radii)
+    if label:
+        integrator["label"] = label
+    if O.dt == _own_step["dt"]:  # set before there was an integrator: it is to keep that fraction
+        integrator.setdefault("timeStepFraction", _own_step["fraction"])
+        integrator.setdefault("dtSet", O.dt)
+    return [
+        ForceResetter(),
+        InsertionSortCollider(_bound_functors(), verletDist=verlet_distance),
+        InteractionLoop(
+            _geometry_functors(),
+            [
+                wrapper.Ip2_SoftMat_SoftMat_SoftPhys(),
+                wrapper.Ip2_FrictMat_SoftMat_SoftPhys(),
+                Ip2_FrictMat_FrictMat_FrictPhys(),
+            ],
+            [wrapper.Law2_SoftGeom_SoftPhys_Nonsmooth(), Law2_ScGeom_FrictPhys_CundallStrack()],
+        ),
+        wrapper.SoftGrainIntegrator(**integrator),
+        NewtonIntegrator(damping=0, gravity=gravity),
+    ]
+
+
+def _bound_functors():
+    rigid = [Bo1_Wall_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Box_Aabb()]
+    return [wrapper.Bo1_SoftGrain_Aabb()] + rigid
+
+
+def _geometry_functors():
+    soft = [
+        wrapper.Ig2_SoftGrain_SoftGrain_SoftGeom(),
+        wrapper.Ig2_Wall_SoftGrain_SoftGeom(),
+        wrapper.Ig2_Sphere_SoftGrain_SoftGeom(),
+        wrapper.Ig2_Facet_SoftGrain_SoftGeom(),
+        wrapper.Ig2_Box_SoftGrain_SoftGeom(),
+    ]
+    rigid = [
+        Ig2_Sphere_Sphere_ScGeom(),
+        Ig2_Facet_Sphere_ScGeom(),
+        Ig2_Box_Sphere_ScGeom(),
+        Ig2_Wall_Sphere_ScGeom(),
+    ]
+    return soft + rigid
+
+
+def check_fraction(name, fraction):
+    """ValueError unless ``fraction`` of the critical step [-] is in (0, 1]."""
+    if not 0 < fraction <= 1:
+        raise ValueError(f"{name} = {fraction} is outside the admissible range (0, 1]")
+
+
+def critical_time_step():
+    """Critical time step of the undeformed soft grains of the scene, dt_c = 2/omega_max, less where
+    they are damped [s].
+
+    Raises:
+        ValueError: the scene has no soft grain, or a body is wrong (see the message).
+    """
+    from softgrain import _softgrain
+
+    step = _softgrain.criticalTimeStep()
+    if not step > 0:
+        raise ValueError("critical_time_step: the scene has no soft grain")
+    return step
+
+
+def automatic_fraction():
+    """Fraction of the critical step that ``O.dt`` is kept at; None where it is the user's [-]."""
+    for engine in O.engines:
+        if isinstance(engine, wrapper.SoftGrainIntegrator):
+            return engine.timeStepFraction if O.dt == engine.dtSet else None
+    return _own_step["fraction"] if O.dt == _own_step["dt"] else None
+
+
+def set_time_step(fraction=0.8):
+    """Set ``O.dt`` to a fraction of the critical step and let the integrator keep it there while
+    the grains deform.
+
+    Args:
+        fraction (float): in (0, 1] [-].
+
+    Returns:
+        float: the new ``O.dt`` [s].
+
+    Raises:
+        ValueError: the fraction is out of its range, or the scene has no soft grain.
+    """
+    check_fraction("fraction", fraction)
+    O.dt = _own_step["dt"] = fraction * critical_time_step()
+    _own_step["fraction"] = fraction
+    for engine in O.engines:
+        if isinstance(engine, wrapper.SoftGrainIntegrator):
+            engine.timeStepFraction = fraction
+            engine.dtSet = O.dt
+    return O.dt
