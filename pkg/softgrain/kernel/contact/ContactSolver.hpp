@@ -10,7 +10,7 @@
 // together is measured apart from the sweeps (Residual.hpp). Rigid bodies are further bodies of the
 // same problem, with blocks of their own (RigidPairSolver.hpp).
 //
-// A sweep goes through the pairs of bodies colour by colour (PairColours.hpp). Threads share the
+// A sweep goes through the pairs of bodies colour by colour (SweepPlan.hpp). Threads share the
 // pairs of a colour, none of which have a body in common: the result is that of one thread.
 #pragma once
 
@@ -58,6 +58,9 @@ public:
 private:
 	/// Calls with the numbers of all pairs, colour by colour; `visit` may not throw.
 	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit);
+	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit);
+	/// Of pair k, if there is one, as far as it is worth it.
+	void fetch(int k, void (PairSolver<dim>::*what)() const) const;
 	double sweep(SweepOrder order); ///< relative change of the impulses, in the residual's norm
 	/// Calls with each pair's solver and constraint, in the order of the sweeps.
 	template <class Visit> void forEachConstraint(Visit&& visit) const;
@@ -83,7 +86,7 @@ private:
 	std::vector<Slot> slot_;                       ///< colour by colour
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare
 	std::vector<RigidPairSolver<dim>> rigidPairs_; ///< the same with rigid bodies
-	std::vector<int> colourEnd_; ///< number of pairs up to the end of each colour
+	std::vector<int> taskEnd_, colourEnd_;         ///< as in SweepPlan
 	int count_ = 0;
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	SolverSettings settings_;

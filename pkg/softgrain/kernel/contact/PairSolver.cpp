@@ -104,6 +104,40 @@ template <int dim> void PairSolver<dim>::pushPartner(const Constraint& c, const 
 			push<dim>(body, c.partner[i], c.weight[i], scaled);
 }
 
+namespace {
+
+constexpr int cacheLine = 64; // bytes
+
+void fetchBytes(const void* from, const void* to)
+{
+	for (auto at = static_cast<const char*>(from); at < to; at += cacheLine)
+		__builtin_prefetch(at, 1);
+}
+
+/// Nodes on either side of a contact that feel it.
+constexpr int nodesAside = 8;
+
+template <int dim> void fetchAround(const std::vector<Vec<dim>>& velocity, int node)
+{
+	fetchBytes(velocity.data() + std::max(node - nodesAside, 0),
+		   velocity.data() + std::min<int>(node + nodesAside, velocity.size()));
+}
+
+} // namespace
+
+template <int dim> void PairSolver<dim>::fetchConstraints() const
+{
+	fetchBytes(constraints_.data(), constraints_.data() + constraints_.size());
+}
+
+template <int dim> void PairSolver<dim>::fetchVelocities() const
+{
+	for (const Constraint& c : constraints_) {
+		fetchAround<dim>(own(c)->velocity, c.node);
+		if (c.partners > 0) fetchAround<dim>(other(c)->velocity, c.partner[0]);
+	}
+}
+
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweep(SweepOrder order)
 {

@@ -93,6 +93,9 @@ public:
 	/// left by the last step, made admissible for the present normals.
 	void prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
 		     const SolverSettings& settings);
+	/// Ask for the memory that `sweep` will work on: first the one, later the other.
+	void fetchConstraints() const;
+	void fetchVelocities() const;
 	/// Solves each contact once, the others held.
 	SweepChange sweep(SweepOrder order);
 	/// How far the present impulses are from a solution.

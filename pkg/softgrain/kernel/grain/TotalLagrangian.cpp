@@ -183,17 +183,26 @@ void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<
 namespace {
 
 template <int dim>
-void interpolate(const SparseRows<double>& shapes, int g, const NodalField<dim>& field,
-		 std::vector<Vec<dim>>& at)
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void interpolate(const NodeRows<dim>& rows,
+						    const Vec<dim>* field, Vec<dim>* at)
 {
-	const Vec<dim>* own = field.of(g);
-	at.resize(shapes.rows());
-	for (int s = 0; s < shapes.rows(); ++s) {
-		Vec<dim> sum = Vec<dim>::Zero();
-		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
-			addScaled<dim>(sum, shapes.value[k], own[shapes.column[k]]);
-		at[s] = sum;
-	}
+	for (int s = 0; s < rows.rows(); ++s)
+		at[s] = rows.sum(s, field);
+}
+
+template <int dim>
+void interpolate(const NodeRows<dim>& rows, const Vec<dim>* field, std::vector<Vec<dim>>& at)
+{
+	at.resize(rows.rows());
+	interpolate<dim>(rows, field, at.data());
+}
+
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
+applyImpulses(const NodeRows<dim>& kicks, const Vec<dim>* impulse, double scale, Vec<dim>* velocity)
+{
+	for (int s = 0; s < kicks.rows(); ++s)
+		if (!impulse[s].isZero(0)) kicks.spread(s, Vec<dim>(scale * impulse[s]), velocity);
 }
 
 } // namespace
@@ -201,29 +210,21 @@ void interpolate(const SparseRows<double>& shapes, int g, const NodalField<dim>&
 template <int dim>
 void TotalLagrangian<dim>::contactVelocities(int g, std::vector<Vec<dim>>& at) const
 {
-	interpolate(contactShapes(g), g, batch_.vNext, at);
+	interpolate<dim>(contactValues(g), batch_.vNext.of(g), at);
 }
 
 template <int dim>
 void TotalLagrangian<dim>::contactVelocitiesBefore(int g, std::vector<Vec<dim>>& at) const
 {
-	interpolate(contactShapes(g), g, batch_.v, at);
+	interpolate<dim>(contactValues(g), batch_.v.of(g), at);
 }
 
 template <int dim>
 void TotalLagrangian<dim>::applyContactImpulses(int g, const std::vector<Vec<dim>>& impulse)
 {
-	const SparseRows<double>& shapes = contactShapes(g);
-	const std::vector<double>& inverseMass = batch_.reference->inverseNodeMass;
-	Vec<dim>* vNext = batch_.vNext.of(g);
-	for (int s = 0; s < shapes.rows(); ++s) {
-		if (impulse[s].isZero(0)) continue;
-		const Vec<dim> r = impulse[s] / batch_.massScale[g];
-		for (int k = shapes.begin(s); k < shapes.end(s); ++k) {
-			const int I = shapes.column[k];
-			addScaled<dim>(vNext[I], shapes.value[k] * inverseMass[I], r);
-		}
-	}
+	const NodeRows<dim>& kicks =
+		usesOwnNodes(g) ? ownNodes_[g].kicks : batch_.reference->contactKicks;
+	applyImpulses<dim>(kicks, impulse.data(), 1 / batch_.massScale[g], batch_.vNext.of(g));
 }
 
 template <int dim> bool TotalLagrangian<dim>::hasFiniteVelocities(int g) const
@@ -314,7 +315,7 @@ template <int dim> double TotalLagrangian<dim>::fastestContactNode(int g) const
 			    criticalTimeStep_[g];
 	if (bound <= slow) return bound;
 	std::vector<Vec<dim>> v;
-	interpolate(batch_.reference->contactShapes, g, batch_.v, v);
+	interpolate<dim>(batch_.reference->contactValues, batch_.v.of(g), v);
 	return largestNorm<dim>(v);
 }
 
@@ -331,7 +332,7 @@ void TotalLagrangian<dim>::contactPositions(int g, std::vector<Vec<dim>>& at) co
 					shape_[g]);
 		return;
 	}
-	interpolate(batch_.reference->contactShapes, g, batch_.x, at);
+	interpolate<dim>(batch_.reference->contactValues, batch_.x.of(g), at);
 	for (Vec<dim>& x : at)
 		x += batch_.grain[g].origin;
 }
@@ -375,8 +376,10 @@ void TotalLagrangian<dim>::useContactNodes(int g, const SparseRows<double>& poin
 		}
 		rows.closeRow();
 	}
-	ownNodes_[g].delassus = delassusTable(rows, batch_.reference->nodeMass);
-	ownNodes_[g].shapes = std::move(rows);
+	const GrainTemplate<dim>& reference = *batch_.reference;
+	ownNodes_[g] = { NodeRows<dim>(rows, nodes()),
+			 kickRows<dim>(rows, reference.inverseNodeMass),
+			 delassusTable(rows, reference.nodeMass) };
 }
 
 template <int dim> double TotalLagrangian<dim>::presentKineticEnergy(int g) const

@@ -100,7 +100,8 @@ public:
 private:
 	/// Contact nodes of one grain and one step, in place of those of the template.
 	struct OwnNodes {
-		SparseRows<double> shapes, delassus;
+		NodeRows<dim> values, kicks; ///< as in GrainTemplate
+		SparseRows<double> delassus;
 	};
 
 	int nodes() const { return batch_.reference->nodes(); }
@@ -118,10 +119,10 @@ private:
 	void restoreRest(int g, const std::vector<double>& numbers);
 	void moveNodes(int g, double dt);
 	Vec<dim> pointAt(int g, int p) const;
-	bool usesOwnNodes(int g) const { return ownNodes_[g].shapes.rows() > 0; }
-	const SparseRows<double>& contactShapes(int g) const
+	bool usesOwnNodes(int g) const { return ownNodes_[g].values.rows() > 0; }
+	const NodeRows<dim>& contactValues(int g) const
 	{
-		return usesOwnNodes(g) ? ownNodes_[g].shapes : batch_.reference->contactShapes;
+		return usesOwnNodes(g) ? ownNodes_[g].values : batch_.reference->contactValues;
 	}
 
 	mutable Batch<dim> batch_;       ///< nodes of rigid grains are written when asked for

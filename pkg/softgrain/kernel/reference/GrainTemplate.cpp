@@ -58,6 +58,14 @@ SparseRows<double> delassusTable(const SparseRows<double>& shapes,
 	return table;
 }
 
+template <int dim>
+NodeRows<dim> kickRows(SparseRows<double> shapes, const std::vector<double>& inverseNodeMass)
+{
+	for (std::size_t k = 0; k < shapes.value.size(); ++k)
+		shapes.value[k] *= inverseNodeMass[shapes.column[k]];
+	return NodeRows<dim>(std::move(shapes), static_cast<int>(inverseNodeMass.size()));
+}
+
 void TemplateRecipe::validate() const
 {
 	require(zeta >= 1e-3 && zeta <= 0.5, "zeta", zeta, "[0.001, 0.5]");
@@ -102,6 +110,8 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 	grain->contactShapes.column = shapes.column;
 	for (const ShapeFunction<dim>& shape : shapes.value)
 		grain->contactShapes.value.push_back(shape.N);
+	grain->contactValues = NodeRows<dim>(grain->contactShapes, grain->nodes());
+	grain->contactKicks = kickRows<dim>(grain->contactShapes, grain->inverseNodeMass);
 	grain->delassus = delassusTable(grain->contactShapes, grain->nodeMass);
 	if (!grain->contactMesh.facet.empty())
 		grain->surfaceMobility = SurfaceMobility<dim>(grain->contactMesh, grain->delassus);
@@ -110,6 +120,8 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 	return grain;
 }
 
+template NodeRows<2> kickRows<2>(SparseRows<double>, const std::vector<double>&);
+template NodeRows<3> kickRows<3>(SparseRows<double>, const std::vector<double>&);
 template std::shared_ptr<const GrainTemplate<2>> makeGrainTemplate<2>(const TemplateRecipe&);
 template std::shared_ptr<const GrainTemplate<3>> makeGrainTemplate<3>(const TemplateRecipe&);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "reference/NodeRows.hpp"
 #include "reference/Outline.hpp"
 #include "reference/PointLines.hpp"
 #include "reference/PressureSpace.hpp"
@@ -76,6 +77,8 @@ template <int dim> struct GrainTemplate {
 		0; ///< of the disk about a contact node, in radii; 0 on a surface;
 		   ///< ContactGeometry::nodes: what a contact may lie off the outline
 	SparseRows<double> contactShapes; ///< row s: nodes I with N_I(Xs)
+	NodeRows<dim> contactValues;      ///< the same for fields: N_I(Xs)
+	NodeRows<dim> contactKicks;       ///< for impulses on contact nodes: N_I(Xs)/mI
 	SparseRows<double> delassus;      ///< W_ss' = sum_I N_I(Xs) N_I(Xs') / mI, a banded table
 	SurfaceMobility<dim> surfaceMobility; ///< W for the sweeps; only where there are facets
 	SparseRows<double> overlap;           ///< as W, without the masses
@@ -89,6 +92,10 @@ template <int dim> struct GrainTemplate {
 /// W_ss' = sum_I N_I(Xs) N_I(Xs') / mI from the rows of N.
 SparseRows<double> delassusTable(const SparseRows<double>& shapes,
 				 const std::vector<double>& nodeMass);
+
+/// N_I(Xs)/mI from the rows of N.
+template <int dim>
+NodeRows<dim> kickRows(SparseRows<double> shapes, const std::vector<double>& inverseNodeMass);
 
 /// Validates the recipe and builds the template.
 template <int dim>

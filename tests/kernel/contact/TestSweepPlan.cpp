@@ -1,10 +1,11 @@
 #include "Helpers.hpp"
 #include "contact/ContactSolver.hpp"
-#include "contact/PairColours.hpp"
+#include "contact/SweepPlan.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <deque>
+#include <map>
 #include <set>
 
 using namespace softgrain;
@@ -67,37 +68,63 @@ struct Crowd {
 
 } // namespace
 
-TEST_CASE("Colours: every pair once, no body twice in a colour", "[contact]")
+TEST_CASE("Plan of sweeps: every pair once, no body in two tasks of a colour", "[contact]")
 {
 	Crowd crowd;
-	const auto colours = pairColours<2>(crowd.pointers(), Crowd::count);
-	std::set<ContactList<2>*> seen;
-	for (const auto& colour : colours) {
-		std::set<int> bodies;
-		for (ContactList<2>* list : colour) {
-			CHECK(seen.insert(list).second);
-			CHECK(bodies.insert(list->first).second);
-			if (list->second >= 0) CHECK(bodies.insert(list->second).second);
-		}
+	const SweepPlan<2> plan = planSweeps<2>(crowd.pointers(), Crowd::count);
+	CHECK(std::set(plan.pairs.begin(), plan.pairs.end()).size() == crowd.lists.size());
+	REQUIRE(plan.taskEnd.back() == static_cast<int>(crowd.lists.size()));
+	REQUIRE(plan.colourEnd.back() == plan.tasks());
+	int task = 0, pair = 0;
+	for (int colour = 0; colour < plan.colours(); ++colour) {
+		std::map<int, int> taskOf; // bodies of this colour
+		for (; task < plan.colourEnd[colour]; ++task)
+			for (; pair < plan.taskEnd[task]; ++pair)
+				for (int body :
+				     { plan.pairs[pair]->first, plan.pairs[pair]->second })
+					if (body >= 0)
+						CHECK(taskOf.emplace(body, task).first->second ==
+						      task);
 	}
-	CHECK(seen.size() == crowd.lists.size());
-	CHECK(colours.size() < 20); // a body has 4 pairs on average
+	CHECK(plan.tasks() < static_cast<int>(crowd.lists.size()) / 2); // of two pairs and more
 }
 
-TEST_CASE("Colours: a body with many pairs gives each its own", "[contact]")
+TEST_CASE("Plan of sweeps: neighbours share tasks", "[contact]")
 {
 	std::deque<ContactList<2>> lists;
 	std::vector<ContactList<2>*> pointers;
-	for (int k = 1; k <= 100; ++k) {
+	constexpr int side = 32;
+	auto touch = [&](int a, int b) {
+		lists.emplace_back();
+		lists.back().first = a;
+		lists.back().second = b;
+		pointers.push_back(&lists.back());
+	};
+	for (int i = 0; i < side; ++i)
+		for (int j = 0; j + 1 < side; ++j) {
+			touch(i * side + j, i * side + j + 1);
+			touch(j * side + i, (j + 1) * side + i);
+		}
+	const SweepPlan<2> plan = planSweeps<2>(pointers, side * side);
+	CHECK(plan.taskEnd[plan.colourEnd[0] - 1] > static_cast<int>(lists.size()) / 2);
+	CHECK(plan.colours() < 10);
+	// the plan of the same pairs is the same
+	CHECK(planSweeps<2>(pointers, side * side).pairs == plan.pairs);
+}
+
+TEST_CASE("Plan of sweeps: tasks that share a cluster follow one another", "[contact]")
+{
+	std::deque<ContactList<2>> lists;
+	std::vector<ContactList<2>*> pointers;
+	for (int k = 1; k <= 3000; ++k) { // a star: all clusters but one are single bodies
 		lists.emplace_back();
 		lists.back().first = 0;
 		lists.back().second = k;
 		pointers.push_back(&lists.back());
 	}
-	const auto colours = pairColours<2>(pointers, 101);
-	REQUIRE(colours.size() == 100);
-	for (int k = 0; k < 100; ++k)
-		CHECK(colours[k] == std::vector<ContactList<2>*> { pointers[k] });
+	const SweepPlan<2> plan = planSweeps<2>(pointers, 3001);
+	CHECK(plan.colours() == plan.tasks());
+	CHECK(plan.pairs == pointers);
 }
 
 TEST_CASE("Solver: the same bits with any number of threads", "[contact]")
