@@ -3,6 +3,7 @@
 
 #include "contact/ContactBody.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace softgrain {
@@ -39,11 +40,68 @@ public:
 	double bulge() const;
 
 private:
+	/// Newton's method from the place on the chord; each step gains a factor of gap times
+	/// curvature.
+	static constexpr int newtonSteps = 2;
+
 	std::array<int, 4> node_;
 	bool startsSharp_, endsSharp_;
 	Vec<2> start_;                      ///< x_1
 	Vec<2> before_, edge_, next_;       ///< x_1 - x_0, x_2 - x_1, x_3 - x_2
 	Vec<2> linear_, quadratic_, cubic_; ///< y = x_1 + linear t + quadratic t^2 + cubic t^3
 };
+
+// --- inline, since the search consists of it
+// ------------------------------------------------------
+
+inline OutlineCurve::OutlineCurve(const ContactBody<2>& body, int facet)
+	: node_(body.mesh->carriers(facet))
+	, startsSharp_(body.isSharp(node_[1]))
+	, endsSharp_(body.isSharp(node_[2]))
+	, start_(body.position[node_[1]])
+	, edge_(body.position[node_[2]] - start_)
+{
+	before_ = startsSharp_ ? edge_ : Vec<2>(start_ - body.position[node_[0]]);
+	next_ = endsSharp_ ? edge_ : Vec<2>(body.position[node_[3]] - body.position[node_[2]]);
+	linear_ = 0.5 * (before_ + edge_);
+	quadratic_ = 1.5 * edge_ - before_ - 0.5 * next_;
+	cubic_ = 0.5 * (before_ + next_) - edge_;
+}
+
+/// x_0 = 2 x_1 - x_2 at a sharp first node, x_3 = 2 x_2 - x_1 at a sharp second one.
+inline std::array<double, 4> OutlineCurve::weights(double t) const
+{
+	const double tt = t * t, ttt = tt * t;
+	double w0 = 0.5 * (-t + 2 * tt - ttt), w1 = 0.5 * (2 - 5 * tt + 3 * ttt),
+	       w2 = 0.5 * (t + 4 * tt - 3 * ttt), w3 = 0.5 * (ttt - tt);
+	if (startsSharp_) {
+		w1 += 2 * w0;
+		w2 -= w0;
+		w0 = 0;
+	}
+	if (endsSharp_) {
+		w2 += 2 * w3;
+		w1 -= w3;
+		w3 = 0;
+	}
+	return { w0, w1, w2, w3 };
+}
+
+inline OutlineCurve::Place OutlineCurve::at(double t) const
+{
+	return { t, start_ + t * (linear_ + t * (quadratic_ + t * cubic_)),
+		 linear_ + t * (2 * quadratic_ + 3 * t * cubic_) };
+}
+
+inline OutlineCurve::Place OutlineCurve::nearest(const Vec<2>& x, double t) const
+{
+	Place place = at(t);
+	for (int step = 0; step < newtonSteps; ++step) {
+		const double ahead = (x - place.position).dot(place.tangent);
+		place = at(std::clamp(t + ahead / place.tangent.squaredNorm(), 0., 1.));
+		t = place.t;
+	}
+	return place;
+}
 
 } // namespace softgrain

@@ -34,6 +34,8 @@ template <int dim, class ParticleAt> WholeGrain<dim> wholeOf(int count, Particle
 
 /// Of the background nodes of grain `g`.
 template <int dim> WholeGrain<dim> wholeGrain(const Batch<dim>& batch, int g);
+template <> WholeGrain<2> wholeGrain(const Batch<2>& batch, int g);
+template <> WholeGrain<3> wholeGrain(const Batch<3>& batch, int g);
 
 /// Kinetic energy 1/2 sum_I mI v_I . w_I, J (2D: J/m). With v and w the velocities half a step
 /// before and after t_n it is, with the elastic energy at t_n, the exact invariant of the linear
