@@ -60,10 +60,9 @@ constexpr auto anyFacet = [](int) { return true; };
 
 /// Gap and normal at a place on a 2D outline: of the smooth curve over the facet. What leans on the
 /// curve moves and pushes its nodes with the curve's own weights.
-void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
+void measureGap(const Vec<2>& x, const OutlineCurve& curve, const PlaceOnOutline<2>& place,
 		Contact<2>& contact)
 {
-	const OutlineCurve curve(body, place.facet);
 	const OutlineCurve::Place foot = curve.nearest(x, place.weight[1]);
 	contact.partners = mostPartners<2>;
 	contact.facet = place.facet;
@@ -71,6 +70,12 @@ void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutlin
 	contact.weight = curve.weights(foot.t);
 	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
 	contact.gap = (x - foot.position).dot(contact.normal);
+}
+
+void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
+		Contact<2>& contact)
+{
+	measureGap(x, OutlineCurve(body, place.facet), place, contact);
 }
 
 /// The same in 3D: between its vertices the outline bulges over the flat facet by
@@ -326,12 +331,24 @@ PlaceOnOutline<2> placeOnFacet(const Vec<2>& x, const ContactBody<2>& body, int 
 	return { facet, weight, (x - nearest).squaredNorm() };
 }
 
+/// Whether of both facets beside this one no place but the common end is near to `x`.
+bool isBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
+{
+	const auto& [before, begin, end, after] = body.mesh->carriers(facet);
+	const auto isBehind = [&](int node, int next) {
+		const Vec<2>& corner = body.position[node];
+		return (x - corner).dot(body.position[next] - corner) <= 0;
+	};
+	return isBehind(begin, before) && isBehind(end, after);
+}
+
 /// Nearest place to `x`, from facet to facet as long as the next is nearer (of two as near, as at a
 /// common end, the first in order).
 PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int facet)
 {
 	const int count = static_cast<int>(body.mesh->facet.size());
 	PlaceOnOutline<2> best = placeOnFacet(x, body, facet);
+	if (best.weight[0] > 0 && best.weight[1] > 0 && isBelow(x, body, facet)) return best;
 	for (int step : { 1, count - 1 })
 		while (true) {
 			const auto next = placeOnFacet(x, body, (best.facet + step) % count);
@@ -347,12 +364,13 @@ PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int
 /// A bound of the gap of a node from below that is cheaper than the gap; nothing that would help
 /// for nodes inside. (The curve bulges out of its facet, and at the end of a facet the gap may be a
 /// little less than the distance.)
-double leastGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place)
+double leastGap(const Vec<2>& x, const ContactBody<2>& body, const OutlineCurve& curve,
+		const PlaceOnOutline<2>& place)
 {
 	const Vec<2>& start = body.position[body.mesh->facet[place.facet][0]];
 	if ((x - start).dot(body.areaOfFacet(place.facet)) <= 0)
 		return -std::numeric_limits<double>::infinity();
-	return (std::sqrt(place.squaredDistance) - OutlineCurve(body, place.facet).bulge()) / 1.5;
+	return (std::sqrt(place.squaredDistance) - curve.bulge()) / 1.5;
 }
 
 void contactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
@@ -367,9 +385,11 @@ void contactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& sec
 		const Vec<2>& x = body.position[node.node];
 		const auto place = followOutline(x, other, node.facet);
 		node.facet = place.facet;
-		double gap = leastGap(x, other, place);
+		const OutlineCurve curve(other, place.facet);
+		double gap = leastGap(x, other, curve, place);
 		if (gap < reach) {
-			Contact<2> contact = contactAt(x, other, place);
+			Contact<2> contact;
+			measureGap(x, curve, place, contact);
 			gap = contact.gap;
 			if (gap < reach)
 				append({ node.side, node.node, -1 }, contact, body, other, list);

@@ -27,9 +27,9 @@ template <int dim> struct OutlineMesh {
 	std::array<int, mostPartners<dim>> carriers(int f) const
 	{
 		if constexpr (dim == 2) {
-			const int count = static_cast<int>(facet.size());
-			return { facet[(f + count - 1) % count][0], facet[f][0], facet[f][1],
-				 facet[(f + 1) % count][1] };
+			const int last = static_cast<int>(facet.size()) - 1;
+			return { facet[f > 0 ? f - 1 : last][0], facet[f][0], facet[f][1],
+				 facet[f < last ? f + 1 : 0][1] };
 		} else
 			return facet[f];
 	}
