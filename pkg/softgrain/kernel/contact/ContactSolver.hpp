@@ -10,8 +10,8 @@
 // together is measured apart from the sweeps (Residual.hpp). Rigid bodies are further bodies of the
 // same problem, with blocks of their own (RigidPairSolver.hpp).
 //
-// A sweep goes through the pairs of bodies colour by colour (SweepPlan.hpp). Threads share the
-// pairs of a colour, none of which have a body in common: the result is that of one thread.
+// A sweep goes through the pairs of bodies as SweepPlan.hpp says: threads share the tasks of a
+// colour, none of which have a body in common, and the result is that of one thread.
 #pragma once
 
 #include "contact/ContactProblem.hpp"
@@ -34,7 +34,7 @@ template <int dim> class ContactSolver {
 public:
 	/// Takes all contacts of `lists`, whose bodies are in `bodies`, and applies the impulses
 	/// left by the last step, made admissible for the present normals. The order of the lists
-	/// decides on their colours, and so on the order of the sweeps. Lists with a rigid body
+	/// decides on the plan of the sweeps. Lists with a rigid body
 	/// name their entry of `partners`, whose velocities the impulses change too.
 	void prepare(std::vector<ContactBody<dim>>& bodies,
 		     const std::vector<ContactList<dim>*>& lists, double dt,
