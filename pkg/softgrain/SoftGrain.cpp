@@ -50,6 +50,9 @@ softgrain::TemplateRecipe SoftGrain::recipe() const
 		"volumetric", volumetric,
 		{ { "pointwise", softgrain::VolumetricStrain::pointwise },
 		  { "projected", softgrain::VolumetricStrain::projected } });
+	r.basis = choose<softgrain::Basis>("basis", basis,
+					   { { "splines", softgrain::Basis::splines },
+					     { "triangles", softgrain::Basis::triangles } });
 	return r;
 }
 
@@ -116,6 +119,7 @@ void SoftGrain::postLoad(SoftGrain&)
 	scheme().validate(recipe());
 	softgrain::require(radius > 0 && math::isfinite(radius), "radius", radius, "(0, inf) m");
 	softgrain::require(dim == 2 || dim == 3, "dim", dim, "2, 3");
+	softgrain::require(dim == 2 || basis == "splines", "basis", basis, "'splines' for dim = 3");
 	const bool flatOrRound = form == "ball" || dim == 2;
 	softgrain::require(!flatOrRound || aspect[2] == 1, "aspect[2]", aspect[2],
 			   "1 for a ball, and in 2D");

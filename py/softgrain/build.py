@@ -23,7 +23,7 @@ def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
         color (Vector3 | None): colour, random if None.
         mask (int): ``Body.mask``.
         **shape: attributes of ``SoftGrain``: zeta, order, nodeSpacing, surfaceSpacing, quadrature,
-            contact, volumetric, formulation, velocityUpdate, picShare.
+            contact, volumetric, formulation, velocityUpdate, picShare, basis.
 
     Returns:
         Body: to be added with ``O.bodies.append``.

@@ -164,6 +164,45 @@ scatterGrains(const PointLines<dim>& lines, const Strip<dim>& strip, int begin, 
 	}
 }
 
+/// F at so many points from the first of a strip on, whose stencils are rows of a table.
+template <int dim, class Part>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherTable(const SparseRows<ShapeFunction<dim>>& shapes,
+						    const double* x, int begin, int first,
+						    int points, Strip<dim>& strip)
+{
+	for (int i = 0; i < points; ++i) {
+		typename Part::Numbers F[dim][dim] = {};
+		for (int k = shapes.begin(first + i); k < shapes.end(first + i); ++k)
+			for (int a = 0; a < dim; ++a)
+				for (int b = 0; b < dim; ++b)
+					F[a][b] +=
+						shapes.value[k].G[b] *
+						lanesAt<Part, dim>(x + begin, shapes.column[k], a);
+		double* tensor = &strip.tensor[i][0][0][begin];
+		for (int a = 0; a < dim; ++a)
+			for (int b = 0; b < dim; ++b)
+				lanesAt<Part, dim>(tensor, a, b) = F[a][b];
+	}
+}
+
+/// Forces of the stresses at these points.
+template <int dim, class Part>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterTable(const SparseRows<ShapeFunction<dim>>& shapes,
+						     const Strip<dim>& strip, int begin, int first,
+						     int points, double* force)
+{
+	for (int i = 0; i < points; ++i) {
+		const double* tensor = &strip.tensor[i][0][0][begin];
+		for (int k = shapes.begin(first + i); k < shapes.end(first + i); ++k)
+			for (int a = 0; a < dim; ++a) {
+				auto& node = lanesAt<Part, dim>(force + begin, shapes.column[k], a);
+				for (int b = 0; b < dim; ++b)
+					node -= shapes.value[k].G[b] *
+						lanesAt<Part, dim>(tensor, a, b);
+			}
+	}
+}
+
 /// Calls `use(type of the part, its first lane)` for all parts of a block.
 template <class Use> void forEachPart(Use&& use)
 {
@@ -205,6 +244,7 @@ public:
 
 	GrainsInLanes(const Batch<dim>& batch, int block)
 		: lines_(batch.reference->pointLines)
+		, shapes_(batch.reference->pointShapes)
 		, order_(batch.reference->recipe.order)
 		, block_(block)
 		, lame_(batch.lame[block])
@@ -226,11 +266,17 @@ public:
 	void gather(Strip<dim>& strip) const
 	{
 		strip.groups = strip.pointsEnd(lines_) - strip.pointsBegin(lines_);
-		withOrder(order_, [&](auto order) {
-			detail::forEachPart([&]<class Part>(Part, int begin) {
-				detail::gatherGrains<dim, order, Part>(lines_, &x_.at(0, 0)[0],
-								       begin, strip);
-			});
+		const double* x = &x_.at(0, 0)[0];
+		detail::forEachPart([&]<class Part>(Part, int begin) {
+			if (lines_.isTable())
+				detail::gatherTable<dim, Part>(shapes_, x, begin,
+							       strip.pointsBegin(lines_),
+							       strip.groups, strip);
+			else
+				withOrder(order_, [&](auto order) {
+					detail::gatherGrains<dim, order, Part>(lines_, x, begin,
+									       strip);
+				});
 		});
 	}
 	/// Vp0 in radii^dim.
@@ -246,11 +292,17 @@ public:
 	/// Forces of the stresses of the strip.
 	void scatter(const Strip<dim>& strip)
 	{
-		withOrder(order_, [&](auto order) {
-			detail::forEachPart([&]<class Part>(Part, int begin) {
-				detail::scatterGrains<dim, order, Part>(lines_, strip, begin,
-									&force_.at(0, 0)[0]);
-			});
+		double* force = &force_.at(0, 0)[0];
+		detail::forEachPart([&]<class Part>(Part, int begin) {
+			if (lines_.isTable())
+				detail::scatterTable<dim, Part>(shapes_, strip, begin,
+								strip.pointsBegin(lines_),
+								strip.groups, force);
+			else
+				withOrder(order_, [&](auto order) {
+					detail::scatterGrains<dim, order, Part>(lines_, strip,
+										begin, force);
+				});
 		});
 	}
 	void finish(const BulkSums& sums, Batch<dim>& batch)
@@ -265,6 +317,7 @@ public:
 
 private:
 	const PointLines<dim>& lines_;
+	const SparseRows<ShapeFunction<dim>>& shapes_;
 	int order_, block_;
 	const LameConstants& lame_;
 	Lanes inverseRadius_, volume_; ///< volume_: R^dim

@@ -120,6 +120,38 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lin
 	});
 }
 
+/// The same for points whose stencils are rows of a table.
+template <int dim>
+void gatherPoints(const SparseRows<ShapeFunction<dim>>& shapes,
+		  const std::array<const double*, dim>& x, int first, int points, Strip<dim>& strip)
+{
+	for (int i = 0; i < points; ++i) {
+		double* F = firstNumber(strip, i);
+		for (int a = 0; a < dim; ++a)
+			for (int b = 0; b < dim; ++b) {
+				double sum = 0;
+				for (int k = shapes.begin(first + i); k < shapes.end(first + i);
+				     ++k)
+					sum += shapes.value[k].G[b] * x[a][shapes.column[k]];
+				F[(a * dim + b) * laneWidth] = sum;
+			}
+	}
+}
+
+template <int dim>
+void scatterPoints(const SparseRows<ShapeFunction<dim>>& shapes, const Strip<dim>& strip, int first,
+		   int points, const std::array<double*, dim>& force)
+{
+	for (int i = 0; i < points; ++i) {
+		const double* P = firstNumber(strip, i);
+		for (int k = shapes.begin(first + i); k < shapes.end(first + i); ++k)
+			for (int a = 0; a < dim; ++a)
+				for (int b = 0; b < dim; ++b)
+					force[a][shapes.column[k]] -=
+						P[(a * dim + b) * laneWidth] * shapes.value[k].G[b];
+	}
+}
+
 } // namespace detail
 
 /// One grain of a batch; lanes of the last group of a strip that have no point repeat the last one,
@@ -131,6 +163,7 @@ public:
 
 	PointsInLanes(const Batch<dim>& batch, int g)
 		: lines_(batch.reference->pointLines)
+		, shapes_(batch.reference->pointShapes)
 		, order_(batch.reference->recipe.order)
 		, grain_(g)
 	{
@@ -160,10 +193,14 @@ public:
 	{
 		const int count = points(strip);
 		strip.groups = (count + laneWidth - 1) / laneWidth;
-		withOrder(order_, [&](auto order) {
-			detail::gatherPoints<dim, order>(lines_, components<const double>(x_),
-							 strip);
-		});
+		const auto x = components<const double>(x_);
+		if (lines_.isTable())
+			detail::gatherPoints<dim>(shapes_, x, strip.pointsBegin(lines_), count,
+						  strip);
+		else
+			withOrder(order_, [&](auto order) {
+				detail::gatherPoints<dim, order>(lines_, x, strip);
+			});
 		Lanes(&last)[dim][dim] = strip.tensor[strip.groups - 1];
 		for (int lane = (count - 1) % laneWidth + 1; lane < laneWidth; ++lane)
 			for (int a = 0; a < dim; ++a)
@@ -185,10 +222,14 @@ public:
 	}
 	void scatter(const Strip<dim>& strip)
 	{
-		withOrder(order_, [&](auto order) {
-			detail::scatterPoints<dim, order>(lines_, strip,
-							  components<double>(force_));
-		});
+		const auto force = components<double>(force_);
+		if (lines_.isTable())
+			detail::scatterPoints<dim>(shapes_, strip, strip.pointsBegin(lines_),
+						   points(strip), force);
+		else
+			withOrder(order_, [&](auto order) {
+				detail::scatterPoints<dim, order>(lines_, strip, force);
+			});
 	}
 	void finish(const BulkSums& sums, Batch<dim>& batch)
 	{
@@ -217,6 +258,7 @@ private:
 	}
 
 	const PointLines<dim>& lines_;
+	const SparseRows<ShapeFunction<dim>>& shapes_;
 	int order_, grain_;
 	LameConstants lame_;
 	std::vector<double> x_, force_; ///< in the box, component after component; x in radii

@@ -19,6 +19,9 @@ void Scheme::validate(const TemplateRecipe& recipe) const
 	require(formulation == Formulation::total || recipe.order >= 2, "order", recipe.order,
 		"2, 3 for formulation = 'updated': the gradients of linear splines jump where a "
 		"point crosses a cell");
+	if (recipe.basis == Basis::triangles && hasPointVelocities())
+		throw std::invalid_argument("basis = 'triangles' needs formulation = 'total' and "
+					    "velocityUpdate = 'nodal'");
 	if (formulation == Formulation::updated && recipe.contact == ContactGeometry::nodes)
 		throw std::invalid_argument(
 			"contact = 'nodes' is not implemented for formulation = 'updated'; "

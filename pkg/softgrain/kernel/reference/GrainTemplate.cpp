@@ -2,8 +2,11 @@
 #include "Require.hpp"
 #include "reference/BSpline.hpp"
 #include "reference/BackgroundGrid.hpp"
+#include "reference/TriangleMesh.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <stdexcept>
 
 namespace softgrain {
 
@@ -74,42 +77,83 @@ void TemplateRecipe::validate() const
 	require(surfaceSpacing >= 0.5 && surfaceSpacing <= 4, "surfaceSpacing", surfaceSpacing,
 		"[0.5, 4]");
 	form.validate();
+	if (basis == Basis::triangles &&
+	    (form.form != Form::ball || contact != ContactGeometry::surface))
+		throw std::invalid_argument("basis = 'triangles' is for form = 'ball' and contact "
+					    "= 'surface' only");
 }
+
+namespace {
+
+/// Nodes, points and shape functions of B-splines.
+template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>& grain)
+{
+	const TemplateRecipe& recipe = grain.recipe;
+	const double dr = recipe.zeta;
+	const Quadrature<dim> quadrature = makeQuadrature<dim>(recipe.quadrature, dr, outline);
+	const BackgroundGrid<dim> grid(recipe.order, recipe.nodeSpacing * dr, quadrature);
+	grain.volume = outline.volume();
+	grain.nodePosition = grid.position();
+	grain.nodeMass = grid.mass();
+	grain.pointPosition = quadrature.point;
+	grain.pointVolume = quadrature.weight;
+	for (const Vec<dim>& X : quadrature.point)
+		grid.appendShapes(X, grain.pointShapes);
+	grain.pointLines = makePointLines(grid, quadrature);
+
+	SparseRows<ShapeFunction<dim>> shapes;
+	for (const Vec<dim>& X : grain.contactMesh.vertex)
+		grid.appendShapes(X, shapes);
+	grain.contactShapes.offset = shapes.offset;
+	grain.contactShapes.column = shapes.column;
+	for (const ShapeFunction<dim>& shape : shapes.value)
+		grain.contactShapes.value.push_back(shape.N);
+}
+
+/// The same of linear triangles, whose first nodes are the contact nodes.
+void layTriangles(GrainTemplate<2>& grain)
+{
+	const TriangleMesh mesh = meshOfDisk(grain.contactMesh, grain.recipe.zeta);
+	const Quadrature<2> quadrature = mesh.quadrature();
+	grain.nodePosition = mesh.node;
+	grain.nodeMass = mesh.nodeMass();
+	grain.volume = std::accumulate(grain.nodeMass.begin(), grain.nodeMass.end(), 0.);
+	grain.pointPosition = quadrature.point;
+	grain.pointVolume = quadrature.weight;
+	grain.pointShapes = mesh.shapes();
+	grain.pointLines = makePointTable<2>(grain.nodes(), quadrature);
+	for (int s = 0; s < grain.contactNodes(); ++s) {
+		grain.contactShapes.append(s, 1);
+		grain.contactShapes.closeRow();
+	}
+}
+
+void layTriangles(GrainTemplate<3>&)
+{
+	throw std::invalid_argument("basis = 'triangles' is for disks (dim = 2)");
+}
+
+} // namespace
 
 template <int dim>
 std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe& recipe)
 {
 	recipe.validate();
-	const double dr = recipe.zeta;
 	const auto outline = makeOutline<dim>(recipe.form);
-	const Quadrature<dim> quadrature = makeQuadrature<dim>(recipe.quadrature, dr, *outline);
-	const BackgroundGrid<dim> grid(recipe.order, recipe.nodeSpacing * dr, quadrature);
-
 	auto grain = std::make_shared<GrainTemplate<dim>>();
 	grain->recipe = recipe;
-	grain->volume = outline->volume();
 	grain->inradius = outline->inradius();
-	grain->nodePosition = grid.position();
-	grain->nodeMass = grid.mass();
+	layContactNodes(*outline, *grain);
+	if (recipe.basis == Basis::triangles)
+		layTriangles(*grain);
+	else
+		layGrid(*outline, *grain);
 	for (double mass : grain->nodeMass)
 		grain->inverseNodeMass.push_back(1 / mass);
-	grain->pointPosition = quadrature.point;
-	grain->pointVolume = quadrature.weight;
-	for (const Vec<dim>& X : quadrature.point)
-		grid.appendShapes(X, grain->pointShapes);
-	grain->pointLines = makePointLines(grid, quadrature);
 	if (recipe.volumetric == VolumetricStrain::projected)
 		grain->pressureSpace =
-			makePressureSpace<dim>(quadrature, 2 * recipe.nodeSpacing * dr);
-
-	layContactNodes(*outline, *grain);
-	SparseRows<ShapeFunction<dim>> shapes;
-	for (const Vec<dim>& X : grain->contactMesh.vertex)
-		grid.appendShapes(X, shapes);
-	grain->contactShapes.offset = shapes.offset;
-	grain->contactShapes.column = shapes.column;
-	for (const ShapeFunction<dim>& shape : shapes.value)
-		grain->contactShapes.value.push_back(shape.N);
+			makePressureSpace<dim>({ grain->pointPosition, grain->pointVolume },
+					       2 * recipe.nodeSpacing * recipe.zeta);
 	grain->contactValues = NodeRows<dim>(grain->contactShapes, grain->nodes());
 	grain->contactKicks = kickRows<dim>(grain->contactShapes, grain->inverseNodeMass);
 	grain->delassus = delassusTable(grain->contactShapes, grain->nodeMass);

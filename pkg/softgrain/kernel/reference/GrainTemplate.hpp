@@ -24,6 +24,12 @@ enum class ContactGeometry {
 	nodes ///< nodes of a grid in space that get mass from two bodies (contact/CommonGrid.hpp)
 };
 
+/// What the displacements of a grain are made of.
+enum class Basis {
+	splines,  ///< B-splines on a grid that knows nothing of the outline (TLMPM)
+	triangles ///< linear triangles up to the outline (finite elements): 2D disks, to compare
+};
+
 /// How the volumetric part of the law sees ln J.
 enum class VolumetricStrain {
 	pointwise, ///< at every material point
@@ -42,15 +48,18 @@ struct TemplateRecipe {
 	ContactGeometry contact = ContactGeometry::surface;
 	GrainForm form;
 	VolumetricStrain volumetric = VolumetricStrain::pointwise;
+	/// Triangles have sides of about dr and a point each; `order`, `nodeSpacing` and
+	/// `quadrature` say nothing of them.
+	Basis basis = Basis::splines;
 
 	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 	void validate() const;
 	bool operator<(const TemplateRecipe& o) const
 	{
 		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact, form,
-				volumetric) < std::tie(o.zeta, o.order, o.nodeSpacing,
-						       o.surfaceSpacing, o.quadrature, o.contact,
-						       o.form, o.volumetric);
+				volumetric, basis) <
+		       std::tie(o.zeta, o.order, o.nodeSpacing, o.surfaceSpacing, o.quadrature,
+				o.contact, o.form, o.volumetric, o.basis);
 	}
 };
 

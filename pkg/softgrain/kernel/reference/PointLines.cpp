@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 
 namespace softgrain {
@@ -185,6 +186,23 @@ PointLines<dim> makePointLines(const BackgroundGrid<dim>& grid, const Quadrature
 	return lines;
 }
 
+template <int dim> PointLines<dim> makePointTable(int nodes, const Quadrature<dim>& quadrature)
+{
+	PointLines<dim> lines;
+	lines.places = nodes;
+	lines.nodePlace.resize(nodes);
+	std::iota(lines.nodePlace.begin(), lines.nodePlace.end(), 0);
+	const int points = static_cast<int>(quadrature.point.size());
+	for (int begin = 0; begin < points; begin += PointLines<dim>::maxPoints)
+		lines.line.push_back(
+			{ begin, std::min(begin + PointLines<dim>::maxPoints, points), 0, 0, 0 });
+	for (int p = 0; p < points; ++p)
+		lines.point.push_back({ p, 0, quadrature.weight[p], {}, {} });
+	return lines;
+}
+
+template PointLines<2> makePointTable<2>(int, const Quadrature<2>&);
+template PointLines<3> makePointTable<3>(int, const Quadrature<3>&);
 template PointLines<2> makePointLines<2>(const BackgroundGrid<2>&, const Quadrature<2>&);
 template PointLines<3> makePointLines<3>(const BackgroundGrid<3>&, const Quadrature<3>&);
 

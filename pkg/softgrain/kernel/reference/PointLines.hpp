@@ -46,6 +46,9 @@ template <int dim> struct PointLines {
 	SparseRows<double> ties;        ///< row: tied node, column: node that it follows
 
 	int nodes() const { return static_cast<int>(nodePlace.size()); }
+	/// The lines are mere lists of points, whose stencils are the rows of
+	/// GrainTemplate::pointShapes; places are nodes.
+	bool isTable() const { return run.empty(); }
 	/// Calls `use(place of the tied node, place of a node that it follows, weight)`.
 	template <class Use> void forEachTie(Use&& use) const
 	{
@@ -84,5 +87,7 @@ template <int dim> LineRange nextStrip(const PointLines<dim>& lines, int begin, 
 
 template <int dim>
 PointLines<dim> makePointLines(const BackgroundGrid<dim>& grid, const Quadrature<dim>& quadrature);
+/// Where shape functions are no products: PointLines::isTable.
+template <int dim> PointLines<dim> makePointTable(int nodes, const Quadrature<dim>& quadrature);
 
 } // namespace softgrain
