@@ -161,26 +161,54 @@ class System:
             wall.position = wall.position + dt * np.asarray(wall.velocity)
 
 
+#: Bodies in a cluster at most.
+BODIES_PER_CLUSTER = 16
+
+
 def in_sweep_order(contacts):
-    """Sort contacts by colour: each pair of bodies has the first that none of its bodies has yet.
+    """Sort contacts as ``contact/SweepPlan.hpp`` says: tasks (the pairs within a cluster of bodies,
+    then those between two) by colours, each task having the first that none of its clusters has.
 
     Args:
         contacts (list): of (pair, contact), the contacts of a pair side by side; a pair is (grain,
             grain), or (grain, negative) with a wall.
 
     Returns:
-        list: the same; within a colour in the given order.
+        list: the same; within a task in the given order.
     """
+    cluster = clusters(list(dict.fromkeys(pair for pair, _ in contacts)))
+    tasks = {}
+    for pair, contact in contacts:
+        touched = sorted({cluster[g] for g in pair if g >= 0})
+        tasks.setdefault((len(touched) > 1, *touched), []).append((pair, contact))
     colour, taken = {}, {}
-    for pair, _ in contacts:
-        if pair in colour:
+    for task in sorted(tasks):
+        used = set().union(*(taken.setdefault(c, set()) for c in task[1:]))
+        colour[task] = next(k for k in range(len(used) + 1) if k not in used)
+        for c in task[1:]:
+            taken[c].add(colour[task])
+    return [item for task in sorted(colour, key=colour.get) for item in tasks[task]]
+
+
+def clusters(pairs):
+    """Number of the cluster of each body: neighbours of neighbours, breadth first."""
+    neighbours = {}
+    for pair in pairs:
+        bodies = [g for g in pair if g >= 0]
+        for g in bodies:
+            neighbours.setdefault(g, []).extend(h for h in bodies if h != g)
+    cluster = {}
+    for first in sorted(neighbours):
+        if first in cluster:
             continue
-        used = set().union(*(taken.setdefault(g, set()) for g in pair if g >= 0))
-        colour[pair] = next(k for k in range(len(used) + 1) if k not in used)
-        for g in pair:
-            if g >= 0:
-                taken[g].add(colour[pair])
-    return sorted(contacts, key=lambda item: colour[item[0]])
+        number, members = len(set(cluster.values())), [first]
+        cluster[first] = number
+        for member in members:
+            for g in neighbours[member]:
+                if g not in cluster and len(members) < BODIES_PER_CLUSTER:
+                    cluster[g] = number
+                    members.append(g)
+    return cluster
 
 
 def _reach(speed, dt, point_spacing):
