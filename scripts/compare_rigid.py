@@ -1,0 +1,126 @@
+"""The same packing and loading with rigid, bonded, finite-element and soft grains.
+
+Run it in the platform, not in YADE: ``scripts/platform/shell python3 scripts/compare_rigid.py --out
+DIR``. Every model runs in a YADE of its own (``scripts/rigid_and_soft/run.py``), on two problems:
+one grain in a closing square box, where converged finite elements say what is right, and the
+uniaxial compaction of a packing. Leaves ``comparison.md`` and ``comparison.png``.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib.figure
+import numpy as np
+
+sys.path[:0] = [str(Path(__file__).resolve().parent)]
+
+from rigid_and_soft.models import MODELS  # noqa: E402
+
+from softgrain import finite_elements  # noqa: E402
+
+RUN = Path(__file__).parent / "rigid_and_soft" / "run.py"
+
+
+def parse_options():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--grains", type=int, default=25, help="in the packing, at least 4 [-]")
+    add("--mu", type=float, default=0.3, help="friction between grains [-]")
+    add("--until-phi", type=float, default=0.95, help="nominal packing fraction to stop at [-]")
+    add("--models", nargs="+", choices=MODELS, default=list(MODELS), help="to be run")
+    add("--out", type=Path, default=Path("compare_rigid"), help="folder for results")
+    return parser.parse_args()
+
+
+def run(model, problem, options):
+    """Results of one model on one problem, from its own process."""
+    result = options.out / f"{model}_{problem}.json"
+    command = ["yade", "-n", "-x", "-j1", RUN, model, problem, "--result", result]
+    command += ["--grains", options.grains, "--mu", options.mu, "--until-phi", options.until_phi]
+    print(f"{MODELS[model].label}, {problem} ...", flush=True)
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{model}, {problem}: {done.stdout[-2000:]}{done.stderr[-2000:]}")
+    return json.loads(result.read_text())
+
+
+def plot(cells, packings, exact, path):
+    figure = matplotlib.figure.Figure(figsize=(9, 4), layout="constrained")
+    cell, packing = figure.subplots(1, 2)
+    cell.plot(
+        exact.wall_displacement_over_D, exact.force_over_ED, color="black", lw=1, label="exact"
+    )
+    for model in packings:
+        name = MODELS[model].label
+        cell.plot(cells[model]["displacement"], cells[model]["force"], lw=1.2, label=name)
+        packing.plot(packings[model]["phi0"], packings[model]["stress"], lw=1.2, label=name)
+    cell.set(
+        xlabel="displacement of each side w / D",
+        ylabel="force F / (E D)",
+        xlim=(0, 0.06),
+        ylim=(0, 0.2),
+        title="one grain in a closing box",
+    )
+    packing.set(
+        xlabel=r"nominal packing fraction $\phi_0$",
+        ylabel=r"$\sigma$ / E",
+        ylim=(0, 0.2),
+        title="packing",
+    )
+    for axes in (cell, packing):
+        axes.grid(alpha=0.3)
+        axes.legend(frameon=False, fontsize=8)
+    figure.savefig(path, dpi=200)
+
+
+def error_in_cell(cell, exact):
+    """Mean of |F/F_exact - 1| in the cell, from w/D = 0.01 on [%]."""
+    shift, force = np.array(cell["displacement"]), np.array(cell["force"])
+    inside = (shift > 0.01) & (shift < exact.wall_displacement_over_D[-1])
+    expected = finite_elements.interpolated(
+        shift[inside], exact.wall_displacement_over_D, exact.force_over_ED
+    )
+    return 100 * float(np.mean(np.abs(force[inside] / expected - 1)))
+
+
+def table(cells, packings, exact):
+    """Markdown: one row a model."""
+    rows = [
+        "| model | error in the cell, % | run time of the cell, s | stress/E of the packing "
+        "at the end | coordination | steps | run time, s | particles or points a grain |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for model in packings:
+        cell, packing = cells[model], packings[model]
+        end = f"{packing['stress'][-1]:.3g} at {packing['phi0'][-1]:.3f}"
+        entries = (
+            MODELS[model].label,
+            f"{error_in_cell(cell, exact):.2g}",
+            f"{cell['seconds']:.2g}",
+            end,
+            f"{packing['coordination'][-1]:.2f}",
+            packing["steps"],
+            f"{packing['seconds']:.2g}",
+            f"{packing['parts']:.0f}",
+        )
+        rows.append("| " + " | ".join(map(str, entries)) + " |")
+    return "\n".join(rows) + "\n"
+
+
+def main():
+    options = parse_options()
+    options.out.mkdir(parents=True, exist_ok=True)
+    exact = finite_elements.square_cell()
+    cells = {model: run(model, "cell", options) for model in options.models}
+    packings = {model: run(model, "packing", options) for model in options.models}
+    text = table(cells, packings, exact)
+    (options.out / "comparison.md").write_text(text)
+    plot(cells, packings, exact, options.out / "comparison.png")
+    print(text)
+
+
+if __name__ == "__main__":
+    main()
