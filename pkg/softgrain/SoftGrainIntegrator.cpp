@@ -120,13 +120,35 @@ void SoftGrainIntegrator::continueSavedRun()
 	assembly_->continueFrom(state);
 }
 
+namespace {
+
+bool isActiveTimeStepper(Engine& engine)
+{
+	const auto* stepper = dynamic_cast<TimeStepper*>(&engine);
+	return stepper && stepper->active && !stepper->dead;
+}
+
+} // namespace
+
 void SoftGrainIntegrator::checkEngines() const
 {
-	bool seenThis = false;
+	bool seenThis = false, seenNewton = false;
 	for (const auto& engine : scene->engines) {
-		if (engine.get() == this) seenThis = true;
-		if (seenThis && YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return;
+		if (engine.get() == this)
+			seenThis = true;
+		else if (YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
+			throw std::runtime_error(
+				"O.engines holds two SoftGrainIntegrators; each moves all soft "
+				"grains: leave one");
+		else if (seenThis && YADE_PTR_DYN_CAST<NewtonIntegrator>(engine))
+			seenNewton = true;
+		else if (seenThis && isActiveTimeStepper(*engine))
+			throw std::runtime_error(
+				engine->getClassName() +
+				" stands after SoftGrainIntegrator in O.engines and would change "
+				"O.dt between contact and motion; put it before");
 	}
+	if (seenNewton) return;
 	throw std::runtime_error("there is no NewtonIntegrator after it in O.engines; soft grains "
 				 "need one to carry their State along. "
 				 "See sg.engines()");
@@ -141,6 +163,21 @@ int SoftGrainIntegrator::threads() const
 #endif
 }
 
+bool SoftGrainIntegrator::hasTimeStepper() const
+{
+	return std::any_of(scene->engines.begin(), scene->engines.end(),
+			   [](const auto& engine) { return isActiveTimeStepper(*engine); });
+}
+
+/// Changes dtSet seldom: each change costs a little of the integrator's conservation of energy.
+void SoftGrainIntegrator::followDeformation(Real undeformed)
+{
+	const Real limit = timeStepFraction * criticalDt;
+	if (dtSet == 0 || (dtSet != scene->dt && !hasTimeStepper()))
+		dtSet = std::min(timeStepFraction * undeformed, criticalDt);
+	if (dtSet > limit * (1 + timeStepRounding) || dtSet < 0.7 * limit) dtSet = 0.9 * limit;
+}
+
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
 /// set for the undeformed scene before the first step); a value of the user's is only checked.
 void SoftGrainIntegrator::chooseTimeStep()
@@ -150,14 +187,12 @@ void SoftGrainIntegrator::chooseTimeStep()
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
 	const bool automatic = scene->dt == dtSet || scene->dt == defaultTimeStep() ||
 			       std::abs(scene->dt - own) <= 1e-9 * own;
-	if (automatic) {
-		// changed seldom: each change costs a little of the integrator's conservation of
-		// energy
-		const Real limit = timeStepFraction * criticalDt;
-		if (dtSet == 0 || dtSet != scene->dt)
-			dtSet = std::min(timeStepFraction * undeformed, criticalDt);
-		if (dtSet > limit * (1 + timeStepRounding) || dtSet < 0.7 * limit)
-			dtSet = 0.9 * limit;
+	if (hasTimeStepper()) {
+		const Real ofRigidBodies = scene->dt;
+		followDeformation(undeformed);
+		scene->dt = std::min(dtSet, ofRigidBodies);
+	} else if (automatic) {
+		followDeformation(undeformed);
 		scene->dt = dtSet;
 	} else if (!(scene->dt <= criticalDt * (1 + timeStepRounding) && scene->dt > 0)) {
 		std::ostringstream message;
