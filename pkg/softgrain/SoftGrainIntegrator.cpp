@@ -6,6 +6,7 @@
 #include "SoftMat.hpp"
 
 #include <sstream>
+#include <typeinfo>
 
 namespace yade {
 
@@ -278,6 +279,31 @@ void SoftGrainIntegrator::applyLoads()
 	}
 }
 
+namespace {
+
+/// Functors for a shape are called for those derived from it too, as a Cylinder is from Sphere.
+bool isTouched(const Shape& shape)
+{
+	const auto& type = typeid(shape);
+	return type == typeid(SoftGrain) || type == typeid(Wall) || type == typeid(Sphere) ||
+	       type == typeid(Facet) || type == typeid(Box);
+}
+
+[[noreturn]] void refusePair(const Body& grain, const Body& other)
+{
+	const string shape = other.shape->getClassName();
+	throw std::runtime_error(
+		"soft grain #" + std::to_string(grain.getId()) + " comes near body #" +
+		std::to_string(other.getId()) + " of shape " + shape +
+		(isTouched(*other.shape)
+			 ? ", for which the InteractionLoop has no Ig2 functor: add "
+			   "Ig2_SoftGrain_SoftGrain_SoftGeom, Ig2_Wall_SoftGrain_SoftGeom, "
+			   "Ig2_Sphere_SoftGrain_SoftGeom ..., or see sg.engines()"
+			 : ". Soft grains touch SoftGrain, Wall, Sphere, Facet and Box only"));
+}
+
+} // namespace
+
 /// All real contacts of soft grains; refuses pairs for which there is no contact treatment.
 std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 {
@@ -286,22 +312,18 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 		const auto &b1 = (*scene->bodies)[I->getId1()], &b2 = (*scene->bodies)[I->getId2()];
 		if (!b1 || !b2) continue;
 		if (I->isReal()) {
-			if (dynamic_cast<SoftGeom*>(I->geom.get())) found.push_back(I.get());
+			if (!dynamic_cast<SoftGeom*>(I->geom.get())) continue;
+			if (!isTouched(*b1->shape)) refusePair(*b2, *b1);
+			if (!isTouched(*b2->shape)) refusePair(*b1, *b2);
+			found.push_back(I.get());
 			continue;
 		}
 		const bool soft1 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b1->shape)),
 			   soft2 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b2->shape));
-		if ((soft1 || soft2) && !I->functorCache.geomExists) {
-			const auto& other = soft1 ? b2 : b1;
-			throw std::runtime_error(
-				"soft grain #" + std::to_string((soft1 ? b1 : b2)->getId()) +
-				" comes near body #" + std::to_string(other->getId()) +
-				" of shape " + other->shape->getClassName() +
-				", for which the InteractionLoop has no Ig2 functor. Soft grains "
-				"touch SoftGrain, Wall, Sphere, Facet and Box: add "
-				"Ig2_SoftGrain_SoftGrain_SoftGeom, Ig2_Wall_SoftGrain_SoftGeom, "
-				"Ig2_Sphere_SoftGrain_SoftGeom ..., or see sg.engines()");
-		}
+		if (!soft1 && !soft2) continue;
+		const Body &grain = soft1 ? *b1 : *b2, &other = soft1 ? *b2 : *b1;
+		if (!I->functorCache.geomExists || !isTouched(*other.shape))
+			refusePair(grain, other);
 	}
 	// the container's order depends on threads and history; sums of forces must not
 	std::sort(found.begin(), found.end(), [](const Interaction* a, const Interaction* b) {
