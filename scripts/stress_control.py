@@ -101,8 +101,7 @@ def press_by_force(walls, stress, mass):
 
 
 def press_by_servo(walls, stress, gain):
-    """Velocity = gain (force - target)/(rho c A); after NewtonIntegrator, so that the coming step has it
-    from its beginning."""
+    """Velocity = gain (force - target)/(rho c A); after NewtonIntegrator, for the whole coming step."""
     servos = []
     for axis, area in enumerate(present_areas(walls)):
         direction = [0, 0, 0]
@@ -165,9 +164,7 @@ def wall_stress(walls):
     """Mean contact stress on both walls along each axis, tension positive [Pa]."""
     return [
         (sg.wall_force(low)[axis] - sg.wall_force(high)[axis]) / (2 * area)
-        for axis, (low, high, area) in enumerate(
-            zip(walls[::2], walls[1::2], present_areas(walls))
-        )
+        for axis, (low, high, area) in enumerate(zip(walls[::2], walls[1::2], present_areas(walls)))
     ]
 
 

@@ -99,10 +99,10 @@ public:
 	std::vector<ContactPressure> pressures() const override
 	{
 		if (list.contacts.empty()) return {};
-		return contactPressures<dim>(
-			system_->body(list.first),
-			list.second < 0 ? nullptr : &system_->body(list.second), list.contacts,
-			kick());
+		return contactPressures<dim>(system_->body(list.first),
+					     list.second < 0 ? nullptr
+							     : &system_->body(list.second),
+					     list.contacts, kick());
 	}
 	double kick() const override
 	{

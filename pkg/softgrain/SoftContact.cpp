@@ -186,8 +186,7 @@ void describeFreeWall(const Wall& wall, const State& state, const SoftGrain& gra
 	d.size = Vec3::Constant(halfSide);
 	d.orientation = softgrain::Rotation::Identity();
 	d.position = centre;
-	d.position[wall.axis] =
-		state.pos[wall.axis] - sideOf(wall, state, centre) * halfSide;
+	d.position[wall.axis] = state.pos[wall.axis] - sideOf(wall, state, centre) * halfSide;
 }
 
 } // namespace
@@ -217,8 +216,8 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	return conclude(geom, force, I);
 }
 
-std::optional<softgrain::RigidBodyDescription>
-describeRigid(const Shape& shape, const State& state, int id, const SoftGrain& grain)
+std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
+							     int id, const SoftGrain& grain)
 {
 	using Form = softgrain::RigidBodyDescription::Form;
 	softgrain::RigidBodyDescription d;
@@ -255,7 +254,8 @@ bool searchOnRigid(const IGeomFunctor& functor, const Shape& shape, const SoftGr
 	if (!grain.assembly) return I->isReal();
 	const SearchTimer timer(functor);
 	const auto geom = geometryOf(*I, grain.assembly);
-	grain.assembly->search(*geom->pair, grain.index, *describeRigid(shape, rigid, I->getId1(), grain), dt);
+	grain.assembly->search(*geom->pair, grain.index,
+			       *describeRigid(shape, rigid, I->getId1(), grain), dt);
 	geom->refR1 = size;
 	geom->refR2 = grain.radius;
 	geom->normal = (soft.pos - rigid.pos).normalized();

@@ -37,11 +37,11 @@ public:
 };
 REGISTER_SERIALIZABLE(SoftGeom);
 
-/// What a soft grain sees of a rigid body with a shape that it can touch; none of another shape, nor
-/// of a Wall that is held or moved: that is a plane (softgrain::WallDescription). A free Wall, which
-/// has a mass, is the face of a block next to the grain and wider than it.
-std::optional<softgrain::RigidBodyDescription>
-describeRigid(const Shape& shape, const State& state, int id, const SoftGrain& grain);
+/// What a soft grain sees of a rigid body with a shape that it can touch; none of another shape,
+/// nor of a Wall that is held or moved: that is a plane (softgrain::WallDescription). A free Wall,
+/// which has a mass, is the face of a block next to the grain and wider than it.
+std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
+							     int id, const SoftGrain& grain);
 
 class SoftPhys : public NormShearPhys {
 public:

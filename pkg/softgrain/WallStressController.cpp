@@ -65,8 +65,8 @@ void WallStressController::postLoad(WallStressController&)
 	require(stressMask >= 0 && stressMask <= 7, "stressMask", stressMask, "[0, 7]");
 	require(drag > 0 && math::isfinite(drag), "drag", drag, "(0, inf)");
 	for (int a = 0; a < 3; ++a)
-		require(math::isfinite(goal[a]) && (goal[a] <= 0 || !(stressMask >> a & 1)),
-			"goal", goal[a], "(-inf, 0] Pa where it is a stress");
+		require(math::isfinite(goal[a]) && (goal[a] <= 0 || !(stressMask >> a & 1)), "goal",
+			goal[a], "(-inf, 0] Pa where it is a stress");
 }
 
 Body& WallStressController::wall(int axis, bool upper) const
@@ -99,10 +99,9 @@ void WallStressController::checkWalls() const
 		const auto plane = body ? YADE_PTR_DYN_CAST<Wall>(body->shape) : nullptr;
 		const bool isBox = body && YADE_PTR_DYN_CAST<Box>(body->shape);
 		if (!(isBox || (plane && plane->axis == axis)))
-			throw std::invalid_argument("WallStressController.walls: body #" +
-						    std::to_string(walls[k]) +
-						    " is no Box, and no Wall with axis = " +
-						    std::to_string(axis));
+			throw std::invalid_argument(
+				"WallStressController.walls: body #" + std::to_string(walls[k]) +
+				" is no Box, and no Wall with axis = " + std::to_string(axis));
 	}
 	for (int a = 0; a < axes(); ++a)
 		require(length(a) > 0, "WallStressController: distance of two walls", length(a),

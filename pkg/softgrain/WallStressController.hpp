@@ -16,8 +16,8 @@ public:
 
 	/// What of the soft grains of a scene the motion of a wall goes by.
 	struct Packing {
-		Real impedance = 0; ///< largest rho c, Pa s/m
-		Real density = 0;   ///< largest one, kg/m^3
+		Real impedance = 0;                                  ///< largest rho c, Pa s/m
+		Real density = 0;                                    ///< largest one, kg/m^3
 		Real radius = std::numeric_limits<Real>::infinity(); ///< smallest one, m
 	};
 

@@ -22,6 +22,7 @@ globals().update(_classes)
 from softgrain.build import soft_block, soft_disk, soft_sphere  # noqa: E402
 from softgrain.contact_problem import solve_contact_problem  # noqa: E402
 from softgrain.forces import body_forces, contact_forces, pair_forces  # noqa: E402
+from softgrain.hardening import harden  # noqa: E402
 from softgrain.observe import (  # noqa: E402
     Balance,
     coordination_number,
@@ -56,6 +57,7 @@ __all__ = sorted(_classes) + [
     "draw_packing",
     "engines",
     "grain_area",
+    "harden",
     "integrator",
     "packing_fraction",
     "pair_forces",

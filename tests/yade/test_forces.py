@@ -54,8 +54,8 @@ def test_forces_of_walls(packing):
 
 
 def test_tractions_make_the_forces():
-    """A block that slides under pressure: pressure and shear are force over area, and their sums
-    the forces, but for what the smoothing carries round the corners."""
+    """A block that slides under pressure: tractions times areas are the forces, but for what the
+    smoothing carries round the corners."""
     material = soft_material(massDamping=600, frictionAngle=1)
     O.bodies.append(sg.soft_block((0, 0, 0), (4 * RADIUS, 2 * RADIUS), material, zeta=0.2))
     floor = add_wall(-RADIUS, axis=1, friction=0.2).id
@@ -134,7 +134,7 @@ def test_unbalanced_force_of_soft_grains_alone():
 
 
 def test_aggregate_of_a_pair(packing):
-    """What Gl1_NormPhys and others read: unit normal from #1 to #2, contact point, radii, forces."""
+    """What YADE's functions read: unit normal from #1 to #2, contact point, radii, forces."""
     for i in O.interactions:
         if not (i.isReal and isinstance(i.phys, sg.SoftPhys) and i.phys.activeContacts):
             continue

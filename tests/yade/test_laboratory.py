@@ -33,7 +33,9 @@ def four_disks():
     """Four disks in a box of walls, with some room; returns the ids of the walls."""
     material = damped_material()
     for k, radius in enumerate((1.0, 0.9, 0.95, 0.85)):
-        add_disk(((1 + 2 * (k % 2)) * RADIUS, (1 + 2 * (k // 2)) * RADIUS, 0), radius * RADIUS, material)
+        add_disk(
+            ((1 + 2 * (k % 2)) * RADIUS, (1 + 2 * (k // 2)) * RADIUS, 0), radius * RADIUS, material
+        )
     return [add_wall(4 * RADIUS * (k % 2), axis=k // 2).id for k in range(4)]
 
 
@@ -120,7 +122,7 @@ def test_stress_is_held_in_3d():
 
 
 def test_triaxial_compression():
-    """One axis by strain rate, stress on the others: the strain is the rate's, stresses are held."""
+    """One axis by strain rate, stress on the others: both are held."""
     walls = eight_balls()
     ready()
     controller = insert_controller(walls, goal=(STRESS, STRESS, STRESS))
@@ -163,7 +165,8 @@ def test_bad_controller(attributes, message):
 
 
 @pytest.mark.parametrize(
-    "order, message", [((1, 0, 2, 3), "distance of two walls"), ((2, 3, 0, 1), "no Wall with axis = 0")]
+    "order, message",
+    [((1, 0, 2, 3), "distance of two walls"), ((2, 3, 0, 1), "no Wall with axis = 0")],
 )
 def test_walls_in_a_wrong_order(order, message):
     walls = four_disks()
@@ -339,9 +342,7 @@ def test_translation_engine_on_a_wall():
     """And a wall driven by HarmonicMotionEngine: the grain follows it."""
     disk = free_grain()
     low, high = add_wall(-RADIUS, axis=0), add_wall(RADIUS, axis=0)
-    with_engine(
-        TranslationEngine(ids=[low.id, high.id], translationAxis=(1, 0, 0), velocity=0.2)
-    )
+    with_engine(TranslationEngine(ids=[low.id, high.id], translationAxis=(1, 0, 0), velocity=0.2))
     run(500)
     assert high.state.pos[0] == pytest.approx(RADIUS + 0.2 * O.time, rel=1e-9)
     assert disk.state.pos[0] == pytest.approx(0.2 * O.time, abs=0.05 * RADIUS)
