@@ -101,7 +101,7 @@ def press_by_force(walls, stress, mass):
 
 
 def press_by_servo(walls, stress, gain):
-    """Velocity = gain (force - target)/(rho c A); after NewtonIntegrator, for the whole coming step."""
+    """Velocity = gain (force - target)/(rho c A); after NewtonIntegrator, for the coming step."""
     servos = []
     for axis, area in enumerate(present_areas(walls)):
         direction = [0, 0, 0]

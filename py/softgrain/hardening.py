@@ -13,8 +13,8 @@ def harden(ids=None, material=None, overlap="keep"):
 
     Of each grain mass, present area (volume), centre of mass, momentum and angular momentum are
     kept; the shape becomes round, and elastic energy and vibrations are dropped. In 2D the spheres
-    stay in their plane (``blockedDOFs = 'zXY'``) and have mass and inertia of disks. Interactions of
-    the grains are dropped; rigid pairs go by YADE's law, whose stiffness may ask for a smaller
+    stay in their plane (``blockedDOFs = 'zXY'``) and have mass and inertia of disks. The grains'
+    interactions are dropped; rigid pairs go by YADE's law, whose stiffness may ask for a smaller
     ``O.dt``: assign it. Grains that were flattened at their contacts overlap as spheres:
 
     * ``overlap='keep'`` (default): radii of the present areas; YADE's law makes forces of the
