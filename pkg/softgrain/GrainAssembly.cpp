@@ -99,10 +99,14 @@ public:
 	std::vector<ContactPressure> pressures() const override
 	{
 		if (list.contacts.empty()) return {};
-		return contactPressures<dim>(
-			system_->body(list.first),
-			list.second < 0 ? nullptr : &system_->body(list.second), list.contacts,
-			list.isAsleep() ? list.rest.kick : system_->lastKick());
+		return contactPressures<dim>(system_->body(list.first),
+					     list.second < 0 ? nullptr
+							     : &system_->body(list.second),
+					     list.contacts, kick());
+	}
+	double kick() const override
+	{
+		return list.isAsleep() ? list.rest.kick : system_->lastKick();
 	}
 
 	void restore(const std::vector<ContactRecord>& saved) override
@@ -285,6 +289,7 @@ public:
 		ContactList<dim>& list = listOf(pair);
 		list.first = g;
 		list.second = -1 - wall.id;
+		list.rigid.reset(); // a wall that was free before
 		list.plane = { toKernel<dim>(wall.point), toKernel<dim>(wall.normal),
 			       toKernel<dim>(wall.velocity) };
 		if (system_.search(list, dt)) countSearch(list);

@@ -110,6 +110,7 @@ public:
 	virtual std::vector<ContactRecord> records() const = 0;
 	/// Of the last step, one for each record.
 	virtual std::vector<ContactPressure> pressures() const = 0;
+	virtual double kick() const = 0; ///< time over which the impulses acted, s
 	/// Puts saved impulses back; the next search carries them over to the contacts it finds.
 	virtual void restore(const std::vector<ContactRecord>& saved) = 0;
 	/// What a sleeping pair has to be saved with besides its records; empty if awake.

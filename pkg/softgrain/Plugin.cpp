@@ -3,6 +3,7 @@
 #include "PythonContactProblem.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrainIntegrator.hpp"
+#include "WallStressController.hpp"
 #include "Yade.hpp"
 
 #include <malloc.h>
@@ -52,6 +53,14 @@ bool layoutMatches()
 
 double criticalTimeStep() { return yade::criticalTimeStep(*yade::Omega::instance().getScene()); }
 
+yade::Vector3r contactForce(int id)
+{
+	const auto& bodies = *yade::Omega::instance().getScene()->bodies;
+	if (!bodies.exists(id))
+		throw std::invalid_argument("body #" + std::to_string(id) + " does not exist");
+	return yade::contactForceOn(*bodies[id]);
+}
+
 } // namespace
 
 BOOST_PYTHON_MODULE(_softgrain)
@@ -65,6 +74,8 @@ BOOST_PYTHON_MODULE(_softgrain)
 	py::def("criticalTimeStep", criticalTimeStep,
 		"Critical time step of the undeformed soft grains of the scene [s]; 0 if there are "
 		"none.");
+	py::def("contactForce", contactForce,
+		"Sum of the contact forces on a body in the last step, from its interactions [N].");
 	py::def("solveContactProblem", softgrain::solveDict,
 		"Sweeps over a contact problem: (problem, tolerance, maxSweeps) to dict; see "
 		"softgrain.solve_contact_problem.");

@@ -49,6 +49,11 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 			nameOf(body) +
 			" touches soft grains and is free to move, but state.mass = " +
 			std::to_string(state.mass) + "; admissible: (0, inf) kg");
+	if (turns && YADE_PTR_DYN_CAST<Wall>(body.shape))
+		throw std::runtime_error(
+			nameOf(body) +
+			" touches soft grains and is free to turn, which a Wall cannot; block "
+			"'XYZ' in state.blockedDOFs, or use a Box");
 	if (turns && !(state.inertia.minCoeff() > 0))
 		throw std::runtime_error(nameOf(body) +
 					 " touches soft grains and is free to turn, but "
@@ -103,6 +108,13 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 	return d;
 }
 
+/// About that of a grain on a wall, for engines that steer walls.
+Real nominalStiffness(const SoftGrain& grain, const Scene& scene)
+{
+	const Real young = materialOf(scene, grain.assembly->idOf(grain.index)).young;
+	return grain.dim == 2 ? young : 2 * grain.radius * young;
+}
+
 /// The body whose motion is that of a rigid body: itself, or its clump.
 const Body& moverOf(const Body& body, const Scene& scene)
 {
@@ -115,6 +127,12 @@ const Body& SoftGrainIntegrator::rigidBodyOf(const Interaction& I) const
 {
 	const auto &b1 = (*scene->bodies)[I.getId1()], &b2 = (*scene->bodies)[I.getId2()];
 	return YADE_PTR_DYN_CAST<SoftGrain>(b1->shape) ? *b2 : *b1;
+}
+
+const SoftGrain& SoftGrainIntegrator::softGrainOf(const Interaction& I) const
+{
+	const Body::id_t rigid = rigidBodyOf(I).getId();
+	return grainOf(*scene, I.getId1() == rigid ? I.getId2() : I.getId1());
 }
 
 /// Numbers the rigid bodies in contact; O.forces hold all that else acts on them.
@@ -143,7 +161,9 @@ void SoftGrainIntegrator::checkRigidBodies(const std::vector<Interaction*>& inte
 		const softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
 		if (!pair.hasRigidBody()) continue;
 		const Body& body = rigidBodyOf(*I);
-		assembly_->checkRigidBody(*describeRigid(*body.shape, *body.state, body.getId()));
+		const auto described =
+			describeRigid(*body.shape, *body.state, body.getId(), softGrainOf(*I));
+		if (described) assembly_->checkRigidBody(*described);
 	}
 }
 
@@ -153,12 +173,15 @@ void SoftGrainIntegrator::publishReactions(const Interaction& I, Real kick)
 {
 	const softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I.geom).pair;
 	const softgrain::SumOfImpulses sum = pair.impulse();
-	if (sum.active == 0) return;
 	const Body& body = rigidBodyOf(I);
-	const Real time =
-		isFree(moverOf(body, *scene), newtonIntegrator(*scene)) ? scene->dt : kick;
+	const bool free = isFree(moverOf(body, *scene), newtonIntegrator(*scene));
+	SoftPhys& phys = static_cast<SoftPhys&>(*I.phys);
+	phys.kn = phys.ks = free ? 0 : nominalStiffness(softGrainOf(I), *scene);
+	if (sum.active == 0) return;
+	const Real time = free ? scene->dt : kick;
 	scene->forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);
-	scene->forces.addTorque(body.getId(), sum.moment / time);
+	if (!YADE_PTR_DYN_CAST<Wall>(body.shape)) // which has no place, and cannot turn
+		scene->forces.addTorque(body.getId(), sum.moment / time);
 }
 
 } // namespace yade

@@ -1,4 +1,5 @@
 #include "SceneAssembly.hpp"
+#include "HostChecks.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
 
@@ -36,6 +37,14 @@ void checkBody(const Body& body)
 	if (softShape && (body.isClumpMember() || body.isClump()))
 		throw std::invalid_argument(name(body) +
 					    " is a soft grain in a clump, which is not supported");
+	if (softShape && body.state->blockedDOFs != State::DOF_ALL)
+		throw std::invalid_argument(
+			name(body) +
+			" is a soft grain with degrees of freedom left to NewtonIntegrator: "
+			"state.blockedDOFs = '" +
+			string(body.state->blockedDOFs_vec_get()) +
+			"'; admissible: 'xyzXYZ', which sg.soften() and sg.soft_disk() set "
+			"(SoftGrainIntegrator moves the grain, in 2D within its plane)");
 }
 
 std::vector<Body*> softBodies(Scene& scene)
@@ -78,6 +87,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 {
 	const auto bodies = softBodies(scene);
 	if (bodies.empty()) return nullptr;
+	checkHost(scene);
 	if (isCurrent(bodies)) return static_cast<SoftGrain&>(*bodies.front()->shape).assembly;
 
 	std::vector<softgrain::GrainDescription> grains;

@@ -48,7 +48,7 @@ void SoftGeom::preSave(SoftGeom&)
 
 py::dict SoftGeom::contactArrays() const
 {
-	std::vector<Vec3> point, normals, impulse;
+	std::vector<Vec3> point, normals, impulse, force, shear;
 	std::vector<double> gap;
 	std::vector<int> side, node;
 	std::vector<double> area, pressure;
@@ -57,6 +57,8 @@ py::dict SoftGeom::contactArrays() const
 			point.push_back(c.point);
 			normals.push_back(c.normal);
 			impulse.push_back(c.impulse);
+			force.push_back(pair->kick() > 0 ? Vec3(c.impulse / pair->kick())
+							 : Vec3(Vec3::Zero()));
 			gap.push_back(c.gap);
 			side.push_back(c.key.side);
 			node.push_back(c.key.node);
@@ -64,12 +66,15 @@ py::dict SoftGeom::contactArrays() const
 		for (const softgrain::ContactPressure& p : pair->pressures()) {
 			area.push_back(p.area);
 			pressure.push_back(p.pressure);
+			shear.push_back(p.shear);
 		}
 	}
 	py::dict arrays;
 	arrays["point"] = softgrain::numpyArray(point);
 	arrays["normal"] = softgrain::numpyArray(normals);
 	arrays["impulse"] = softgrain::numpyArray(impulse);
+	arrays["force"] = softgrain::numpyArray(force);
+	arrays["shear"] = softgrain::numpyArray(shear);
 	arrays["gap"] = softgrain::numpyArray(gap, py::make_tuple(-1));
 	arrays["area"] = softgrain::numpyArray(area, py::make_tuple(-1));
 	arrays["pressure"] = softgrain::numpyArray(pressure, py::make_tuple(-1));
@@ -162,6 +167,30 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1
 	return go(shape1, shape2, state1, state2, shift2, force, I);
 }
 
+namespace {
+
+/// On which side of a wall a grain lies, along its axis.
+double sideOf(const Wall& wall, const State& state, const Vec3& grain)
+{
+	return grain[wall.axis] > state.pos[wall.axis] ? 1 : -1;
+}
+
+/// The part of a free wall that a grain may touch.
+void describeFreeWall(const Wall& wall, const State& state, const SoftGrain& grain,
+		      softgrain::RigidBodyDescription& d)
+{
+	const softgrain::Box<3> box = grain.assembly->box(grain.index);
+	const double halfSide = 4 * (box.high - box.low).maxCoeff();
+	const Vec3 centre = box.centre();
+	d.form = softgrain::RigidBodyDescription::Form::block;
+	d.size = Vec3::Constant(halfSide);
+	d.orientation = softgrain::Rotation::Identity();
+	d.position = centre;
+	d.position[wall.axis] = state.pos[wall.axis] - sideOf(wall, state, centre) * halfSide;
+}
+
+} // namespace
+
 bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 				     const shared_ptr<Shape>& shape2, const State& state1,
 				     const State& state2, const Vector3r&, const bool& force,
@@ -172,20 +201,23 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	if (!grain.assembly) return I->isReal();
 	const SearchTimer timer(*this);
 	const auto geom = geometryOf(*I, grain.assembly);
-	softgrain::WallDescription plane { I->getId1(), state1.pos, Vec3::Zero(), state1.vel };
-	const double side = state2.pos[wall.axis] > state1.pos[wall.axis] ? 1 : -1;
-	plane.normal[wall.axis] = side;
-	if (wall.sense == 0 || wall.sense == side)
-		grain.assembly->search(*geom->pair, grain.index, plane, searchStep(*scene, grain));
-	else
+	const double side = sideOf(wall, state1, state2.pos), dt = searchStep(*scene, grain);
+	Vec3 normal = Vec3::Zero();
+	normal[wall.axis] = side;
+	if (wall.sense != 0 && wall.sense != side)
 		geom->pair->restore({}); // the grain is on the side that does not interact
+	else if (const auto body = describeRigid(wall, state1, I->getId1(), grain))
+		grain.assembly->search(*geom->pair, grain.index, *body, dt);
+	else
+		grain.assembly->search(*geom->pair, grain.index,
+				       { I->getId1(), state1.pos, normal, state1.vel }, dt);
 	geom->refR1 = geom->refR2 = grain.radius;
-	geom->normal = plane.normal;
+	geom->normal = normal;
 	return conclude(geom, force, I);
 }
 
 std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
-							     int id)
+							     int id, const SoftGrain& grain)
 {
 	using Form = softgrain::RigidBodyDescription::Form;
 	softgrain::RigidBodyDescription d;
@@ -204,6 +236,9 @@ std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape,
 		d.form = Form::plate;
 		for (int k = 0; k < 3; ++k)
 			d.corner[k] = state.pos + state.ori * facet->vertices[k];
+	} else if (const auto* wall = dynamic_cast<const Wall*>(&shape);
+		   wall && state.blockedDOFs != State::DOF_ALL) {
+		describeFreeWall(*wall, state, grain, d);
 	} else
 		return std::nullopt;
 	return d;
@@ -219,8 +254,8 @@ bool searchOnRigid(const IGeomFunctor& functor, const Shape& shape, const SoftGr
 	if (!grain.assembly) return I->isReal();
 	const SearchTimer timer(functor);
 	const auto geom = geometryOf(*I, grain.assembly);
-	grain.assembly->search(*geom->pair, grain.index, *describeRigid(shape, rigid, I->getId1()),
-			       dt);
+	grain.assembly->search(*geom->pair, grain.index,
+			       *describeRigid(shape, rigid, I->getId1(), grain), dt);
 	geom->refR1 = size;
 	geom->refR2 = grain.radius;
 	geom->normal = (soft.pos - rigid.pos).normalized();

@@ -30,22 +30,24 @@ public:
 		((vector<Vector3r>, savedImpulses, , Attr::hidden, "Impulses when saved."))
 		((vector<Real>, savedRest, , Attr::hidden, "What a sleeping pair goes on from when saved; else empty.")),
 		createIndex();,
-		.def("contacts", &SoftGeom::contactArrays, "Contact points within reach, a dict of arrays: point (n, 3) [m], normal (n, 3) on the grain that owns the node, gap (n,) [m], impulse (n, 3) of the last step on that grain [N s], area (n,) share of the node in the outline [m², 2D m], pressure (n,) on that grain at the node, from all impulses of the pair averaged over about one spacing of background nodes [Pa] (both 0 unless the geometry is 'surface'; impulses of single nodes scatter, see doc/theory.md), side (n,) 0 if the node belongs to the grain with the lower index, 1 otherwise, node (n,).")
+		.def("contacts", &SoftGeom::contactArrays, "Contact points within reach, a dict of arrays: point (n, 3) [m], normal (n, 3) on the grain that owns the node, gap (n,) [m], impulse (n, 3) of the last step on that grain [N s], force (n, 3) the same over the time it acted [N, 2D N/m], area (n,) share of the node in the outline [m², 2D m], pressure (n,) and shear (n, 3), the tangential traction, on that grain at the node, from all impulses of the pair averaged over about one spacing of background nodes [Pa] (all three 0 unless the geometry is 'surface'; forces of single nodes scatter, see doc/theory.md), side (n,) 0 if the node belongs to the grain with the lower index, 1 otherwise, node (n,).")
 	);
 	// clang-format on
 	REGISTER_CLASS_INDEX(SoftGeom, GenericSpheresContact);
 };
 REGISTER_SERIALIZABLE(SoftGeom);
 
-/// What soft grains see of a rigid body with a shape that they can touch; none of another shape.
+/// What a soft grain sees of a rigid body with a shape that it can touch; none of another shape,
+/// nor of a Wall that is held or moved: that is a plane (softgrain::WallDescription). A free Wall,
+/// which has a mass, is the face of a block next to the grain and wider than it.
 std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
-							     int id);
+							     int id, const SoftGrain& grain);
 
 class SoftPhys : public NormShearPhys {
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SoftPhys, NormShearPhys,
-		"Friction of a pair, and the sum of its contact forces. *kn* and *ks* are no parameters of the method, which has none: between soft grains they hold the harmonic mean of the Young's moduli times 1 m, for :yref:`GlobalStiffnessTimeStepper` only; with a rigid body 0, since contact does not limit its time step.",
+		"Friction of a pair, and the sum of its contact forces. *kn* and *ks* are no parameters of the method, which has none: between soft grains they hold the harmonic mean of the Young's moduli times 1 m, for :yref:`GlobalStiffnessTimeStepper` only; with a free rigid body 0, since contact does not limit its time step; with one that is held or moved the Young's modulus times 1 m (3D: times the grain's diameter), about the stiffness of the grain, for :yref:`TriaxialStressController`.",
 		((Real, tangensOfFrictionAngle, 0, , "Coefficient of Coulomb friction μ, ≥ 0 [-]."))
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
 		((int, activeContacts, 0, Attr::readonly, "Contact points that carry force. |yupdate|")),

@@ -6,6 +6,7 @@
 #include "SoftMat.hpp"
 
 #include <sstream>
+#include <typeinfo>
 
 namespace yade {
 
@@ -120,13 +121,35 @@ void SoftGrainIntegrator::continueSavedRun()
 	assembly_->continueFrom(state);
 }
 
+namespace {
+
+bool isActiveTimeStepper(Engine& engine)
+{
+	const auto* stepper = dynamic_cast<TimeStepper*>(&engine);
+	return stepper && stepper->active && !stepper->dead;
+}
+
+} // namespace
+
 void SoftGrainIntegrator::checkEngines() const
 {
-	bool seenThis = false;
+	bool seenThis = false, seenNewton = false;
 	for (const auto& engine : scene->engines) {
-		if (engine.get() == this) seenThis = true;
-		if (seenThis && YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return;
+		if (engine.get() == this)
+			seenThis = true;
+		else if (YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
+			throw std::runtime_error(
+				"O.engines holds two SoftGrainIntegrators; each moves all soft "
+				"grains: leave one");
+		else if (seenThis && YADE_PTR_DYN_CAST<NewtonIntegrator>(engine))
+			seenNewton = true;
+		else if (seenThis && isActiveTimeStepper(*engine))
+			throw std::runtime_error(
+				engine->getClassName() +
+				" stands after SoftGrainIntegrator in O.engines and would change "
+				"O.dt between contact and motion; put it before");
 	}
+	if (seenNewton) return;
 	throw std::runtime_error("there is no NewtonIntegrator after it in O.engines; soft grains "
 				 "need one to carry their State along. "
 				 "See sg.engines()");
@@ -141,6 +164,21 @@ int SoftGrainIntegrator::threads() const
 #endif
 }
 
+bool SoftGrainIntegrator::hasTimeStepper() const
+{
+	return std::any_of(scene->engines.begin(), scene->engines.end(),
+			   [](const auto& engine) { return isActiveTimeStepper(*engine); });
+}
+
+/// Changes dtSet seldom: each change costs a little of the integrator's conservation of energy.
+void SoftGrainIntegrator::followDeformation(Real undeformed)
+{
+	const Real limit = timeStepFraction * criticalDt;
+	if (dtSet == 0 || (dtSet != scene->dt && !hasTimeStepper()))
+		dtSet = std::min(timeStepFraction * undeformed, criticalDt);
+	if (dtSet > limit * (1 + timeStepRounding) || dtSet < 0.7 * limit) dtSet = 0.9 * limit;
+}
+
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
 /// set for the undeformed scene before the first step); a value of the user's is only checked.
 void SoftGrainIntegrator::chooseTimeStep()
@@ -150,14 +188,12 @@ void SoftGrainIntegrator::chooseTimeStep()
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
 	const bool automatic = scene->dt == dtSet || scene->dt == defaultTimeStep() ||
 			       std::abs(scene->dt - own) <= 1e-9 * own;
-	if (automatic) {
-		// changed seldom: each change costs a little of the integrator's conservation of
-		// energy
-		const Real limit = timeStepFraction * criticalDt;
-		if (dtSet == 0 || dtSet != scene->dt)
-			dtSet = std::min(timeStepFraction * undeformed, criticalDt);
-		if (dtSet > limit * (1 + timeStepRounding) || dtSet < 0.7 * limit)
-			dtSet = 0.9 * limit;
+	if (hasTimeStepper()) {
+		const Real ofRigidBodies = scene->dt;
+		followDeformation(undeformed);
+		scene->dt = std::min(dtSet, ofRigidBodies);
+	} else if (automatic) {
+		followDeformation(undeformed);
 		scene->dt = dtSet;
 	} else if (!(scene->dt <= criticalDt * (1 + timeStepRounding) && scene->dt > 0)) {
 		std::ostringstream message;
@@ -243,6 +279,31 @@ void SoftGrainIntegrator::applyLoads()
 	}
 }
 
+namespace {
+
+/// Functors for a shape are called for those derived from it too, as a Cylinder is from Sphere.
+bool isTouched(const Shape& shape)
+{
+	const auto& type = typeid(shape);
+	return type == typeid(SoftGrain) || type == typeid(Wall) || type == typeid(Sphere) ||
+	       type == typeid(Facet) || type == typeid(Box);
+}
+
+[[noreturn]] void refusePair(const Body& grain, const Body& other)
+{
+	const string shape = other.shape->getClassName();
+	throw std::runtime_error(
+		"soft grain #" + std::to_string(grain.getId()) + " comes near body #" +
+		std::to_string(other.getId()) + " of shape " + shape +
+		(isTouched(*other.shape)
+			 ? ", for which the InteractionLoop has no Ig2 functor: add "
+			   "Ig2_SoftGrain_SoftGrain_SoftGeom, Ig2_Wall_SoftGrain_SoftGeom, "
+			   "Ig2_Sphere_SoftGrain_SoftGeom ..., or see sg.engines()"
+			 : ". Soft grains touch SoftGrain, Wall, Sphere, Facet and Box only"));
+}
+
+} // namespace
+
 /// All real contacts of soft grains; refuses pairs for which there is no contact treatment.
 std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 {
@@ -251,22 +312,18 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 		const auto &b1 = (*scene->bodies)[I->getId1()], &b2 = (*scene->bodies)[I->getId2()];
 		if (!b1 || !b2) continue;
 		if (I->isReal()) {
-			if (dynamic_cast<SoftGeom*>(I->geom.get())) found.push_back(I.get());
+			if (!dynamic_cast<SoftGeom*>(I->geom.get())) continue;
+			if (!isTouched(*b1->shape)) refusePair(*b2, *b1);
+			if (!isTouched(*b2->shape)) refusePair(*b1, *b2);
+			found.push_back(I.get());
 			continue;
 		}
 		const bool soft1 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b1->shape)),
 			   soft2 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b2->shape));
-		if ((soft1 || soft2) && !I->functorCache.geomExists) {
-			const auto& other = soft1 ? b2 : b1;
-			throw std::runtime_error(
-				"soft grain #" + std::to_string((soft1 ? b1 : b2)->getId()) +
-				" comes near body #" + std::to_string(other->getId()) +
-				" of shape " + other->shape->getClassName() +
-				", for which the InteractionLoop has no Ig2 functor. Soft grains "
-				"touch SoftGrain, Wall, Sphere, Facet and Box: add "
-				"Ig2_SoftGrain_SoftGrain_SoftGeom, Ig2_Wall_SoftGrain_SoftGeom, "
-				"Ig2_Sphere_SoftGrain_SoftGeom ..., or see sg.engines()");
-		}
+		if (!soft1 && !soft2) continue;
+		const Body &grain = soft1 ? *b1 : *b2, &other = soft1 ? *b2 : *b1;
+		if (!I->functorCache.geomExists || !isTouched(*other.shape))
+			refusePair(grain, other);
 	}
 	// the container's order depends on threads and history; sums of forces must not
 	std::sort(found.begin(), found.end(), [](const Interaction* a, const Interaction* b) {

@@ -6,6 +6,7 @@
 namespace yade {
 
 class SoftGeom;
+class SoftGrain;
 class SoftPhys;
 
 class SoftGrainIntegrator : public GlobalEngine {
@@ -20,7 +21,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGrainIntegrator, GlobalEngine,
 		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies. Free rigid bodies in contact with soft grains take part in the contact dynamics with their mass and inertia, at the velocity that :yref:`NewtonIntegrator` would give them: whatever else puts forces on them stands before this engine, and *damping* must be 0 (or their :yref:`State.isDamped` False); it does not reach soft grains, which have the damping of their :yref:`SoftMat`. Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads (weight: that of the unscaled mass, see :yref:`SoftMat.massScaling`). Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; positions and velocities are then those before the step, readable and savable.",
-		((Real, timeStepFraction, 0.8, Attr::triggerPostLoad, "Fraction of the critical time step that O.dt is kept at or up to 30 % below while grains deform (it changes seldom, by jumps), in (0, 1] [-]. Assigning O.dt by hand ends that: then O.dt is left alone and only refused when too large."))
+		((Real, timeStepFraction, 0.8, Attr::triggerPostLoad, "Fraction of the critical time step that O.dt is kept at or up to 30 % below while grains deform (it changes seldom, by jumps), in (0, 1] [-]. Assigning O.dt by hand ends that: then O.dt is left alone and only refused when too large. An active :yref:`TimeStepper`, which must stand before, is for the rigid bodies: the smaller of both steps is taken."))
 		((Real, tolerance, 1e-2, Attr::triggerPostLoad, "Residual of the contact conditions at which the sweeps of a step end, > 0 [-]. See *residual*."))
 		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on sweeps per step, ≥ 1; below 4 grains at rest may vibrate ever more. Steps that hit it with a *residual* above *tolerance* are counted in *cappedSteps*."))
 		((Real, overlapRelaxation, 0.1, Attr::triggerPostLoad, "Share of an overlap worked off per step, in [0, 1] [-]; at once would throw grains apart."))
@@ -68,6 +69,8 @@ private:
 	void saveContinuation();
 	void checkEngines() const;
 	void chooseTimeStep();
+	void followDeformation(Real undeformed);
+	bool hasTimeStepper() const;
 	void applyUserMotions();
 	void applyLoads();
 	std::vector<Interaction*> softInteractions() const;
@@ -75,6 +78,7 @@ private:
 	void stopOnOverlap(const std::vector<Interaction*>& interactions) const;
 	softgrain::StepSettings settings();
 	const Body& rigidBodyOf(const Interaction& I) const;
+	const SoftGrain& softGrainOf(const Interaction& I) const;
 	std::vector<softgrain::RigidMotionDescription>
 	rigidPartners(const std::vector<Interaction*>& interactions);
 	void checkRigidBodies(const std::vector<Interaction*>& interactions) const;

@@ -21,18 +21,22 @@
 #include <core/GlobalEngine.hpp>
 #include <core/Interaction.hpp>
 #include <core/InteractionContainer.hpp>
+#include <core/InteractionLoop.hpp>
 #include <core/Material.hpp>
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 #include <core/Shape.hpp>
 #include <core/State.hpp>
+#include <core/TimeStepper.hpp>
 #include <pkg/common/Box.hpp>
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/common/Facet.hpp>
+#include <pkg/common/InsertionSortCollider.hpp>
 #include <pkg/common/NormShearPhys.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/DemXDofGeom.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
+#include <pkg/dem/TriaxialStressController.hpp>
 
 #pragma pop_macro("REGISTER_FACTORABLE")

@@ -21,6 +21,8 @@ globals().update(_classes)
 
 from softgrain.build import soft_block, soft_disk, soft_sphere  # noqa: E402
 from softgrain.contact_problem import solve_contact_problem  # noqa: E402
+from softgrain.forces import body_forces, contact_forces, pair_forces  # noqa: E402
+from softgrain.hardening import harden  # noqa: E402
 from softgrain.observe import (  # noqa: E402
     Balance,
     coordination_number,
@@ -33,7 +35,12 @@ from softgrain.observe import (  # noqa: E402
 )
 from softgrain.picture import draw_packing  # noqa: E402
 from softgrain.profile import contact_halfwidth, contact_profile  # noqa: E402
-from softgrain.quasi_static import quasi_static, scale_mass, suggest_speed  # noqa: E402
+from softgrain.quasi_static import (  # noqa: E402
+    quasi_static,
+    scale_mass,
+    suggest_speed,
+    unbalanced_force,
+)
 from softgrain.softening import as_disks, soften  # noqa: E402
 from softgrain.time_loop import critical_time_step, engines, set_time_step  # noqa: E402
 from softgrain.timing import phase_times, reset_times  # noqa: E402
@@ -41,6 +48,8 @@ from softgrain.timing import phase_times, reset_times  # noqa: E402
 __all__ = sorted(_classes) + [
     "Balance",
     "as_disks",
+    "body_forces",
+    "contact_forces",
     "contact_halfwidth",
     "contact_profile",
     "coordination_number",
@@ -48,8 +57,10 @@ __all__ = sorted(_classes) + [
     "draw_packing",
     "engines",
     "grain_area",
+    "harden",
     "integrator",
     "packing_fraction",
+    "pair_forces",
     "phase_times",
     "quasi_static",
     "reset_times",
@@ -62,6 +73,7 @@ __all__ = sorted(_classes) + [
     "soften",
     "solve_contact_problem",
     "suggest_speed",
+    "unbalanced_force",
     "von_mises",
     "wall_force",
 ]

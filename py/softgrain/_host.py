@@ -64,6 +64,7 @@ _OWN_CLASSES = (
     "SoftMat",
     "SoftPhys",
     "SoftenWhenLoaded",
+    "WallStressController",
 )
 
 

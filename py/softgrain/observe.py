@@ -3,6 +3,8 @@
 import numpy as np
 from yade import O, wrapper
 
+from softgrain import _softgrain
+
 
 def soft_bodies():
     """All bodies with a soft shape, by id."""
@@ -58,8 +60,11 @@ def von_mises(cauchy):
 
 
 def wall_force(body_id):
-    """Force of the soft grains on a wall in the last step [N, 2D N/m], from ``O.forces``."""
-    return np.array(O.forces.f(body_id))
+    """Force of all contacts on a wall, or any other body, in the last step [N, 2D N/m].
+
+    ``O.forces.f(body_id)`` has besides what pushes a body that is free, as a wall under stress is.
+    """
+    return np.array(_softgrain.contactForce(body_id))
 
 
 def coordination_number():

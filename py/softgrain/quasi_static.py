@@ -6,7 +6,7 @@ Formulas: ``doc/theory.md``, section 3; measured: ``doc/decisions/0016-quasi-sta
 import math
 import warnings
 
-from yade import NewtonIntegrator, O, Vector3, wrapper
+from yade import NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 
 from softgrain import time_loop
 from softgrain.observe import soft_bodies
@@ -40,6 +40,26 @@ def quasi_static():
     }
 
 
+def unbalanced_force():
+    """Mean magnitude of the sum of forces on all soft grains and free rigid bodies over the mean
+    magnitude of the contact forces, after the last step [-].
+
+    ``utils.unbalancedForce()`` counts bodies with a degree of freedom that is not blocked, which
+    soft grains are not: it is nan in a scene of soft grains alone. 0 without any force, inf where
+    something is accelerated without any contact.
+    """
+    rigid = [
+        b
+        for b in O.bodies
+        if b and not isinstance(b.shape, wrapper.SoftGrain) and b.dynamic and not b.isClumpMember
+    ]
+    phys = [i.phys for i in O.interactions if i.isReal and isinstance(i.phys, NormShearPhys)]
+    forces = [(p.normalForce + p.shearForce).norm() for p in phys]
+    carried = [force for force in forces if force > 0]
+    mean = math.fsum(carried) / len(carried) if carried else 0.0
+    return _ratio(_mean_net_force(soft_bodies() + rigid), mean)
+
+
 def _ratio(numerator, denominator):
     if denominator > 0:
         return numerator / denominator
@@ -48,8 +68,13 @@ def _ratio(numerator, denominator):
 
 def _mean_net_force(bodies):
     gravity = next((e.gravity for e in O.engines if isinstance(e, NewtonIntegrator)), Vector3())
-    sums = [O.forces.f(b.id) + gravity * (b.state.mass / b.material.massScaling) for b in bodies]
-    return math.fsum(force.norm() for force in sums) / len(sums)
+    sums = [O.forces.f(b.id) + gravity * _weighed_mass(b) for b in bodies]
+    return math.fsum(force.norm() for force in sums) / len(sums) if sums else 0.0
+
+
+def _weighed_mass(body):
+    soft = isinstance(body.shape, wrapper.SoftGrain)
+    return body.state.mass / (body.material.massScaling if soft else 1)
 
 
 def _mean_contact_force():

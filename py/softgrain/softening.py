@@ -82,14 +82,14 @@ def soften(
         return [b.id for b in bodies]
     if when != "now":
         raise ValueError(f"when = {when!r} is unknown; known: 'now', 'loaded'")
-    factor = _overlap_factor(bodies, overlap)
+    factor = overlap_factor(bodies, overlap)
     shapes = [
         wrapper.SoftGrain(
             radius=factor * b.shape.radius, dim=dim, zeta=zeta, color=b.shape.color, **shape
         )
         for b in bodies
     ]
-    _drop_interactions(bodies)
+    drop_interactions(bodies)
     for body, grain in zip(bodies, shapes):
         _convert(body, grain, material)
     for engine in O.engines:
@@ -145,7 +145,7 @@ def _dimension(bodies):
     )
 
 
-def _overlap_factor(bodies, overlap):
+def overlap_factor(bodies, overlap):
     """Common factor of the radii after the choice about overlaps."""
     if overlap not in ("relax", "shrink", "refuse"):
         raise ValueError(f"overlap = {overlap!r} is unknown; known: 'relax', 'shrink', 'refuse'")
@@ -188,7 +188,8 @@ def _near_pairs(bodies):
                 yield distance, b.shape.radius, b.shape.radius, (w.id, b.id)
 
 
-def _drop_interactions(bodies):
+def drop_interactions(bodies):
+    """Erase all interactions of the bodies."""
     ids = {b.id for b in bodies}
     for i in list(O.interactions.all()):
         if i.id1 in ids or i.id2 in ids:

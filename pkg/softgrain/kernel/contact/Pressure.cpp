@@ -37,14 +37,18 @@ contactPressures(const ContactBody<dim>& first, const ContactBody<dim>* second,
 			if (contacts[c].key.side != side) continue;
 			const int s = contacts[c].key.node;
 			const Vec<dim>& n = contacts[c].normal; // into the body
-			double pushed = 0, smoothedArea = 0;
+			Vec<dim> pushed = Vec<dim>::Zero();
+			double smoothedArea = 0;
 			for (int k = body->overlap->begin(s); k < body->overlap->end(s); ++k) {
 				const int other = body->overlap->column[k];
-				pushed += body->overlap->value[k] * n.dot(impulse[other]);
+				pushed += body->overlap->value[k] * impulse[other];
 				smoothedArea -= body->overlap->value[k] * n.dot(area[other]);
 			}
 			result[c].area = -n.dot(area[s]);
-			if (smoothedArea > 0) result[c].pressure = pushed / (kick * smoothedArea);
+			if (!(smoothedArea > 0)) continue;
+			const Vec<dim> traction = pushed / (kick * smoothedArea);
+			result[c].pressure = n.dot(traction);
+			result[c].shear.template head<dim>() = traction - n.dot(traction) * n;
 		}
 	}
 	return result;

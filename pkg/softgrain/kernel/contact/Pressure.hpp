@@ -1,20 +1,23 @@
-// Contact pressure from the impulses of contact dynamics.
+// Contact pressure and shear traction from the impulses of contact dynamics.
 #pragma once
 
 #include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
 
+#include <Eigen/Core>
+
 #include <vector>
 
 namespace softgrain {
 
-/// Pressure at a contact node and the area it stands for.
+/// Traction at a contact node and the area it stands for.
 struct ContactPressure {
 	double area = 0;     ///< share of the node in the outline, along the normal, m (3D: m^2)
 	double pressure = 0; ///< Pa, > 0 for compression
+	Eigen::Vector3d shear = Eigen::Vector3d::Zero(); ///< tangential traction, Pa
 };
 
-/// For each contact of a pair, the pressure on the grain that owns the node, at the node.
+/// For each contact of a pair, the traction on the grain that owns the node, at the node.
 ///
 /// Forces on single nodes are no measure of it: there are more contact nodes than background nodes
 /// at a boundary, so patterns of forces exist that no background node feels, and the solver leaves
@@ -23,7 +26,8 @@ struct ContactPressure {
 ///
 ///     p_s = - n . sum_s' K_ss' f_s' / n . sum_s' K_ss' a_s',    K_ss' = sum_I N_I(X_s) N_I(X_s'),
 ///
-/// n = - (normal of the contact) the outward direction: an average over about a grid step h.
+/// n = - (normal of the contact) the outward direction: an average over about a grid step h. The
+/// shear traction is the rest of sum K f over the same area.
 ///
 /// `kick`: time over which the impulses acted, s. Needs a surface (facets); else all are zero.
 template <int dim>

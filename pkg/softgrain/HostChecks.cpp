@@ -1,0 +1,123 @@
+#include "HostChecks.hpp"
+#include "Yade.hpp"
+
+#include <map>
+
+namespace yade {
+
+namespace {
+
+[[noreturn]] void refuse(const string& what, const string& why)
+{
+	throw std::invalid_argument(what + ": " + why);
+}
+
+/// Engines that take every body for a sphere, or move bodies themselves.
+const std::map<string, string>& unfitEngines()
+{
+	static const string spheresOnly =
+		"it knows spheres only and would pass over soft grains, or take them for spheres";
+	static const std::map<string, string> reasons {
+		{ "FlowEngine", spheresOnly },
+		{ "PeriodicFlowEngine", spheresOnly },
+		{ "TwoPhaseFlowEngine", spheresOnly },
+		{ "PartialSatClayEngine", spheresOnly },
+		{ "DFNFlowEngine", spheresOnly },
+		{ "ThermalEngine", spheresOnly },
+		{ "HydroForceEngine", spheresOnly },
+		{ "HydrodynamicsLawLBM", spheresOnly },
+		{ "FoamCoupling", spheresOnly },
+		{ "SPHEngine", spheresOnly },
+		{ "Law2_ScGeom_CapillaryPhys_Capillarity", spheresOnly },
+		{ "CapillarityEngine", spheresOnly },
+		{ "RungeKuttaCashKarp54Integrator",
+		  "it integrates rigid bodies by stages, between which contacts of soft grains are "
+		  "not solved; use NewtonIntegrator" },
+	};
+	return reasons;
+}
+
+/// The one collider that runs again when an outline leaves its box (Scene::doSort).
+void checkCollider(const Engine& engine)
+{
+	if (dynamic_cast<const Collider*>(&engine) &&
+	    engine.getClassName() != "InsertionSortCollider")
+		refuse(engine.getClassName(),
+		       "it does not follow outlines that deform; soft grains need an "
+		       "InsertionSortCollider");
+}
+
+template <class Functor> bool holds(const vector<shared_ptr<Functor>>& functors, const string& name)
+{
+	return std::any_of(functors.begin(), functors.end(),
+			   [&](const auto& functor) { return functor->getClassName() == name; });
+}
+
+/// YADE ends the process over a pair that has geometry, but no physics or law.
+void checkFunctors(const InteractionLoop& loop)
+{
+	const auto& geometries = loop.geomDispatcher->functors;
+	auto finds = [&](const char* other) {
+		return holds(geometries, string("Ig2_") + other + "_SoftGrain_SoftGeom");
+	};
+	const bool rigid = finds("Wall") || finds("Sphere") || finds("Facet") || finds("Box");
+	auto need = [](bool present, const char* name) {
+		if (!present)
+			refuse("InteractionLoop",
+			       string("it finds contacts of soft grains, but has no ") + name +
+				       "; add it, or see sg.engines()");
+	};
+	const auto& physics = loop.physDispatcher->functors;
+	if (finds("SoftGrain"))
+		need(holds(physics, "Ip2_SoftMat_SoftMat_SoftPhys"),
+		     "Ip2_SoftMat_SoftMat_SoftPhys");
+	if (rigid)
+		need(holds(physics, "Ip2_FrictMat_SoftMat_SoftPhys"),
+		     "Ip2_FrictMat_SoftMat_SoftPhys");
+	if (rigid || finds("SoftGrain"))
+		need(holds(loop.lawDispatcher->functors, "Law2_SoftGeom_SoftPhys_Nonsmooth"),
+		     "Law2_SoftGeom_SoftPhys_Nonsmooth");
+}
+
+void checkTriaxial(const TriaxialStressController& controller)
+{
+	if (controller.internalCompaction)
+		refuse(controller.getClassName() + ".internalCompaction = True",
+		       "soft grains do not grow; set internalCompaction = False to move the walls");
+}
+
+void checkEngine(const Engine& engine)
+{
+	const auto reason = unfitEngines().find(engine.getClassName());
+	if (reason != unfitEngines().end()) refuse(reason->first, reason->second);
+	checkCollider(engine);
+	if (const auto* loop = dynamic_cast<const InteractionLoop*>(&engine)) checkFunctors(*loop);
+	if (const auto* controller = dynamic_cast<const TriaxialStressController*>(&engine))
+		checkTriaxial(*controller);
+}
+
+#ifdef YADE_MPI
+void checkSubdomains(const Scene& scene)
+{
+	bool divided = scene.subdomain != 0;
+	for (const auto& body : *scene.bodies)
+		divided = divided || (body && (body->subdomain != 0 || body->getIsSubdomain()));
+	if (divided)
+		refuse("MPI subdomains",
+		       "contacts of soft grains are solved together, in one process; use threads "
+		       "(-jN)");
+}
+#else
+void checkSubdomains(const Scene&) {}
+#endif
+
+} // namespace
+
+void checkHost(const Scene& scene)
+{
+	for (const auto& engine : scene.engines)
+		if (!engine->dead) checkEngine(*engine);
+	checkSubdomains(scene);
+}
+
+} // namespace yade

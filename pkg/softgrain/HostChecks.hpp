@@ -1,0 +1,11 @@
+// What YADE offers and soft grains do not get along with.
+#pragma once
+
+namespace yade {
+class Scene;
+
+/// Throws std::invalid_argument naming the engine or setting of the scene that would act wrongly on
+/// soft grains, or end the process, and what to do instead.
+void checkHost(const Scene& scene);
+
+} // namespace yade

@@ -1,0 +1,172 @@
+#include "WallStressController.hpp"
+#include "Require.hpp"
+#include "SoftGrain.hpp"
+#include "SoftMat.hpp"
+
+namespace yade {
+
+YADE_PLUGIN((WallStressController));
+
+using softgrain::require;
+
+namespace {
+
+WallStressController::Packing packingOf(const Scene& scene)
+{
+	WallStressController::Packing packing;
+	for (const auto& body : *scene.bodies) {
+		if (!body) continue;
+		const auto grain = YADE_PTR_DYN_CAST<SoftGrain>(body->shape);
+		const auto material = YADE_PTR_DYN_CAST<SoftMat>(body->material);
+		if (!grain || !material) continue;
+		const auto constants = material->constants();
+		const Real speed = constants.waveSpeed(grain->condition(*material));
+		packing.impedance = std::max(packing.impedance, constants.density * speed);
+		packing.density = std::max(packing.density, constants.density);
+		packing.radius = std::min(packing.radius, grain->radius);
+	}
+	return packing;
+}
+
+Vector3r gravityOf(const Scene& scene)
+{
+	for (const auto& engine : scene.engines)
+		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine))
+			return newton->gravity;
+	return Vector3r::Zero();
+}
+
+/// Half the thickness of a wall along an axis.
+Real halfThickness(const Body& body, int axis)
+{
+	const auto box = YADE_PTR_DYN_CAST<Box>(body.shape);
+	return box ? box->extents[axis] : 0;
+}
+
+} // namespace
+
+Vector3r contactForceOn(const Body& body)
+{
+	Vector3r sum = Vector3r::Zero();
+	for (const auto& [other, interaction] : body.intrs) {
+		if (!interaction->isReal()) continue;
+		const auto* phys = dynamic_cast<const NormShearPhys*>(interaction->phys.get());
+		if (!phys) continue;
+		const Real sign = interaction->getId2() == body.getId() ? 1 : -1;
+		sum += sign * (phys->normalForce + phys->shearForce);
+	}
+	return sum;
+}
+
+void WallStressController::postLoad(WallStressController&)
+{
+	require(walls.empty() || walls.size() == 4 || walls.size() == 6, "number of walls",
+		walls.size(), "{4, 6}");
+	require(stressMask >= 0 && stressMask <= 7, "stressMask", stressMask, "[0, 7]");
+	require(drag > 0 && math::isfinite(drag), "drag", drag, "(0, inf)");
+	for (int a = 0; a < 3; ++a)
+		require(math::isfinite(goal[a]) && (goal[a] <= 0 || !(stressMask >> a & 1)), "goal",
+			goal[a], "(-inf, 0] Pa where it is a stress");
+}
+
+Body& WallStressController::wall(int axis, bool upper) const
+{
+	return *(*scene->bodies)[walls[2 * axis + upper]];
+}
+
+Real WallStressController::length(int axis) const
+{
+	const Body &low = wall(axis, false), &high = wall(axis, true);
+	return high.state->pos[axis] - low.state->pos[axis] - halfThickness(low, axis) -
+	       halfThickness(high, axis);
+}
+
+Real WallStressController::area(int axis) const
+{
+	Real product = 1; // m, the thickness in 2D
+	for (int other = 0; other < axes(); ++other)
+		if (other != axis) product *= length(other);
+	return product;
+}
+
+void WallStressController::checkWalls() const
+{
+	require(walls.size() == 4 || walls.size() == 6, "number of walls", walls.size(), "{4, 6}");
+	for (std::size_t k = 0; k < walls.size(); ++k) {
+		const int axis = static_cast<int>(k) / 2;
+		const bool exists = scene->bodies->exists(walls[k]);
+		const Body* body = exists ? (*scene->bodies)[walls[k]].get() : nullptr;
+		const auto plane = body ? YADE_PTR_DYN_CAST<Wall>(body->shape) : nullptr;
+		const bool isBox = body && YADE_PTR_DYN_CAST<Box>(body->shape);
+		if (!(isBox || (plane && plane->axis == axis)))
+			throw std::invalid_argument(
+				"WallStressController.walls: body #" + std::to_string(walls[k]) +
+				" is no Box, and no Wall with axis = " + std::to_string(axis));
+	}
+	for (int a = 0; a < axes(); ++a)
+		require(length(a) > 0, "WallStressController: distance of two walls", length(a),
+			"(0, inf) m; walls = [lower, upper, ...]");
+}
+
+void WallStressController::action()
+{
+	checkWalls();
+	if (static_cast<int>(initialLengths.size()) != axes()) {
+		initialLengths.clear();
+		for (int a = 0; a < axes(); ++a)
+			initialLengths.push_back(length(a));
+	}
+	const Packing packing = packingOf(*scene);
+	for (int a = 0; a < axes(); ++a)
+		if (!(stressMask >> a & 1))
+			moveWall(a);
+		else if (packing.impedance > 0)
+			pushWall(a, packing);
+}
+
+/// m dv/dt = load + reaction - Z v, Z = drag rho c A. The mass is such that the wall follows within
+/// the time of a wave over a grain's radius, many steps.
+void WallStressController::pushWall(int axis, const Packing& packing)
+{
+	Body& body = wall(axis, true);
+	State& state = *body.state;
+	const Real surface = area(axis), dashpot = drag * packing.impedance * surface;
+	if (state.blockedDOFs == State::DOF_ALL) {
+		state.blockedDOFs = State::DOF_ALL & ~State::axisDOF(axis);
+		state.vel = state.angVel = Vector3r::Zero();
+		state.mass = drag * packing.density * surface * packing.radius;
+	}
+	Vector3r force = Vector3r::Zero();
+	force[axis] = goal[axis] * surface - dashpot * state.vel[axis] -
+		      state.mass * gravityOf(*scene)[axis];
+	scene->forces.addForce(body.getId(), force);
+}
+
+void WallStressController::moveWall(int axis)
+{
+	State& state = *wall(axis, true).state;
+	state.blockedDOFs = State::DOF_ALL;
+	state.vel = Vector3r::Zero();
+	state.vel[axis] = goal[axis] * length(axis);
+}
+
+Vector3r WallStressController::stress() const
+{
+	checkWalls();
+	Vector3r mean = Vector3r::Zero();
+	for (int a = 0; a < axes(); ++a)
+		mean[a] = (contactForceOn(wall(a, false))[a] - contactForceOn(wall(a, true))[a]) /
+			  (2 * area(a));
+	return mean;
+}
+
+Vector3r WallStressController::strain() const
+{
+	checkWalls();
+	Vector3r logarithms = Vector3r::Zero();
+	for (std::size_t a = 0; a < initialLengths.size(); ++a)
+		logarithms[a] = std::log(length(static_cast<int>(a)) / initialLengths[a]);
+	return logarithms;
+}
+
+} // namespace yade

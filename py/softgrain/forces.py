@@ -1,0 +1,124 @@
+"""Contact forces of the last step as arrays: by contact point, by pair, by body.
+
+Forces are exact; pressures and shear tractions are smoothed over about one spacing of background
+nodes (``doc/theory.md``), and 0 with contact geometries other than 'surface'. In 2D forces are per
+metre of thickness and areas are lengths.
+"""
+
+import numpy as np
+from yade import O, wrapper
+
+from softgrain.observe import soft_bodies
+
+
+def contact_forces():
+    """All contact points of soft grains within reach.
+
+    Returns:
+        dict of arrays, pair by pair in the order of their ids: owner (n,), id of the body whose
+        node, or end, it is; other (n,), id of the body it touches; point (n, 3) [m]; normal (n, 3),
+        into the owner; force (n, 3) on the owner [N, 2D N/m]; gap (n,) [m]; area (n,), share of the
+        node in the outline [m², 2D m]; pressure (n,) and shear (n, 3), tractions on the owner [Pa].
+    """
+    names = ("point", "normal", "force", "gap", "area", "pressure", "shear")
+    columns = {name: [] for name in ("owner", "other", *names)}
+    for interaction in _soft_interactions():
+        arrays = interaction.geom.contacts()
+        first, second = _sides(interaction)
+        on_first = arrays["side"] == 0
+        columns["owner"].append(np.where(on_first, first, second))
+        columns["other"].append(np.where(on_first, second, first))
+        for name in names:
+            columns[name].append(arrays[name])
+    vectors = ("point", "normal", "force", "shear")
+    return {
+        name: (
+            np.concatenate(parts) if parts else np.zeros((0, 3) if name in vectors else (0,), float)
+        )
+        for name, parts in columns.items()
+    }
+
+
+def pair_forces():
+    """Pairs of bodies, at least one of them soft, that exchange force.
+
+    Returns:
+        dict of arrays, in the order of the ids: id1, id2 (n,); point (n, 3), mean of the contact
+        points [m]; normal (n, 3) and shear (n, 3), sums of the normal and of the tangential forces
+        of all contact points on #2 [N, 2D N/m]; area (n,) of contact [m², 2D m]; pressure (n,) and
+        traction (n,), magnitudes of these sums over the area [Pa].
+    """
+    rows = [_pair(i) for i in _soft_interactions() if i.phys.activeContacts > 0]
+    names = ("id1", "id2", "point", "normal", "shear", "area", "pressure", "traction")
+    shapes = {"point": (0, 3), "normal": (0, 3), "shear": (0, 3)}
+    return {
+        name: np.array([row[k] for row in rows]) if rows else np.zeros(shapes.get(name, (0,)))
+        for k, name in enumerate(names)
+    }
+
+
+def body_forces():
+    """What contacts of soft grains do to each body.
+
+    Returns:
+        dict of arrays, by id, for all soft grains and the bodies that they exchange force with: id
+        (n,); force (n, 3), sum over its pairs [N, 2D N/m]; area (n,) of all its contacts [m², 2D
+        m]; pressure (n,), sum of the magnitudes of the normal forces of its pairs over the area,
+        and traction (n,), the same of the shear forces [Pa].
+    """
+    pairs = pair_forces()
+    ids = np.array(
+        sorted({b.id for b in soft_bodies()} | {int(k) for k in (*pairs["id1"], *pairs["id2"])}),
+        dtype=int,
+    )
+    place = {body: k for k, body in enumerate(ids)}
+    force = np.zeros((len(ids), 3))
+    area, pushed, sheared = np.zeros((3, len(ids)))
+    for k, ends in enumerate(zip(pairs["id1"], pairs["id2"])):
+        for body, sign in zip(ends, (-1, 1)):
+            row = place[int(body)]
+            force[row] += sign * (pairs["normal"][k] + pairs["shear"][k])
+            area[row] += pairs["area"][k]
+            pushed[row] += np.linalg.norm(pairs["normal"][k])
+            sheared[row] += np.linalg.norm(pairs["shear"][k])
+    return {
+        "id": ids,
+        "force": force,
+        "area": area,
+        "pressure": _over(pushed, area),
+        "traction": _over(sheared, area),
+    }
+
+
+def _over(force, area):
+    return np.divide(force, area, out=np.zeros_like(force), where=area > 0)
+
+
+def _soft_interactions():
+    """Those of soft grains, in the order of their ids, which that of O.interactions is not."""
+    found = [i for i in O.interactions if i.isReal and isinstance(i.phys, wrapper.SoftPhys)]
+    return sorted(found, key=lambda i: (min(i.id1, i.id2), max(i.id1, i.id2)))
+
+
+def _sides(interaction):
+    """Ids of the bodies that own contact points of side 0 and of side 1."""
+    low, high = sorted((interaction.id1, interaction.id2))
+    if isinstance(O.bodies[low].shape, wrapper.SoftGrain):
+        return low, high
+    return high, low
+
+
+def _pair(interaction):
+    """A row of :func:`pair_forces`."""
+    arrays = interaction.geom.contacts()
+    normal, shear = np.array(interaction.phys.normalForce), np.array(interaction.phys.shearForce)
+    carries = arrays["pressure"] > 0
+    both = [arrays["area"][carries & (arrays["side"] == side)].sum() for side in (0, 1)]
+    seen = [area for area in both if area > 0]  # both outlines, or that of the grain
+    area = sum(seen) / len(seen) if seen else 0.0
+    sums = np.array([np.linalg.norm(normal), np.linalg.norm(shear)])
+    pressure, traction = _over(sums, np.full(2, area))
+    return (
+        *(interaction.id1, interaction.id2, np.array(interaction.geom.contactPoint)),
+        *(normal, shear, area, pressure, traction),
+    )

@@ -1,0 +1,146 @@
+"""Contact forces as arrays, and what YADE's own functions make of soft pairs."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import RADIUS, YOUNG, add_disk, add_wall, ready, run, soft_material
+from yade import FrictMat, O, utils
+
+import softgrain as sg
+
+
+@pytest.fixture
+def packing():
+    """Four soft disks about a rigid one pressed in a box, at rest; ids of the walls."""
+    material = soft_material(massDamping=400, frictionAngle=0.3)
+    for x, y in ((1, 1), (3, 1), (1, 3), (3, 3)):
+        add_disk((x * RADIUS, y * RADIUS, 0), RADIUS, material)
+    rigid = utils.sphere(
+        (2 * RADIUS, 2 * RADIUS, 0), 0.41 * RADIUS, material=FrictMat(frictionAngle=0.3)
+    )
+    rigid.state.blockedDOFs = "zXY"
+    O.bodies.append(rigid)
+    sg.as_disks()
+    walls = [add_wall(4 * RADIUS * (k % 2), axis=k // 2) for k in range(4)]  # frictionless
+    ready(tolerance=1e-4, maxSweeps=1000)
+    walls[3].state.vel = (0, -0.2, 0)
+    while walls[3].state.pos[1] > 3.8 * RADIUS:
+        run(1)
+    walls[3].state.vel = (0, 0, 0)
+    O.run(3000, True)
+    return [w.id for w in walls]
+
+
+def test_points_make_pairs_make_bodies(packing):
+    points, pairs, bodies = sg.contact_forces(), sg.pair_forces(), sg.body_forces()
+    assert len(pairs["id1"]) >= 10 and len(points["owner"]) > 30
+    largest = np.abs(bodies["force"]).max() + np.linalg.norm(pairs["normal"], axis=1).max()
+    for body, force in zip(bodies["id"], bodies["force"]):
+        # nodes of the body bear its forces, those of others the opposite
+        own = points["force"][points["owner"] == body].sum(axis=0)
+        others = points["force"][points["other"] == body].sum(axis=0)
+        np.testing.assert_allclose(own - others, force, rtol=0, atol=1e-9 * largest)
+        np.testing.assert_allclose(sg.wall_force(int(body))[:2], force[:2], atol=1e-9 * largest)
+    np.testing.assert_allclose(bodies["force"].sum(axis=0), 0, atol=1e-9 * largest)
+
+
+def test_forces_of_walls(packing):
+    """The same as in O.forces, which have nothing else on a wall that is held."""
+    bodies = sg.body_forces()
+    for wall in packing:
+        found = bodies["force"][bodies["id"] == wall][0]
+        np.testing.assert_allclose(found, O.forces.f(wall), atol=1e-9 * np.abs(found).max())
+
+
+def test_tractions_make_the_forces():
+    """A block that slides under pressure: tractions times areas are the forces, but for what the
+    smoothing carries round the corners."""
+    material = soft_material(massDamping=600, frictionAngle=1)
+    O.bodies.append(sg.soft_block((0, 0, 0), (4 * RADIUS, 2 * RADIUS), material, zeta=0.2))
+    floor = add_wall(-RADIUS, axis=1, friction=0.2).id
+    top = add_wall(RADIUS, axis=1, velocity=(0, -0.1, 0))
+    ready()
+    while top.state.pos[1] > 0.98 * RADIUS:
+        run(1)
+    top.state.vel = (0, 0, 0)
+    O.bodies[0].state.vel = (1, 0, 0)
+    run(50)
+    points, pairs = sg.contact_forces(), sg.pair_forces()
+    at = points["other"] == floor
+    force = points["force"][at].sum(axis=0)
+    assert force[0] == pytest.approx(-0.2 * force[1], rel=0.02)
+    np.testing.assert_allclose(
+        np.einsum("ij,ij->i", points["shear"], points["normal"]), 0, atol=1e-9 * YOUNG
+    )
+    traction = points["pressure"][:, None] * points["normal"] + points["shear"]
+    total = (points["area"][:, None] * traction)[at].sum(axis=0)
+    np.testing.assert_allclose(total, force, atol=0.05 * force[1])
+    row = np.nonzero(np.maximum(pairs["id1"], pairs["id2"]) == floor)[0][0]
+    assert pairs["area"][row] == pytest.approx(4 * RADIUS, rel=0.1)
+    assert pairs["pressure"][row] == pytest.approx(force[1] / pairs["area"][row], rel=1e-9)
+    assert pairs["traction"][row] == pytest.approx(abs(force[0]) / pairs["area"][row], rel=1e-9)
+
+
+def test_no_contact_gives_empty_arrays():
+    add_disk()
+    ready()
+    run(1)
+    assert sg.contact_forces()["force"].shape == (0, 3)
+    assert len(sg.pair_forces()["pressure"]) == 0
+    bodies = sg.body_forces()
+    assert list(bodies["id"]) == [0] and (bodies["force"] == 0).all()
+
+
+def test_stress_by_yade(packing):
+    """utils.getStress, from forces and centres, against the walls; interactions.all() see the
+    aggregate of each pair."""
+    height, width = (
+        O.bodies[packing[k + 1]].state.pos[a] - O.bodies[packing[k]].state.pos[a]
+        for k, a in ((2, 1), (0, 0))
+    )
+    stress = utils.getStress(width * height)
+    for axis, (low, high, area) in enumerate(
+        ((packing[0], packing[1], height), (packing[2], packing[3], width))
+    ):
+        mean = (sg.wall_force(low)[axis] - sg.wall_force(high)[axis]) / (2 * area)
+        assert stress[axis][axis] == pytest.approx(mean, rel=0.01)
+        assert mean < -1e-3 * YOUNG
+
+
+def test_fabric_by_yade(packing):
+    fabric = utils.fabricTensor()[0]
+    assert fabric.trace() == pytest.approx(1, rel=1e-6)
+    assert abs(fabric[0][1]) < 0.1 and 0.3 < fabric[0][0] < 0.7 and fabric[2][2] == 0
+
+
+def test_unbalanced_force(packing):
+    """At rest next to nothing; YADE's own counts the rigid disk only."""
+    assert 0 <= sg.unbalanced_force() < 0.01
+    assert math.isfinite(utils.unbalancedForce())
+    O.bodies[packing[3]].state.vel = (0, -1, 0)
+    run(5)
+    assert sg.unbalanced_force() > 0.02
+
+
+def test_unbalanced_force_of_soft_grains_alone():
+    """Where utils.unbalancedForce() is nan."""
+    add_disk()
+    add_wall(-RADIUS, axis=1)
+    ready(gravity=(0, -10, 0))
+    assert math.isnan(utils.unbalancedForce())
+    run(1)
+    assert sg.unbalanced_force() >= 0
+
+
+def test_aggregate_of_a_pair(packing):
+    """What YADE's functions read: unit normal from #1 to #2, contact point, radii, forces."""
+    for i in O.interactions:
+        if not (i.isReal and isinstance(i.phys, sg.SoftPhys) and i.phys.activeContacts):
+            continue
+        assert i.geom.normal.norm() == pytest.approx(1)
+        ends = [O.bodies[k].state.pos for k in (i.id1, i.id2)]
+        assert i.geom.normal.dot(ends[1] - ends[0]) > 0
+        force = i.phys.normalForce
+        assert force.dot(i.geom.normal) > 0.9 * force.norm()  # pushes #2 away from #1
+        assert i.geom.refR1 > 0 and i.geom.refR2 > 0

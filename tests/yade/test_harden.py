@@ -1,0 +1,152 @@
+"""Soft grains turned rigid again, and rigid packings softened under load."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import RADIUS, YOUNG, ZETA, add_disk, add_wall, ready, run, soft_material
+from yade import FrictMat, O, Sphere, utils
+
+import softgrain as sg
+
+
+def rigid_material(young=YOUNG / RADIUS):
+    return FrictMat(young=young, poisson=0.3, frictionAngle=0.3, density=1000)
+
+
+def momenta(bodies):
+    linear = sum(b.state.mass * np.array(b.state.vel) for b in bodies)
+    angular = sum(
+        np.cross(b.state.pos, b.state.mass * np.array(b.state.vel))
+        + np.array(b.state.inertia) * np.array(b.state.angVel)
+        for b in bodies
+    )
+    return linear, angular
+
+
+def test_motion_is_kept():
+    """Mass, area, centre, momentum and angular momentum of colliding disks."""
+    material = soft_material(frictionAngle=0.5)
+    disks = [
+        add_disk(material=material),
+        add_disk((1.99 * RADIUS, 0.5 * RADIUS, 0), material=material),
+    ]
+    disks[0].state.vel, disks[0].state.angVel = (1, 0.2, 0), (0, 0, 30)
+    ready()
+    run(40)
+    assert disks[1].shape.energy()["elastic"] > 0
+    areas = [sg.grain_area(d) for d in disks]
+    before, centres = momenta(disks), [np.array(d.state.pos) for d in disks]
+    assert sg.harden(material=rigid_material()) == [0, 1]
+    for disk, area, centre in zip(disks, areas, centres):
+        assert isinstance(disk.shape, Sphere) and disk.state.blockedDOFs == "zXY"
+        assert math.pi * disk.shape.radius**2 == pytest.approx(area, rel=1e-12)
+        np.testing.assert_array_equal(disk.state.pos, centre)
+    for kept, was in zip(momenta(disks), before):
+        np.testing.assert_allclose(kept, was, rtol=1e-12, atol=1e-15)
+    O.dt *= 0.2
+    run(2000)  # and they go on as rigid ones
+    np.testing.assert_allclose(momenta(disks)[0], before[0], rtol=1e-9)
+    assert disks[0].state.vel.norm() < 2
+
+
+def test_one_of_two_in_3d():
+    balls = [
+        sg.soft_sphere((x * RADIUS, 0, 0), RADIUS, soft_material(), zeta=0.5) for x in (0, 1.99)
+    ]
+    O.bodies.append(balls)
+    balls[0].state.vel = (1, 0, 0)
+    ready()
+    run(20)
+    before = momenta(balls)[0]
+    sg.harden([1], material=rigid_material())
+    assert balls[1].state.blockedDOFs == "" and len(sg.soft_bodies()) == 1
+    run(200)
+    np.testing.assert_allclose(momenta(balls)[0], before, rtol=0, atol=1e-12)
+    assert balls[1].state.vel[0] > balls[0].state.vel[0]
+
+
+def test_shrink():
+    """No overlap is left of flattened contacts."""
+    disks = [add_disk((x * RADIUS, 0, 0)) for x in (0, 2)]
+    walls = [add_wall(-RADIUS, 0, velocity=(0.2, 0, 0)), add_wall(3 * RADIUS, 0)]
+    ready()
+    while walls[0].state.pos[0] < -0.9 * RADIUS:
+        run(1)
+    sg.harden(material=rigid_material(), overlap="shrink")
+    apart = disks[1].state.pos[0] - disks[0].state.pos[0]
+    assert sum(d.shape.radius for d in disks) <= apart * (1 + 1e-12)
+    assert disks[0].state.pos[0] - walls[0].state.pos[0] >= disks[0].shape.radius * (1 - 1e-12)
+
+
+def test_refusals():
+    add_disk()
+    O.bodies.append(sg.soft_block((5 * RADIUS, 0, 0), (RADIUS, RADIUS), soft_material(), zeta=0.3))
+    ready()
+    for arguments, message in (
+        ({"ids": [1], "material": rigid_material()}, "#1 is no soft disk or ball"),
+        ({"ids": [0], "material": soft_material()}, "material = SoftMat: rigid spheres need"),
+        ({"ids": [0], "material": rigid_material(), "overlap": "x"}, "overlap = 'x' is unknown"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            sg.harden(**arguments)
+    assert len(sg.soft_bodies()) == 2
+
+
+def squeeze(walls):
+    """Lower the lid by a fortieth of the box, and wait."""
+    walls[3].state.vel = (0, -0.1, 0)
+    while walls[3].state.pos[1] > 3.9 * RADIUS:
+        run(1)
+    walls[3].state.vel = (0, 0, 0)
+    O.run(3000, True)
+    return np.array([sg.wall_force(w.id) for w in walls])
+
+
+PLACES = [(x * RADIUS, y * RADIUS, 0) for x in (1, 3) for y in (1, 3)]
+
+
+def box():
+    return [add_wall(4 * RADIUS * (k % 2), axis=k // 2) for k in range(4)]
+
+
+def test_softened_under_load():
+    """A rigid packing in a box, pressed: kinetic energy and momentum carry over exactly; the forces
+    on the walls become those of soft disks pressed into the same box; nothing flies apart."""
+    material = soft_material(massDamping=400)
+    for place in PLACES:
+        add_disk(place, material=material)
+    walls = box()
+    ready()
+    expected = squeeze(walls)
+    O.reset()
+
+    disks = []
+    for place in PLACES:
+        disk = utils.sphere(place, RADIUS, material=rigid_material())
+        disk.state.blockedDOFs = "zXY"
+        disks.append(disk)
+    O.bodies.append(disks)
+    sg.as_disks()
+    walls = box()
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    O.engines[-1].damping = 0.3
+    O.dt = 1e-5
+    before = squeeze(walls)
+    O.engines[-1].damping = 0
+    disks[0].state.vel = (0.01, 0, 0)
+    kinetic = sum(d.state.mass * d.state.vel.squaredNorm() for d in disks)
+    momentum = momenta(disks)[0]
+    sg.soften([d.id for d in disks], soft_material(massDamping=400), zeta=ZETA)
+    np.testing.assert_allclose(momenta(disks)[0], momentum, rtol=1e-12)
+    now = sum(d.state.mass * d.state.vel.squaredNorm() for d in disks)
+    assert now == pytest.approx(kinetic, rel=1e-12)
+    fastest = 0
+    for _ in range(3000):
+        run(1)
+        fastest = max(fastest, *(d.state.vel.norm() for d in disks))
+    assert fastest < 0.1
+    after = np.array([sg.wall_force(w.id) for w in walls])
+    for wall in (2, 3):
+        assert after[wall][1] == pytest.approx(expected[wall][1], rel=0.05)
+        assert 0.2 < after[wall][1] / before[wall][1] < 5  # by the stiffness of the rigid law

@@ -1,0 +1,391 @@
+"""Loading as in the laboratory: walls under stress, engines of YADE that steer walls and grains."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import RADIUS, YOUNG, add_disk, add_wall, ready, run, soft_material
+from yade import (
+    Box,
+    ForceEngine,
+    FrictMat,
+    HarmonicMotionEngine,
+    O,
+    RotationEngine,
+    ServoPIDController,
+    TorqueEngine,
+    TranslationEngine,
+    TriaxialStressController,
+    UniaxialStrainer,
+    utils,
+)
+
+import softgrain as sg
+
+STRESS = -0.03 * YOUNG  # Pa
+
+
+def damped_material():
+    return soft_material(massDamping=300, frictionAngle=0.3)
+
+
+def four_disks():
+    """Four disks in a box of walls, with some room; returns the ids of the walls."""
+    material = damped_material()
+    for k, radius in enumerate((1.0, 0.9, 0.95, 0.85)):
+        add_disk(
+            ((1 + 2 * (k % 2)) * RADIUS, (1 + 2 * (k // 2)) * RADIUS, 0), radius * RADIUS, material
+        )
+    return [add_wall(4 * RADIUS * (k % 2), axis=k // 2).id for k in range(4)]
+
+
+def eight_balls():
+    """Eight balls in a box of boxes; returns the ids of these."""
+    material = damped_material()
+    for place in np.ndindex(2, 2, 2):
+        center = [(1.01 + 2.02 * k) * RADIUS for k in place]
+        O.bodies.append(sg.soft_sphere(center, RADIUS, material, zeta=0.5))
+    return O.bodies.append(
+        utils.aabbWalls(
+            [(0, 0, 0), (4.04 * RADIUS,) * 3],
+            thickness=0.2 * RADIUS,
+            oversizeFactor=1.5,
+            material=FrictMat(frictionAngle=0),
+        )
+    )
+
+
+def insert_controller(walls, **attributes):
+    """A WallStressController in its place in O.engines."""
+    controller = sg.WallStressController(walls=walls, **attributes)
+    engines = list(O.engines)
+    O.engines = engines[:3] + [controller] + engines[3:]
+    return controller
+
+
+def wall_distance(walls, axis):
+    low, high = (O.bodies[w] for w in walls[2 * axis : 2 * axis + 2])
+    thickness = 2 * low.shape.extents[axis] if isinstance(low.shape, Box) else 0
+    return high.state.pos[axis] - low.state.pos[axis] - thickness
+
+
+def held_errors(controller, seconds, axes):
+    """Largest relative errors of the stress along the axes during that time."""
+    worst = np.zeros(len(axes))
+    end = O.time + seconds
+    while O.time < end:
+        run(1)
+        error = [controller.stress()[a] / controller.goal[a] - 1 for a in axes]
+        worst = np.maximum(worst, np.abs(error))
+    return worst
+
+
+@pytest.mark.parametrize("gravity", (0, -10))
+def test_stress_is_held_in_2d(gravity):
+    """On both axes within 1 % at every step, weight of the walls or not; no axis needs tuning."""
+    walls = four_disks()
+    ready(gravity=(0, gravity, 0))
+    controller = insert_controller(walls, goal=(STRESS, 2 * STRESS, 0))
+    O.run(2000, True)
+    weight = sum(b.state.mass for b in sg.soft_bodies()) * abs(gravity)
+    allowed = 0.01 + weight / (2 * abs(STRESS) * wall_distance(walls, 0))
+    assert (held_errors(controller, 0.01, (0, 1)) < allowed).all()
+    assert controller.strain()[0] < 0 and controller.strain()[1] < controller.strain()[0] + 0.2
+    # what stress() says is what the walls bear, over the length between the others
+    pushed = -sg.wall_force(walls[3])[1] / wall_distance(walls, 0)
+    assert pushed == pytest.approx(2 * STRESS, rel=0.01)
+    # in equilibrium, what acts on a wall together is nothing
+    assert abs(O.forces.f(walls[3])[1]) < 0.01 * abs(2 * STRESS) * wall_distance(walls, 0)
+
+
+def test_stress_follows_its_goal():
+    """Loading and unloading, while running."""
+    walls = four_disks()
+    ready()
+    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
+    O.run(2000, True)
+    loaded = controller.strain()
+    controller.goal = (STRESS, 0.5 * STRESS, 0)
+    O.run(5000, True)
+    assert (held_errors(controller, 0.005, (0, 1)) < 0.01).all()
+    assert controller.strain()[1] > loaded[1]
+
+
+def test_stress_is_held_in_3d():
+    """Between Boxes, on three axes."""
+    walls = eight_balls()
+    ready()
+    controller = insert_controller(walls, goal=(STRESS, STRESS, 1.5 * STRESS))
+    O.run(2000, True)
+    assert (held_errors(controller, 0.005, (0, 1, 2)) < 0.01).all()
+    assert controller.strain()[2] < controller.strain()[0] < 0
+
+
+def test_triaxial_compression():
+    """One axis by strain rate, stress on the others: both are held."""
+    walls = eight_balls()
+    ready()
+    controller = insert_controller(walls, goal=(STRESS, STRESS, STRESS))
+    O.run(2000, True)
+    before, start, stress = controller.strain()[2], O.time, controller.stress()[2]
+    controller.stressMask, controller.goal = 3, (STRESS, STRESS, -1)
+    O.run(1000, True)
+    assert controller.strain()[2] - before == pytest.approx(-(O.time - start), rel=1e-3)
+    assert (held_errors(controller, 0.002, (0, 1)) < 0.02).all()
+    assert controller.stress()[2] < 1.1 * stress
+
+
+def test_controller_is_saved(tmp_path):
+    """A run that was saved goes on with the same bits."""
+    walls = four_disks()
+    ready()
+    insert_controller(walls, goal=(STRESS, STRESS, 0))
+    O.run(300, True)
+    O.save(str(tmp_path / "scene.xml.gz"))
+    O.run(100, True)
+    expected = [np.array(b.state.pos) for b in O.bodies]
+    O.load(str(tmp_path / "scene.xml.gz"))
+    O.run(100, True)
+    np.testing.assert_array_equal([np.array(b.state.pos) for b in O.bodies], expected)
+
+
+@pytest.mark.parametrize(
+    "attributes, message",
+    [
+        ({"walls": [0, 1, 2]}, "number of walls = 3"),
+        ({"stressMask": 8}, r"stressMask = 8 .*\[0, 7\]"),
+        ({"drag": 0}, r"drag = 0 .*\(0, inf\)"),
+        ({"goal": (1, 0, 0)}, "goal = 1 .*Pa where it is a stress"),
+    ],
+    ids=str,
+)
+def test_bad_controller(attributes, message):
+    with pytest.raises(ValueError, match=message):
+        sg.WallStressController(**attributes)
+
+
+@pytest.mark.parametrize(
+    "order, message",
+    [((1, 0, 2, 3), "distance of two walls"), ((2, 3, 0, 1), "no Wall with axis = 0")],
+)
+def test_walls_in_a_wrong_order(order, message):
+    walls = four_disks()
+    ready()
+    insert_controller([walls[k] for k in order], goal=(STRESS, STRESS, 0))
+    with pytest.raises(ValueError, match=message):
+        run(1)
+
+
+def test_free_wall_keeps_momentum():
+    """A wall that flies against a disk: one solve for both, momentum kept to rounding."""
+    disk = add_disk()
+    wall = add_wall(1.02 * RADIUS, axis=0, velocity=(-1, 0, 0))
+    wall.state.blockedDOFs, wall.state.mass = "yzXYZ", 0.5
+    ready()
+    O.dt = 0.4 * sg.critical_time_step()
+    touched = 0
+    for _ in range(400):
+        run(1)
+        touched += sg.integrator().activeContacts > 0
+        total = disk.state.mass * disk.state.vel[0] + 0.5 * wall.state.vel[0]
+        assert total == pytest.approx(-0.5, rel=1e-12)
+    assert touched > 20 and sg.integrator().activeContacts == 0
+    assert disk.state.vel[0] < wall.state.vel[0] < 0
+
+
+def test_free_wall_rests_with_its_weight():
+    add_disk(material=damped_material())
+    add_wall(-RADIUS, axis=1)
+    lid = add_wall(RADIUS, axis=1)
+    lid.state.blockedDOFs, lid.state.mass = "xzXYZ", 0.5
+    ready(gravity=(0, -10, 0))
+    O.run(4000, True)
+    forces = []
+    for _ in range(4000):
+        run(1)
+        forces.append(sg.wall_force(lid.id)[1])
+    assert np.mean(forces) == pytest.approx(5, rel=0.01)
+    assert abs(lid.state.pos[1] - RADIUS) < 0.01 * RADIUS
+
+
+def test_wall_that_turns_is_refused():
+    add_disk()
+    wall = add_wall(-RADIUS, axis=1)
+    wall.state.blockedDOFs, wall.state.mass = "xz", 1
+    ready()
+    with pytest.raises(RuntimeError, match="#1 .Wall. .*free to turn, which a Wall cannot"):
+        run(2)
+
+
+def test_servo_holds_a_force():
+    """YADE's ServoPIDController at the end of O.engines, with the impedance of the grains for its
+    gain: within 1 %."""
+    walls = four_disks()
+    target = -STRESS * 4 * RADIUS
+    speed = math.sqrt(YOUNG * 0.55 / (1.45 * 0.1) / 1000)
+    ready()
+    O.engines = O.engines + [
+        ServoPIDController(
+            ids=[walls[3]],
+            axis=(0, 1, 0),
+            target=target,
+            kP=1 / (1000 * speed * 4 * RADIUS),
+            kI=0,
+            kD=0,
+            iterPeriod=1,
+            maxVelocity=0.5,
+        )
+    ]
+    O.run(4000, True)
+    for _ in range(300):
+        run(1)
+        assert sg.wall_force(walls[3])[1] == pytest.approx(target, rel=0.01)
+
+
+def test_triaxial_stress_controller():
+    """YADE's own, with Boxes; it sees a stiffness of the contacts, and no soft grain as dynamic."""
+    walls = eight_balls()
+    ready()
+    names = ("left", "right", "bottom", "top", "back", "front")
+    triax = TriaxialStressController(
+        thickness=0.2 * RADIUS,
+        internalCompaction=False,
+        stressMask=7,
+        max_vel=0.02,
+        **{f"goal{k}": STRESS for k in (1, 2, 3)},
+        **{f"wall_{name}_id": wall for name, wall in zip(names, walls)},
+    )
+    O.engines = O.engines + [triax]
+    O.run(3000, True)
+    stresses = []
+    for _ in range(600):
+        run(1)
+        stresses.append([triax.stress(2 * a + 1)[a] for a in range(3)])
+    np.testing.assert_allclose(np.mean(stresses, axis=0), STRESS, rtol=0.01)
+    assert min(i.phys.kn for i in O.interactions.withBody(walls[0])) > 0
+
+
+def test_uniaxial_strainer():
+    """Walls by a strain rate; its mean stress is that of the walls."""
+    walls = four_disks()
+    ready()
+    strainer = UniaxialStrainer(
+        strainRate=-5,
+        axis=1,
+        asymmetry=1,
+        posIds=[walls[3]],
+        negIds=[walls[2]],
+        crossSectionArea=4 * RADIUS,
+        blockDisplacements=True,
+        blockRotations=True,
+        setSpeeds=False,
+        stressUpdateInterval=1,
+        initAccelTime=0,
+    )
+    O.engines = O.engines + [strainer]
+    start = wall_distance(walls, 1)
+    O.run(1500, True)
+    assert wall_distance(walls, 1) / start - 1 == pytest.approx(-5 * O.time, rel=0.01)
+    mean = (sg.wall_force(walls[2])[1] - sg.wall_force(walls[3])[1]) / (2 * 4 * RADIUS)
+    assert strainer.avgStress == pytest.approx(mean, rel=1e-9) and mean < 0.1 * STRESS
+
+
+def free_grain():
+    disk = add_disk()
+    ready()
+    O.dt = 0.4 * sg.critical_time_step()
+    return disk
+
+
+def with_engine(engine):
+    """In front of the contacts, where kinematic engines stand."""
+    engines = list(O.engines)
+    O.engines = engines[:1] + [engine] + engines[1:]
+
+
+def test_force_and_torque_engine_on_a_grain():
+    disk = free_grain()
+    with_engine(ForceEngine(ids=[disk.id], force=(0.3, 0.1, 0)))
+    with_engine(TorqueEngine(ids=[disk.id], moment=(0, 0, 1e-3)))
+    run(200)
+    mean = O.time - O.dt / 2  # velocities are half a step behind
+    np.testing.assert_allclose(
+        disk.state.vel, np.array((0.3, 0.1, 0)) / disk.state.mass * mean, rtol=0.01
+    )
+    assert disk.state.angVel[2] == pytest.approx(1e-3 / disk.state.inertia[2] * mean, rel=0.01)
+
+
+def test_translation_engine_on_a_grain():
+    """It has its velocity from the engine in every step, and is deformed by what is in its way."""
+    disk = free_grain()
+    add_wall(1.2 * RADIUS, axis=0)
+    with_engine(TranslationEngine(ids=[disk.id], translationAxis=(1, 0, 0), velocity=0.5))
+    while O.time < 0.38 * RADIUS:
+        run(1)
+    assert disk.state.pos[0] == pytest.approx(0.5 * O.time, rel=1e-6)
+    while O.time < 0.6 * RADIUS:
+        run(1)
+    assert 0.26 * RADIUS < disk.state.pos[0] < 0.5 * O.time
+    assert disk.shape.outline()[:, 0].max() < 1.205 * RADIUS
+    assert disk.shape.energy()["elastic"] > 0
+
+
+def test_rotation_engine_on_a_grain():
+    disk = free_grain()
+    with_engine(RotationEngine(ids=[disk.id], rotationAxis=(0, 0, 1), angularVelocity=20))
+    run(300)
+    angle = 2 * math.atan2(disk.state.ori[2], disk.state.ori[3])
+    assert angle == pytest.approx(20 * O.time, rel=0.01)
+
+
+def test_translation_engine_on_a_wall():
+    """And a wall driven by HarmonicMotionEngine: the grain follows it."""
+    disk = free_grain()
+    low, high = add_wall(-RADIUS, axis=0), add_wall(RADIUS, axis=0)
+    with_engine(TranslationEngine(ids=[low.id, high.id], translationAxis=(1, 0, 0), velocity=0.2))
+    run(500)
+    assert high.state.pos[0] == pytest.approx(RADIUS + 0.2 * O.time, rel=1e-9)
+    assert disk.state.pos[0] == pytest.approx(0.2 * O.time, abs=0.05 * RADIUS)
+
+
+def test_accelerated_walls():
+    """Harmonic motion of a box of two walls, slow against the grain's vibrations."""
+    disk = add_disk(material=damped_material())
+    walls = [add_wall(side * RADIUS, axis=0) for side in (-1, 1)]
+    ready()
+    with_engine(
+        HarmonicMotionEngine(
+            ids=[w.id for w in walls], A=(0.1 * RADIUS, 0, 0), f=(50, 0, 0), fi=(0, 0, 0)
+        )
+    )
+    worst = 0
+    while O.time < 0.04:
+        run(1)
+        worst = max(worst, abs(disk.state.pos[0] - (walls[0].state.pos[0] + RADIUS)))
+        if O.time > 0.02:
+            moved = 0.1 * RADIUS * (math.cos(2 * math.pi * 50 * O.time) - 1)
+            assert walls[0].state.pos[0] == pytest.approx(moved - RADIUS, abs=0.005 * RADIUS)
+    assert worst < 0.02 * RADIUS
+
+
+def test_rotating_box_turns_a_grain():
+    """RotationEngine on a Box on which a grain lies: friction carries it along."""
+    disk = add_disk((0, 1.0001 * RADIUS, 0), material=damped_material())
+    paddle = utils.box((0, -RADIUS, 0), (4 * RADIUS, RADIUS, RADIUS), fixed=True)
+    O.bodies.append(paddle)
+    ready(gravity=(0, -10, 0))
+    with_engine(
+        RotationEngine(
+            ids=[paddle.id],
+            rotationAxis=(0, 0, 1),
+            angularVelocity=2,
+            rotateAroundZero=True,
+            zeroPoint=(0, -RADIUS, 0),
+        )
+    )
+    while O.time < 0.05:
+        run(1)
+    assert 2 * math.atan2(paddle.state.ori[2], paddle.state.ori[3]) == pytest.approx(0.1, rel=0.01)
+    normal = np.array((-math.sin(0.1), math.cos(0.1), 0))
+    depth = (disk.shape.outline() - np.array(paddle.state.pos)) @ normal - RADIUS
+    assert depth.min() > -0.02 * RADIUS and sg.wall_force(paddle.id)[1] < 0

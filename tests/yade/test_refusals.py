@@ -1,0 +1,189 @@
+"""What YADE offers and softgrain does not: each is refused with a message of its own."""
+
+import pytest
+from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
+from yade import (
+    FrictMat,
+    GlobalStiffnessTimeStepper,
+    HydroForceEngine,
+    O,
+    RungeKuttaCashKarp54Integrator,
+    TriaxialStressController,
+    utils,
+)
+import yade
+
+import softgrain as sg
+
+
+def add_engine(engine, place=1):
+    engines = list(O.engines)
+    O.engines = engines[:place] + [engine] + engines[place:]
+
+
+def without_functor(dispatcher, name):
+    loop = O.engines[2]
+    part = getattr(loop, dispatcher)
+    part.functors = [f for f in part.functors if type(f).__name__ != name]
+
+
+def periodic():
+    O.periodic = True
+
+
+def other_collider():
+    engines = list(O.engines)
+    engines[1] = yade.SpatialQuickSortCollider(engines[1].boundDispatcher.functors)
+    O.engines = engines
+
+
+def soft_clump():
+    other = sg.soft_disk((5 * RADIUS, 0, 0), RADIUS, soft_material(), zeta=0.3)
+    O.bodies.append(other)
+    O.bodies.clump([0, other.id])
+
+
+def dofs_left_to_newton():
+    O.bodies[0].state.blockedDOFs = "zXY"
+
+
+def soft_material_on_a_sphere():
+    O.bodies.append(utils.sphere((5 * RADIUS, 0, 0), RADIUS, material=soft_material()))
+
+
+def rigid_material_on_a_grain():
+    O.bodies[0].material = FrictMat()
+
+
+def subdomains():
+    O.bodies[0].subdomain = 1
+
+
+def near(body):
+    """Another shape within the box of the grain."""
+    O.bodies.append(body)
+
+
+def grid_node():
+    body = utils.sphere((0, 0, 0), RADIUS, fixed=True)
+    body.shape = yade.GridNode(radius=0.1 * RADIUS)
+    near(body)
+
+
+def cylinder():
+    body = utils.sphere((0, 0, 0), RADIUS, fixed=True)
+    body.shape = yade.Cylinder(radius=0.1 * RADIUS, length=RADIUS, segment=(RADIUS, 0, 0))
+    near(body)
+    O.engines[1].boundDispatcher.functors += [yade.Bo1_Cylinder_Aabb()]
+
+
+def tetra():
+    body = utils.tetra([(0, 0, 0), (RADIUS, 0, 0), (0, RADIUS, 0), (0, 0, RADIUS)], fixed=True)
+    near(body)
+    O.engines[1].boundDispatcher.functors += [yade.Bo1_Tetra_Aabb()]
+
+
+def free_damped_sphere():
+    body = utils.sphere((1.5 * RADIUS, 0, 0), 0.51 * RADIUS, material=FrictMat())
+    body.state.blockedDOFs = "zXY"
+    O.bodies.append(body)
+    O.engines[-1].damping = 0.2
+
+
+def free_turning_wall():
+    wall = add_wall(-RADIUS, axis=1)
+    wall.state.blockedDOFs, wall.state.mass = "xz", 1
+
+
+def massless_wall():
+    add_wall(-RADIUS, axis=1).state.blockedDOFs = "xzXYZ"
+
+
+def out_of_plane():
+    body = sg.soft_disk((0, 0, RADIUS), RADIUS, soft_material(), zeta=0.3)
+    O.bodies.append(body)
+
+
+def two_and_three_dimensions():
+    O.bodies.append(sg.soft_sphere((5 * RADIUS, 0, 0), RADIUS, soft_material(), zeta=0.5))
+
+
+def two_integrators():
+    add_engine(sg.SoftGrainIntegrator(), place=3)
+
+
+def stepper_behind():
+    add_engine(GlobalStiffnessTimeStepper(), place=4)
+
+
+REFUSED = [
+    (periodic, "O.periodic = True"),
+    (soft_clump, "soft grain in a clump"),
+    (subdomains, "MPI subdomains: .*-jN"),
+    (dofs_left_to_newton, "blockedDOFs = '.*'; admissible: 'xyzXYZ'"),
+    (soft_material_on_a_sphere, "material SoftMat but the rigid shape Sphere"),
+    (rigid_material_on_a_grain, "soft shape SoftGrain but the material FrictMat"),
+    (grid_node, r"of shape GridNode\. Soft grains touch"),
+    (cylinder, r"of shape Cylinder\. Soft grains touch"),
+    (tetra, r"of shape Tetra\. Soft grains touch"),
+    (free_damped_sphere, "NewtonIntegrator.damping = 0.2"),
+    (free_turning_wall, "free to turn, which a Wall cannot"),
+    (massless_wall, r"state.mass = 0.*admissible: \(0, inf\) kg"),
+    (out_of_plane, "must lie in one plane z = const"),
+    (two_and_three_dimensions, "dim"),
+    (two_integrators, "two SoftGrainIntegrators"),
+    (stepper_behind, "GlobalStiffnessTimeStepper stands after SoftGrainIntegrator"),
+    (other_collider, "SpatialQuickSortCollider: .*InsertionSortCollider"),
+    (lambda: add_engine(TriaxialStressController(), 4), "internalCompaction = True: soft grains"),
+    (lambda: add_engine(RungeKuttaCashKarp54Integrator()), "RungeKuttaCashKarp54Integrator: it"),
+    (lambda: add_engine(HydroForceEngine()), "HydroForceEngine: it knows spheres only"),
+    (
+        lambda: without_functor("lawDispatcher", "Law2_SoftGeom_SoftPhys_Nonsmooth"),
+        "has no Law2_SoftGeom_SoftPhys_Nonsmooth",
+    ),
+    (
+        lambda: without_functor("physDispatcher", "Ip2_SoftMat_SoftMat_SoftPhys"),
+        "has no Ip2_SoftMat_SoftMat_SoftPhys",
+    ),
+    (
+        lambda: without_functor("physDispatcher", "Ip2_FrictMat_SoftMat_SoftPhys"),
+        "has no Ip2_FrictMat_SoftMat_SoftPhys",
+    ),
+]
+
+
+@pytest.mark.parametrize("change, message", REFUSED, ids=[message for _, message in REFUSED])
+def test_refused(change, message):
+    """Before the first step, in which nothing happens then."""
+    disk = add_disk()
+    ready()
+    change()
+    before = disk.state.pos
+    with pytest.raises((RuntimeError, ValueError), match=message):
+        run(2)
+    assert disk.state.pos == before
+
+
+@pytest.mark.parametrize("name", ("FlowEngine", "PeriodicFlowEngine", "TwoPhaseFlowEngine"))
+def test_engines_that_some_builds_lack(name):
+    if not hasattr(yade, name):
+        pytest.skip(f"this YADE was built without {name}")
+    add_disk()
+    ready()
+    add_engine(getattr(yade, name)())
+    with pytest.raises(RuntimeError, match=f"{name}: it knows spheres only"):
+        run(1)
+
+
+@pytest.mark.parametrize("young, smaller", ((1e12, True), (1e-3, False)))
+def test_time_stepper_of_rigid_bodies(young, smaller):
+    """Not refused: the smaller one of both steps is taken."""
+    add_disk()
+    ready()
+    own = O.dt
+    material = FrictMat(young=young, density=1000)
+    for x in (0, 1.99):
+        O.bodies.append(utils.sphere((x * RADIUS, 9 * RADIUS, 0), RADIUS, material=material))
+    add_engine(GlobalStiffnessTimeStepper(timeStepUpdateInterval=1), place=3)
+    run(5)
+    assert (0 < O.dt < 0.05 * own) if smaller else O.dt == own
