@@ -233,7 +233,7 @@ void requireDigits(const GrainDescription& d)
 
 template <int dim> class GrainAssemblyOf : public GrainAssembly {
 public:
-	explicit GrainAssemblyOf(const std::vector<GrainDescription>& grains)
+	GrainAssemblyOf(const std::vector<GrainDescription>& grains, const GrainAssembly* last)
 		: z_(dim == 2 ? grains.front().position[2] : 0.)
 	{
 		for (const GrainDescription& d : grains) {
@@ -243,7 +243,8 @@ public:
 					": 2D soft grains must lie in one plane z = const");
 			requireDigits(d);
 		}
-		addSets(grains);
+		const auto* assembly = dynamic_cast<const GrainAssemblyOf*>(last);
+		addSets(grains, assembly ? assembly->templates_ : Templates());
 		system_.updateSurfaces(1);
 		slowestWave_ = std::numeric_limits<double>::infinity();
 		for (int g = 0; g < system_.grains(); ++g)
@@ -253,6 +254,7 @@ public:
 	}
 
 	int grains() const override { return system_.grains(); }
+	int templates() const override { return static_cast<int>(templates_.size()); }
 	int idOf(int g) const override { return id_[g]; }
 	double criticalTimeStep() const override { return system_.criticalTimeStep(); }
 	double presentCriticalTimeStep() const override
@@ -483,9 +485,11 @@ private:
 		return system_.setOf(g).parameters(system_.indexInSet(g));
 	}
 
+	using Templates = std::map<TemplateRecipe, std::shared_ptr<const GrainTemplate<dim>>>;
+
 	/// Grains with equal recipe, scheme, law and condition form a set; sets keep the order of
-	/// ids within.
-	void addSets(const std::vector<GrainDescription>& grains)
+	/// ids within. Templates that are known already are taken over.
+	void addSets(const std::vector<GrainDescription>& grains, const Templates& known)
 	{
 		using Kind = std::tuple<TemplateRecipe, Scheme, Law, Condition>;
 		std::map<Kind, std::vector<const GrainDescription*>> kinds;
@@ -500,8 +504,12 @@ private:
 					  toKernel<dim>(d->state.x.empty() ? d->position
 									   : d->origin),
 					  d->damping });
-			auto set = makeGrainSet<dim>(makeGrainTemplate<dim>(recipe), law, condition,
-						     parameters, scheme);
+			auto& reference = templates_[recipe];
+			const auto old = known.find(recipe);
+			if (!reference)
+				reference = old != known.end() ? old->second
+							       : makeGrainTemplate<dim>(recipe);
+			auto set = makeGrainSet<dim>(reference, law, condition, parameters, scheme);
 			for (int k = 0; k < set->grains(); ++k) {
 				setState(*set, k, *members[k]);
 				id_.push_back(members[k]->id);
@@ -533,6 +541,7 @@ private:
 	mutable std::atomic<long> searchedPairs_ = 0,
 				  testedCandidates_ = 0; ///< since the last step
 	System<dim> system_;
+	Templates templates_;
 	std::vector<int> id_; ///< of the YADE body by index in the system
 	double slowestWave_;  ///< m/s
 	double z_;
@@ -540,7 +549,8 @@ private:
 
 } // namespace
 
-std::shared_ptr<GrainAssembly> GrainAssembly::create(const std::vector<GrainDescription>& grains)
+std::shared_ptr<GrainAssembly> GrainAssembly::create(const std::vector<GrainDescription>& grains,
+						     const GrainAssembly* last)
 {
 	if (grains.empty()) throw std::invalid_argument("there is no soft grain to assemble");
 	for (const GrainDescription& d : grains) {
@@ -556,8 +566,8 @@ std::shared_ptr<GrainAssembly> GrainAssembly::create(const std::vector<GrainDesc
 						    " have different contact geometries; a scene "
 						    "uses 'surface', 'points' or 'nodes' for all");
 	}
-	if (grains.front().dim == 2) return std::make_shared<GrainAssemblyOf<2>>(grains);
-	return std::make_shared<GrainAssemblyOf<3>>(grains);
+	if (grains.front().dim == 2) return std::make_shared<GrainAssemblyOf<2>>(grains, last);
+	return std::make_shared<GrainAssemblyOf<3>>(grains, last);
 }
 
 } // namespace softgrain

@@ -129,11 +129,14 @@ struct PointFields {
 class GrainAssembly {
 public:
 	virtual ~GrainAssembly() = default;
-	/// Builds the system of all grains; throws std::invalid_argument naming the grain, the
-	/// parameter and the admissible range.
-	static std::shared_ptr<GrainAssembly> create(const std::vector<GrainDescription>& grains);
+	/// Builds the system of all grains, with the templates of `last` (may be null) as far as
+	/// they serve; throws std::invalid_argument naming the grain, the parameter and the
+	/// admissible range.
+	static std::shared_ptr<GrainAssembly> create(const std::vector<GrainDescription>& grains,
+						     const GrainAssembly* last = nullptr);
 
 	virtual int grains() const = 0;
+	virtual int templates() const = 0; ///< that the grains share
 	virtual int idOf(int g) const = 0;
 	virtual double criticalTimeStep() const = 0;        ///< of the undeformed grains, s
 	virtual double presentCriticalTimeStep() const = 0; ///< as deformed now, s

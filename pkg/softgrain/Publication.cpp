@@ -89,6 +89,7 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 	largestResidual = std::max(largestResidual, residual);
 	overlap = report.deepest;
 	largestOverlap = std::max(largestOverlap, overlap);
+	templates = assembly_->templates();
 	activeGrains = report.activeGrains;
 	sleepingGrains = report.sleepingGrains;
 	droppedMomentum += report.droppedMomentum;

@@ -92,16 +92,18 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 
 	std::vector<softgrain::GrainDescription> grains;
 	softgrain::Continuation continuation;
+	std::shared_ptr<softgrain::GrainAssembly> last;
 	for (const Body* body : bodies) {
 		SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
-		if (grain.assembly) continuation = grain.assembly->continuation();
+		if (grain.assembly) last = grain.assembly;
 		const bool goesOn = bool(grain.assembly);
 		grain.fetchState();
 		if (grain.assembly) grain.savedForces.clear(); // materials may have changed
 		grains.push_back(grain.describe(*body));
 		if (goesOn) grains.back().state.rest.clear(); // what changed may concern it: awake
 	}
-	const auto assembly = softgrain::GrainAssembly::create(grains);
+	if (last) continuation = last->continuation();
+	const auto assembly = softgrain::GrainAssembly::create(grains, last.get());
 	assembly->continueFrom(continuation);
 	for (int g = 0; g < assembly->grains(); ++g) {
 		SoftGrain& grain = grainOf(scene, assembly->idOf(g));

@@ -41,11 +41,21 @@ softgrain::TemplateRecipe SoftGrain::recipe() const
 					    { { "surface", ContactGeometry::surface },
 					      { "points", ContactGeometry::points },
 					      { "nodes", ContactGeometry::nodes } });
-	r.form.form = choose<softgrain::Form>(
-		"form", form,
-		{ { "ball", softgrain::Form::ball }, { "block", softgrain::Form::block } });
+	r.form.form = choose<softgrain::Form>("form", form,
+					      { { "ball", softgrain::Form::ball },
+						{ "block", softgrain::Form::block },
+						{ "superdisk", softgrain::Form::superdisk },
+						{ "polygon", softgrain::Form::polygon } });
 	for (int a = 0; a < 3; ++a)
 		r.form.aspect[a] = aspect[a];
+	r.form.exponent = exponent;
+	if (!vertices.empty()) {
+		softgrain::Ring ring;
+		for (const Vector2r& X : vertices)
+			ring.vertex.emplace_back(X[0], X[1]);
+		ring.corner.assign(corners.begin(), corners.end());
+		r.form.ring = std::make_shared<const softgrain::Ring>(std::move(ring));
+	}
 	r.volumetric = choose<softgrain::VolumetricStrain>(
 		"volumetric", volumetric,
 		{ { "pointwise", softgrain::VolumetricStrain::pointwise },
@@ -120,11 +130,17 @@ void SoftGrain::postLoad(SoftGrain&)
 	softgrain::require(radius > 0 && math::isfinite(radius), "radius", radius, "(0, inf) m");
 	softgrain::require(dim == 2 || dim == 3, "dim", dim, "2, 3");
 	softgrain::require(dim == 2 || basis == "splines", "basis", basis, "'splines' for dim = 3");
-	const bool flatOrRound = form == "ball" || dim == 2;
-	softgrain::require(!flatOrRound || aspect[2] == 1, "aspect[2]", aspect[2],
+	const bool sides = form == "block" || form == "superdisk";
+	softgrain::require((form == "block" && dim == 3) || aspect[2] == 1, "aspect[2]", aspect[2],
 			   "1 for a ball, and in 2D");
-	softgrain::require(form != "ball" || (aspect[0] == 1 && aspect[1] == 1), "aspect",
-			   std::max(aspect[0], aspect[1]), "1 for a ball");
+	softgrain::require(sides || (aspect[0] == 1 && aspect[1] == 1), "aspect",
+			   std::max(aspect[0], aspect[1]), "1 for a ball or polygon");
+	softgrain::require(dim == 2 || form == "ball" || form == "block", "dim", dim,
+			   "2 for superdisks and polygons");
+	softgrain::require(form == "superdisk" || exponent == 2, "exponent", exponent,
+			   "2 for other forms than 'superdisk'");
+	softgrain::require(form == "polygon" || vertices.empty(), "vertices (number)",
+			   vertices.size(), "0 for other forms than 'polygon'");
 }
 
 softgrain::GrainAssembly& SoftGrain::assembled()
@@ -189,9 +205,12 @@ void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& b
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
 	if (!bound) bound = shared_ptr<Bound>(new Aabb);
 	const auto outline = outlineBox(grain, *scene);
+	Real extent = grain.aspect.norm();
+	for (const Vector2r& X : grain.vertices)
+		extent = std::max(extent, X.norm());
 	const auto box = outline ? outline->grown(margin * grain.radius)
 				 : softgrain::Box<3> { se3.position, se3.position }.grown(
-					   grain.radius * grain.aspect.norm());
+					   grain.radius * extent);
 	bound->min = box.low;
 	bound->max = box.high;
 }

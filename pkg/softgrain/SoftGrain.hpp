@@ -43,10 +43,13 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGrain, Shape,
-		"Deformable grain: a disk or rectangle (dim = 2, in the xy-plane, all quantities per unit thickness) or a ball or cuboid (dim = 3) solved by the material point method on its own background grid. One grain is one :yref:`Body`; its :yref:`State` holds the motion of the grain as a whole. The attributes are set when the grain is made and do not change.",
-		((Real, radius, 1, Attr::readonly, "Radius of the undeformed grain; of a block half its shortest side; > 0 [m]."))
-		((string, form, "ball", Attr::readonly, "Outline of the undeformed grain: 'ball' (disk in 2D) or 'block' (rectangle in 2D, sides along the axes of the grain)."))
-		((Vector3r, aspect, Vector3r(1, 1, 1), Attr::readonly, "Half sides of a block over *radius*: the smallest component is 1, the largest at most 100, in 2D the last one is 1; (1, 1, 1) for a ball [-]."))
+		"Deformable grain: a disk, rectangle, superdisk or polygon (dim = 2, in the xy-plane, all quantities per unit thickness) or a ball or cuboid (dim = 3) solved by the material point method on its own background grid. One grain is one :yref:`Body`; its :yref:`State` holds the motion of the grain as a whole. The attributes are set when the grain is made and do not change.",
+		((Real, radius, 1, Attr::readonly, "Radius of the undeformed grain; of a block half its shortest side, of a superdisk its shorter half axis, of a polygon that of the largest circle inside; > 0 [m]."))
+		((string, form, "ball", Attr::readonly, "Outline of the undeformed grain: 'ball' (disk in 2D), 'block' (rectangle in 2D, sides along the axes of the grain), in 2D also 'superdisk' (|x/a|ⁿ + |y/b|ⁿ = 1, an ellipse for n = 2) and 'polygon'."))
+		((Vector3r, aspect, Vector3r(1, 1, 1), Attr::readonly, "Half sides of a block, half axes of a superdisk over *radius*: the smallest component is 1, the largest at most 100, in 2D the last one is 1; (1, 1, 1) for other forms [-]."))
+		((Real, exponent, 2, Attr::readonly, "Exponent n of a superdisk, in [1.25, 20] [-]."))
+		((vector<Vector2r>, vertices, , Attr::readonly, "Vertices of a polygon about its centroid over *radius*, counter-clockwise, without crossings; the largest circle inside has radius 1 [-]."))
+		((vector<int>, corners, , Attr::readonly, "Those vertices of a polygon at which the outline has a kink, ascending; through the others it runs smoothly."))
 		((int, dim, 2, Attr::readonly, "2 or 3."))
 		((Real, zeta, 0.11, Attr::readonly, "Relative resolution ζ = 2 dr/D = dr/radius with dr the spacing of material points, in [0.001, 0.5] [-]. Cost grows as ζ⁻³ in 2D; for errors see doc/validation.md."))
 		((int, order, 3, Attr::readonly, "Order of the B-splines: 1, 2 or 3."))

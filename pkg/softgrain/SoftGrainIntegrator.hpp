@@ -38,6 +38,7 @@ public:
 		((Real, largestResidual, 0, Attr::readonly, "Largest *residual* of a step so far [-]. |yupdate|"))
 		((Real, overlap, 0, Attr::readonly, "Largest overlap in the last step over the spacing of material points [-]. |yupdate|"))
 		((Real, largestOverlap, 0, Attr::readonly, "Largest overlap so far over the spacing of material points [-]. |yupdate|"))
+		((int, templates, 0, Attr::readonly, "Sets of tables that the grains share: congruent grains (equal up to translation, rotation and size) of equal *zeta* and so on have one in common. |yupdate|"))
 		((int, activeGrains, 0, Attr::readonly, "Grains computed in the last step; the others moved rigidly or slept. |yupdate|"))
 		((int, sleepingGrains, 0, Attr::readonly, "Grains that slept in the last step. |yupdate|"))
 		((Real, droppedMomentum, 0, Attr::readonly, "Momentum taken away from grains that fell asleep, summed over them so far, whatever its direction [N s, 2D N s/m]. |yupdate|"))

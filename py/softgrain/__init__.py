@@ -19,10 +19,18 @@ from softgrain import _host  # noqa: E402
 _classes = _host.load_plugin()
 globals().update(_classes)
 
-from softgrain.build import soft_block, soft_disk, soft_sphere  # noqa: E402
+from softgrain.build import (  # noqa: E402
+    soft_block,
+    soft_disk,
+    soft_ellipse,
+    soft_polygon,
+    soft_sphere,
+    soft_superdisk,
+)
 from softgrain.contact_problem import solve_contact_problem  # noqa: E402
 from softgrain.forces import body_forces, contact_forces, pair_forces  # noqa: E402
 from softgrain.hardening import harden  # noqa: E402
+from softgrain.images import ImageGrains, grains_from_image  # noqa: E402
 from softgrain.observe import (  # noqa: E402
     Balance,
     coordination_number,
@@ -47,6 +55,7 @@ from softgrain.timing import phase_times, reset_times  # noqa: E402
 
 __all__ = sorted(_classes) + [
     "Balance",
+    "ImageGrains",
     "as_disks",
     "body_forces",
     "contact_forces",
@@ -57,6 +66,7 @@ __all__ = sorted(_classes) + [
     "draw_packing",
     "engines",
     "grain_area",
+    "grains_from_image",
     "harden",
     "integrator",
     "packing_fraction",
@@ -69,7 +79,10 @@ __all__ = sorted(_classes) + [
     "soft_block",
     "soft_bodies",
     "soft_disk",
+    "soft_ellipse",
+    "soft_polygon",
     "soft_sphere",
+    "soft_superdisk",
     "soften",
     "solve_contact_problem",
     "suggest_speed",

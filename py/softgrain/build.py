@@ -2,13 +2,17 @@
 
 import math
 
+import numpy as np
 from yade import (
     Body,
     O,
+    Quaternion,
     Vector3,
     wrapper,
 )
 from yade import utils
+
+from softgrain.outlines import area_and_inertia, normalized
 
 
 def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
@@ -56,22 +60,104 @@ def soft_block(center, size, material=-1, color=None, mask=1, **shape):
         raise ValueError(f"size = {tuple(size)} has {len(sides)} components, admissible: 2, 3")
     if not all(0 < side < math.inf for side in sides):
         raise ValueError(f"size = {tuple(size)} is outside the admissible range (0, inf) m")
-    radius = min(sides) / 2
-    aspect = [side / min(sides) for side in sides] + [1.0] * (3 - len(sides))
     return _soft_body(
         center,
-        radius,
+        min(sides) / 2,
         len(sides),
         material,
         color,
         mask,
-        {**shape, "form": "block", "aspect": aspect},
+        {**shape, "form": "block", "aspect": _aspect(sides)},
     )
+
+
+def soft_ellipse(center, half_axes, angle=0.0, material=-1, color=None, mask=1, **shape):
+    """A soft ellipse in the xy-plane: a :func:`soft_superdisk` of exponent 2.
+
+    Args:
+        center (Vector3): position of the centre [m].
+        half_axes (tuple): half axes, each > 0 and at most 100 times the shorter [m].
+        angle (float): from the x axis to the first half axis [rad].
+        material, color, mask, **shape: as for :func:`soft_disk`; ``zeta`` is over the shorter half
+            axis, which is the grain's ``radius``.
+
+    Returns:
+        Body: to be added with ``O.bodies.append``.
+
+    Raises:
+        ValueError: a value is out of its range, or the material is no ``SoftMat``.
+    """
+    return soft_superdisk(center, half_axes, 2.0, angle, material, color, mask, **shape)
+
+
+def soft_superdisk(
+    center, half_axes, exponent=4.0, angle=0.0, material=-1, color=None, mask=1, **shape
+):
+    """A soft superdisk (superellipse) in the xy-plane, abs(x/a)^n + abs(y/b)^n = 1.
+
+    Args:
+        exponent (float): n, in [1.25, 20] [-]: 2 is an ellipse, 20 nearly a rectangle.
+        center, half_axes, angle, material, color, mask, **shape: as for :func:`soft_ellipse`.
+
+    Returns, raises: as :func:`soft_ellipse`.
+    """
+    axes = [float(axis) for axis in half_axes]
+    if len(axes) != 2 or not all(0 < axis < math.inf for axis in axes):
+        raise ValueError(
+            f"half_axes = {tuple(half_axes)}: admissible are two numbers in the range (0, inf) m"
+        )
+    if axes[1] > axes[0]:  # the longer one along the grain's own x axis: one table for both
+        axes.reverse()
+        angle += math.pi / 2
+    outline = {"form": "superdisk", "aspect": _aspect(axes), "exponent": exponent}
+    body = _soft_body(center, min(axes), 2, material, color, mask, {**shape, **outline})
+    body.state.ori = _turned(angle)
+    return body
+
+
+def soft_polygon(vertices, material=-1, color=None, mask=1, corners=None, z=0.0, **shape):
+    """A soft grain in the xy-plane with any simple polygon as its outline, convex or not.
+
+    Through vertices that are no corners the outline runs smoothly, so that a finely sampled curve
+    may be given as well. Notches narrower than some four node spacings are stiffer than they should
+    be, as both their sides lean on the same background nodes, and the two sides of a notch do not
+    feel each other.
+
+    Args:
+        vertices (array): in order around it, either way, shape (n, 2) [m].
+        corners (iterable of int | None): vertices at which the outline has a kink; None: those at
+            which it turns by more than 20 degrees.
+        z (float): of the plane [m].
+        material, color, mask, **shape: as for :func:`soft_disk`; ``zeta`` is over the radius of the
+            largest circle inside, which is the grain's ``radius``.
+
+    Returns:
+        Body: to be added with ``O.bodies.append``; its position is the centroid.
+
+    Raises:
+        ValueError: the polygon crosses itself or has no area, a value is out of its range, or the
+            material is no ``SoftMat``.
+    """
+    form = normalized(vertices, corners)
+    outline = {"form": "polygon", "vertices": form.vertices.tolist(), "corners": form.corners}
+    center = (*form.centroid, z)
+    body = _soft_body(center, form.radius, 2, material, color, mask, {**shape, **outline})
+    body.state.ori = _turned(form.angle)
+    return body
 
 
 def soft_sphere(center, radius, material=-1, color=None, mask=1, **shape):
     """A soft ball; arguments, result and errors as for :func:`soft_disk`."""
     return _soft_body(center, radius, 3, material, color, mask, shape)
+
+
+def _aspect(sides):
+    """Over the shortest one, to 12 digits: equal for congruent grains."""
+    return [round(side / min(sides), 12) for side in sides] + [1.0] * (3 - len(sides))
+
+
+def _turned(angle):
+    return Quaternion((0, 0, 1), angle)
 
 
 def _soft_body(center, radius, dim, material, color, mask, shape):
@@ -100,11 +186,26 @@ def volume_and_inertia(grain):
         volume = math.prod(sides)
         squares = sum(side**2 for side in sides)
         return volume, volume * squares / (12 if grain.dim == 2 else 18)
+    if grain.form == "superdisk":
+        a, b, n = grain.radius * grain.aspect[0], grain.radius * grain.aspect[1], grain.exponent
+        return (
+            _moment_of_superdisk(a, b, n, 1, 1),
+            _moment_of_superdisk(a, b, n, 3, 1) + _moment_of_superdisk(a, b, n, 1, 3),
+        )
+    if grain.form == "polygon":
+        area, _, inertia = area_and_inertia(grain.radius * np.array(grain.vertices))
+        return area, inertia
     if grain.dim == 2:
         volume = math.pi * grain.radius**2
         return volume, 0.5 * volume * grain.radius**2
     volume = 4 / 3 * math.pi * grain.radius**3
     return volume, 0.4 * volume * grain.radius**2
+
+
+def _moment_of_superdisk(a, b, n, p, q):
+    """Integral of abs(x)^(p-1) abs(y)^(q-1), after Dirichlet."""
+    gammas = math.gamma(p / n) * math.gamma(q / n) / math.gamma(1 + (p + q) / n)
+    return 4 * a**p * b**q / n**2 * gammas
 
 
 def soft_material(material):

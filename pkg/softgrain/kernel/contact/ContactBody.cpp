@@ -75,6 +75,22 @@ template <int dim> bool ContactBody<dim>::facesAgainst(int node, const Vec<dim>&
 	return false;
 }
 
+/// By the number of facets to the right.
+template <> bool ContactBody<2>::encloses(const Vec<2>& x) const
+{
+	if (!hasFacets() || !box.contains(x)) return false;
+	bool inside = false;
+	for (const auto& [first, second] : mesh->facet) {
+		const Vec<2>&a = position[first], &b = position[second];
+		if ((a[1] > x[1]) != (b[1] > x[1]) &&
+		    x[0] < a[0] + (x[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
+			inside = !inside;
+	}
+	return inside;
+}
+
+template <> bool ContactBody<3>::encloses(const Vec<3>&) const { return false; }
+
 template <int dim> std::vector<Vec<dim>> ContactBody<dim>::nodeAreas() const
 {
 	std::vector<Vec<dim>> area(position.size(), Vec<dim>::Zero());

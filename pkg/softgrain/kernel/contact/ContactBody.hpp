@@ -84,6 +84,8 @@ template <int dim> struct ContactBody {
 	}
 	/// Whether the outline at a node faces against `direction` (unit), within 84 degrees.
 	bool facesAgainst(int node, const Vec<dim>& direction) const;
+	/// Whether a place is inside the polygon of the nodes (2D, with facets).
+	bool encloses(const Vec<dim>& x) const;
 	/// Outward area vectors of the nodes: of the adjacent facets, an equal share each,
 	/// m^(dim-1).
 	std::vector<Vec<dim>> nodeAreas() const;

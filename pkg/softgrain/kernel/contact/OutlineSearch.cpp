@@ -152,6 +152,17 @@ void leanOnOutline(const Vec<3>& centre, const ContactBody<3>& body, const Place
 	contact.gap = apart.norm() - bulge;
 }
 
+/// Whether the outline is indented at a corner: what lies beyond the ends of both sides is inside.
+bool isIndented(const ContactBody<2>& body, int corner)
+{
+	const auto& side = body.mesh->sharp.at(corner);
+	const Vec<2> in = body.areaOfFacet(side[0]), out = body.areaOfFacet(side[1]);
+	return in[0] * out[1] < in[1] * out[0];
+}
+
+/// In 3D there are blocks only.
+bool isIndented(const ContactBody<3>&, int) { return false; }
+
 /// Whether the place nearest to `x` is a sharp edge or corner of the outline with `x` beyond the
 /// end of the facet: no facet lies under `x` then, and the distance to the edge is the gap.
 template <int dim>
@@ -161,7 +172,8 @@ bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOn
 	Vec<dim> foot = Vec<dim>::Zero();
 	for (int i = 0; i < dim; ++i) {
 		const int vertex = body.mesh->facet[place.facet][i];
-		if (place.weight[i] > 0 && !body.isSharp(vertex)) return false;
+		if (place.weight[i] > 0 && (!body.isSharp(vertex) || isIndented(body, vertex)))
+			return false;
 		foot += place.weight[i] * body.position[vertex];
 	}
 	const Vec<dim> apart = x - foot;
@@ -247,14 +259,14 @@ void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, d
 		use(s, facets);
 }
 
-/// Nodes of `body` against the outline of `other`, where one of them has corners.
+/// Nodes of `body` against the outline of `other`, where one of them has corners or indentations.
 template <int dim>
-void nodesAgainstCorners(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
-			 double reach, ContactList<dim>& list)
+void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
+			double reach, ContactList<dim>& list)
 {
 	const double deep = contactDepth(body, other);
-	// Near a corner the nearest facet need not be the one that a node lies against: there only
-	// facets count that the node faces.
+	// Near a corner or in a notch the nearest facet need not be the one that a node lies
+	// against: there only facets count that the node faces.
 	forNodesNear(body, other, reach, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
 		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, [&](int f) {
@@ -405,9 +417,10 @@ void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& 
 			 double reach, ContactList<dim>& list)
 {
 	const bool corners = !first.mesh->sharp.empty() || !second.mesh->sharp.empty();
-	if (corners) {
-		nodesAgainstCorners(first, second, 0, reach, list);
-		nodesAgainstCorners(second, first, 1, reach, list);
+	const bool irregular = first.mesh->irregular || second.mesh->irregular;
+	if (corners || irregular) {
+		nodesFacingOutline(first, second, 0, reach, list);
+		nodesFacingOutline(second, first, 1, reach, list);
 	} else if constexpr (dim == 2) {
 		renewCandidates(first, second, reach, list);
 		contactsOfCandidates(first, second, reach, list);

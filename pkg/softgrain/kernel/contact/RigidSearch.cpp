@@ -61,9 +61,11 @@ void tipsOnOutline(const ContactBody<dim>& body, double reach, ContactList<dim>&
 	}
 }
 
-/// Concentric: no place on the outlines tells a ball from its grain.
-template <int dim> bool nested(const ContactBody<dim>& body, const BallSurface<dim>& ball)
+/// Concentric: no place on the outlines tells a ball from its grain. `apart`: none of them is near.
+template <int dim>
+bool nested(const ContactBody<dim>& body, const BallSurface<dim>& ball, bool apart)
 {
+	if (body.mesh->irregular) return apart && body.encloses(ball.centre);
 	const double radius =
 		std::min(body.inradius, 0.5 * (body.box.high - body.box.low).minCoeff());
 	const double distance = (body.box.centre() - ball.centre).norm();
@@ -75,11 +77,11 @@ template <int dim> bool nested(const ContactBody<dim>& body, const BallSurface<d
 template <int dim>
 void findRigidContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
 {
-	const auto* ball = std::get_if<BallSurface<dim>>(&list.rigid->surface);
-	if (ball && nested<dim>(body, *ball))
-		list.deepest = std::numeric_limits<double>::infinity();
 	nodesOnSurface<dim>(body, reach, list);
 	if (body.isSurface()) tipsOnOutline<dim>(body, reach, list);
+	const auto* ball = std::get_if<BallSurface<dim>>(&list.rigid->surface);
+	if (ball && nested<dim>(body, *ball, list.contacts.empty()))
+		list.deepest = std::numeric_limits<double>::infinity();
 }
 
 template void findRigidContacts<2>(const ContactBody<2>&, double, ContactList<2>&);

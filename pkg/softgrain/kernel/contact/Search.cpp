@@ -138,6 +138,17 @@ template <int dim> bool nested(const ContactBody<dim>& first, const ContactBody<
 	return distance < std::max(std::abs(r1 - r2), 0.2 * std::min(r1, r2));
 }
 
+/// The same where the centre of a box may lie outside its grain, known that no node is near an
+/// outline; two on one another share their box.
+template <int dim>
+bool nestedIrregular(const ContactBody<dim>& first, const ContactBody<dim>& second)
+{
+	const double near = 0.2 * std::min(first.inradius, second.inradius);
+	return first.encloses(second.position[0]) || second.encloses(first.position[0]) ||
+	       ((first.box.low - second.box.low).norm() < near &&
+		(first.box.high - second.box.high).norm() < near);
+}
+
 } // namespace
 
 template <int dim>
@@ -148,7 +159,9 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 	const double margin =
 		first.isSurface() ? std::max(reach, contactDepth(first, second)) : reach;
 	if (!first.box.grown(margin).overlaps(second.box)) return;
-	if (nested(first, second)) list.deepest = std::numeric_limits<double>::infinity();
+	const bool irregular = first.mesh->irregular || second.mesh->irregular;
+	if (!irregular && nested(first, second))
+		list.deepest = std::numeric_limits<double>::infinity();
 	if (first.isOnGrid()) {
 		nodesOnCommonGrid(first, second, reach, list);
 		carryImpulsesByName(last, list.contacts);
@@ -158,6 +171,8 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 		findOutlineContacts(first, second, reach, list);
 	else
 		disksAgainstDisks(first, second, reach, list);
+	if (irregular && list.contacts.empty() && nestedIrregular(first, second))
+		list.deepest = std::numeric_limits<double>::infinity();
 	carryImpulses(last, list.contacts);
 }
 

@@ -22,6 +22,7 @@ template <int dim> void layContactNodes(const Outline<dim>& outline, GrainTempla
 		return;
 	}
 	grain.contactRadius = 0.5 * dr;
+	grain.contactMesh.irregular = grain.recipe.form.form == Form::polygon;
 	grain.contactMesh.vertex = boundaryPoints<dim>(grain.recipe.quadrature, dr, outline);
 }
 

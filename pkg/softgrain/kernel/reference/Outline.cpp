@@ -1,38 +1,23 @@
 #include "reference/Outline.hpp"
 #include "Require.hpp"
+#include "reference/RingOutline.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <stdexcept>
 
 namespace softgrain {
 
 template <> double UnitBall<2>::volume() const { return std::numbers::pi; }
 template <> double UnitBall<3>::volume() const { return 4 * std::numbers::pi / 3; }
 
-namespace {
-
-/// Number of nodes on a circle about `spacing` apart, at least 11: the nearest one without a
-/// divisor 2 or 3. Contacts at multiples of 60 or 90 degrees then meet the nodes at different
-/// phases, and the error that each makes by its phase averages out
-/// (doc/decisions/0008-node-spacing.md).
-int circleNodes(double spacing)
-{
-	const double ideal = std::max(11., 2 * std::numbers::pi / spacing);
-	const int sixes = 6 * static_cast<int>(std::floor(ideal / 6));
-	int nearest = sixes - 1;
-	for (int count : { sixes + 1, sixes + 5, sixes + 7 })
-		if (std::abs(count - ideal) < std::abs(nearest - ideal)) nearest = count;
-	return nearest;
-}
-
-} // namespace
-
 template <> OutlineMesh<2> UnitBall<2>::mesh(double spacing) const
 {
-	const int count = circleNodes(spacing);
+	const int count =
+		nearestWithoutSmallDivisors(std::max(11., 2 * std::numbers::pi / spacing));
 	OutlineMesh<2> mesh;
 	for (int s = 0; s < count; ++s) {
 		const double angle = 2 * std::numbers::pi * s / count;
@@ -229,12 +214,33 @@ void GrainForm::validate() const
 	const double shortest = *std::min_element(aspect.begin(), aspect.end());
 	require(shortest == 1, "aspect (smallest component)", shortest,
 		"1: the radius is half the shortest side");
+	require(exponent >= 1.25 && exponent <= 20, "exponent", exponent, "[1.25, 20]");
+	if (form != Form::polygon) return;
+	if (!ring) throw std::invalid_argument("vertices: a polygon has at least three");
+	ring->validate();
+}
+
+bool GrainForm::operator<(const GrainForm& o) const
+{
+	if (form != o.form) return form < o.form;
+	if (aspect != o.aspect) return aspect < o.aspect;
+	if (exponent != o.exponent) return exponent < o.exponent;
+	if (ring == o.ring) return false;
+	return ring && o.ring ? *ring < *o.ring : !ring;
 }
 
 template <int dim> std::unique_ptr<const Outline<dim>> makeOutline(const GrainForm& form)
 {
 	if (form.form == Form::ball) return std::make_unique<UnitBall<dim>>();
-	return std::make_unique<Block<dim>>(Vec<dim>(form.aspect.data()));
+	if (form.form == Form::block)
+		return std::make_unique<Block<dim>>(Vec<dim>(form.aspect.data()));
+	if constexpr (dim == 2) {
+		if (form.form == Form::superdisk)
+			return std::make_unique<RingOutline>(
+				superdisk(form.aspect[0], form.aspect[1], form.exponent));
+		return std::make_unique<RingOutline>(*form.ring);
+	} else
+		throw std::invalid_argument("form: polygons and superdisks are for dim = 2");
 }
 
 template class UnitBall<2>;

@@ -21,6 +21,9 @@ template <int dim> struct OutlineMesh {
 	/// Vertices where the outline has no single normal, with the facets that meet there. At any
 	/// other vertex the facets approximate one smooth surface.
 	std::map<int, std::vector<int>> sharp;
+	/// The centre of its box may lie outside, and far pieces of it may be equally near to a
+	/// place: searches take no short cuts.
+	bool irregular = false;
 
 	/// The vertices that carry the outline over a facet: in 2D its ends between their
 	/// neighbours (contact/OutlineCurve.hpp), in 3D its corners.
@@ -113,24 +116,40 @@ private:
 	Vec<dim> half_;
 };
 
+/// Closed polyline in the plane, counter-clockwise, without crossings, in radii of the grain. At a
+/// corner the outline has a kink; through the other vertices it runs smoothly.
+struct Ring {
+	std::vector<Vec<2>> vertex;
+	std::vector<int> corner; ///< indices of vertices, ascending
+
+	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
+	void validate() const;
+	bool operator<(const Ring& o) const;
+	double area() const;
+	Vec<2> centroid() const;
+};
+
 /// Kinds of outlines a grain may have.
 enum class Form {
-	ball, ///< disk in 2D
-	block ///< rectangle in 2D
+	ball,      ///< disk in 2D
+	block,     ///< rectangle in 2D
+	superdisk, ///< |x/a|^n + |y/b|^n = 1, in 2D
+	polygon    ///< a ring, in 2D
 };
 
 /// Outline of a grain over its radius.
 struct GrainForm {
 	Form form = Form::ball;
-	/// Half sides of a block over the radius of the grain, which is half its shortest side.
+	/// Half sides of a block, half axes of a superdisk over the radius of the grain, which is
+	/// the shortest of them.
 	std::array<double, 3> aspect { 1, 1, 1 };
+	double exponent = 2; ///< n of a superdisk, in [1.25, 20]
+	/// Outline of a polygon about its centroid; the largest circle inside has radius 1.
+	std::shared_ptr<const Ring> ring;
 
 	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 	void validate() const;
-	bool operator<(const GrainForm& o) const
-	{
-		return form != o.form ? form < o.form : aspect < o.aspect;
-	}
+	bool operator<(const GrainForm& o) const;
 };
 
 template <int dim> std::unique_ptr<const Outline<dim>> makeOutline(const GrainForm& form);

@@ -1,0 +1,123 @@
+"""Grains from a labelled image: one soft grain for each label."""
+
+from dataclasses import dataclass, field
+from math import inf
+
+import numpy as np
+from PIL import Image
+
+from softgrain.build import soft_polygon
+from softgrain.outlines import label_outlines
+
+
+@dataclass
+class ImageGrains:
+    """What :func:`grains_from_image` found.
+
+    Attributes:
+        bodies (list of Body): to be added with ``O.bodies.append``.
+        labels (list of int): of the bodies.
+        area_errors (ndarray): area of each grain over that of its pixels, minus 1 [-].
+        left_out (dict): unusable labels with the reason.
+        size (tuple): width and height of the image [m].
+    """
+
+    bodies: list
+    labels: list
+    area_errors: np.ndarray
+    size: tuple
+    left_out: dict = field(default_factory=dict)
+
+
+def grains_from_image(
+    image,
+    pixel,
+    material=-1,
+    origin=(0.0, 0.0, 0.0),
+    background=0,
+    smoothing=1.0,
+    least_pixels=50,
+    unusable="refuse",
+    **shape,
+):
+    """A soft grain for each label of an image, e.g. a segmented section of a real packing.
+
+    The staircase of the pixels is smoothed (see :func:`softgrain.outlines.label_outlines`); corners
+    are rounded by it. Grains that touch in the image touch in the scene, with overlaps far below a
+    pixel, which the first steps work off.
+
+    Args:
+        image (str | Path | ndarray): a picture file, or integers of shape (rows, columns), the
+            first row on top. Of grey or palette pictures the value is the label, of coloured ones
+            red + 256 green + 65536 blue.
+        pixel (float): its side, > 0 [m].
+        material (int | str | SoftMat): as for :func:`soft_disk`.
+        origin (tuple): of the lower left corner of the image [m].
+        background (int): label that is no grain.
+        smoothing (float): standard deviation of the Gaussian on the mask of a label, in [0.5, 10]
+            [pixels].
+        least_pixels (int): labels of fewer pixels are unusable, >= 10.
+        unusable (str): what to do with labels that are too small, at the border, in several pieces,
+            with a hole or too thin: 'refuse' or 'skip'.
+        **shape: attributes of ``SoftGrain``, and mask and color of the bodies.
+
+    Returns:
+        ImageGrains: with 'skip' its `left_out` names the labels that are not there.
+
+    Raises:
+        ValueError: a value is out of its range, the image has no usable label, or an unusable one
+            that is refused.
+    """
+    if not 0 < pixel < inf:
+        raise ValueError(f"pixel = {pixel} is outside the admissible range (0, inf) m")
+    if not least_pixels >= 10:
+        raise ValueError(f"least_pixels = {least_pixels} is outside the admissible range [10, inf)")
+    if unusable not in ("refuse", "skip"):
+        raise ValueError(f"unusable = {unusable!r} is unknown; known: 'refuse', 'skip'")
+    labels = read_labels(image)
+    outlines, left_out = label_outlines(labels, background, smoothing, least_pixels)
+    if left_out and unusable == "refuse":
+        raise ValueError(
+            "image: "
+            + "; ".join(f"label {label} {reason}" for label, reason in left_out.items())
+            + ". Mend the image or say unusable='skip'"
+        )
+    if not outlines:
+        raise ValueError(f"image: no usable label but background = {background}: {left_out}")
+    bodies = [
+        soft_polygon(
+            np.array(origin[:2]) + pixel * outline.vertices,
+            material,
+            corners=(),
+            z=origin[2],
+            **shape,
+        )
+        for outline in outlines
+    ]
+    rows, columns = labels.shape
+    return ImageGrains(
+        bodies,
+        [outline.label for outline in outlines],
+        np.array([outline.area_error for outline in outlines]),
+        (columns * pixel, rows * pixel),
+        left_out,
+    )
+
+
+def read_labels(image):
+    """Labels of an image as :func:`grains_from_image` takes it: integers (rows, columns).
+
+    Raises:
+        ValueError: an array that is not two-dimensional or not of integers.
+    """
+    if not isinstance(image, np.ndarray):
+        picture = Image.open(image)
+        if picture.mode in ("RGB", "RGBA"):
+            colours = np.array(picture, dtype=np.int64)[:, :, :3]
+            return colours @ np.array([1, 256, 65536])
+        image = np.array(picture)
+    if image.ndim != 2 or not (np.issubdtype(image.dtype, np.integer) or image.dtype == bool):
+        raise ValueError(
+            f"image: {image.dtype} of shape {image.shape}; admissible: integers (rows, columns)"
+        )
+    return image.astype(np.int64)

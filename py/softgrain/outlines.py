@@ -1,0 +1,254 @@
+"""Outlines of 2D grains as polygons: moments, the form that congruent ones share, labels of an
+image. Plain numpy; nothing of a scene."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from contourpy import contour_generator
+from scipy import ndimage, optimize
+
+#: Vertices at which a polygon turns by more than this are corners, if nothing else is said [rad].
+CORNER_TURN = np.radians(20)
+
+
+@dataclass
+class Outline:
+    """A polygon, and where it lies.
+
+    Attributes:
+        vertices (ndarray): about the centroid, the first of the longest sides along x,
+            counter-clockwise, the largest circle inside of radius 1; shape (n, 2) [-]. The same
+            for all congruent polygons.
+        corners (list of int): those at which it has a kink.
+        radius (float): of the largest circle inside [m].
+        centroid (ndarray): shape (2,) [m].
+        angle (float): by which `vertices` is turned to lie as given [rad].
+    """
+
+    vertices: np.ndarray
+    corners: list
+    radius: float
+    centroid: np.ndarray
+    angle: float
+
+
+def signed_area(vertices):
+    """Of a polygon, positive if counter-clockwise [m²]."""
+    a = vertices - vertices.mean(axis=0)
+    b = np.roll(a, -1, axis=0)
+    return np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+
+
+def area_and_inertia(vertices):
+    """Of a polygon: area [m²], centroid [m], and moment of inertia about it for unit density [m⁴].
+
+    Args:
+        vertices (array): counter-clockwise, shape (n, 2) [m].
+
+    Returns:
+        tuple: area (float), centroid (ndarray of shape (2,)), inertia (float).
+    """
+    start = np.asarray(vertices, float)
+    origin = start.mean(axis=0)  # near the polygon: saves digits
+    a = start - origin
+    b = np.roll(a, -1, axis=0)
+    twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    area = twice.sum() / 2
+    centroid = twice @ (a + b) / (6 * area)
+    about_origin = twice @ np.sum(a * a + a * b + b * b, axis=1) / 12
+    return area, origin + centroid, about_origin - area * centroid @ centroid
+
+
+def turns(vertices):
+    """Angles by which a closed polygon turns at its vertices, shape (n,), positive to the left."""
+    edge = np.roll(vertices, -1, axis=0) - vertices
+    before = np.roll(edge, 1, axis=0)
+    cross = before[:, 0] * edge[:, 1] - before[:, 1] * edge[:, 0]
+    return np.arctan2(cross, np.sum(before * edge, axis=1))
+
+
+def depth_inside(points, vertices):
+    """Distance of points from the sides of a polygon, negative outside; shape (m,)."""
+    x = points[:, None, :]
+    a, b = vertices, np.roll(vertices, -1, axis=0)
+    edge = b - a
+    along = np.sum((x - a) * edge, axis=2) / np.sum(edge**2, axis=1)
+    foot = a + np.clip(along, 0, 1)[:, :, None] * edge
+    distance = np.linalg.norm(x - foot, axis=2).min(axis=1)
+    level = (a[:, 1] > x[:, :, 1]) != (b[:, 1] > x[:, :, 1])
+    rise = np.where(edge[:, 1] == 0, 1, edge[:, 1])
+    to_the_right = x[:, :, 0] < a[:, 0] + (x[:, :, 1] - a[:, 1]) / rise * edge[:, 0]
+    inside = np.sum(level & to_the_right, axis=1) % 2 == 1
+    return np.where(inside, distance, -distance)
+
+
+def inradius(vertices):
+    """Radius of the largest circle inside a polygon: squares that may hold a better centre are
+    divided until none may by more than 2 %, then the best centre is improved where it is."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    half = (high - low).max() / 16
+    line = (np.arange(8) + 0.5) * 2 * half
+    centre = low + np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    quarters = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
+    best, place = 0.0, centre[0]
+    while len(centre):
+        depth = depth_inside(centre, vertices)
+        if depth.max() > best:
+            best, place = depth.max(), centre[depth.argmax()]
+        centre = centre[depth + np.sqrt(2) * half > 1.02 * best]
+        half /= 2
+        centre = (centre[:, None, :] + half * quarters).reshape(-1, 2)
+    improved = optimize.minimize(
+        lambda x: -depth_inside(x[None], vertices)[0],
+        place,
+        method="Nelder-Mead",
+        options={"xatol": 1e-9 * best, "fatol": 1e-9 * best, "maxfev": 500},
+    )
+    return -improved.fun
+
+
+def normalized(vertices, corners=None):
+    """The form that a polygon shares with those congruent to it (up to translation, rotation and
+    size, not reflection).
+
+    Args:
+        vertices (array): in order around it, either way, shape (n, 2), n >= 3 [m].
+        corners (iterable of int | None): vertices at which the outline has a kink; None: those at
+            which it turns by more than 20 degrees.
+
+    Returns:
+        Outline.
+
+    Raises:
+        ValueError: no polygon, or an index that is out of range.
+    """
+    x = np.array(vertices, float)
+    if x.ndim != 2 or x.shape[1] != 2 or len(x) < 3 or not np.isfinite(x).all():
+        raise ValueError(
+            f"vertices has shape {x.shape}; admissible: (n, 2) with n >= 3, finite numbers"
+        )
+    if not (np.linalg.norm(x - np.roll(x, 1, axis=0), axis=1) > 0).all():
+        raise ValueError(
+            "vertices: two that follow each other are the same (the last one joins "
+            "the first by itself)"
+        )
+    sharp = np.abs(turns(x)) > CORNER_TURN
+    if corners is not None:
+        corners = [int(c) for c in corners]
+        if any(not 0 <= c < len(x) for c in corners):
+            raise ValueError(f"corners = {corners}: indices are in [0, {len(x) - 1}]")
+        sharp = np.isin(np.arange(len(x)), corners)
+    area = signed_area(x)
+    if area < 0:
+        x, sharp, area = x[::-1], sharp[::-1], -area
+    if not area > 1e-9 * np.ptp(x, axis=0).max() ** 2:
+        raise ValueError(
+            f"vertices: the area of the polygon is {area:g} m^2; admissible: > 0, "
+            "without crossings"
+        )
+    size, centroid = np.sqrt(area), area_and_inertia(x)[1]
+    x = (x - centroid) / size
+    first = _first_side(x, sharp)
+    x, sharp = np.roll(x, -first, axis=0), np.roll(sharp, -first)
+    angle = np.arctan2(*(x[1] - x[0])[::-1])
+    c, s = np.cos(angle), np.sin(angle)
+    x = np.round(x @ np.array([[c, -s], [s, c]]), 9) + 0.0  # equal digits for congruent ones
+    radius = inradius(x)
+    return Outline(
+        x / radius, np.flatnonzero(sharp).tolist(), float(radius * size), centroid, float(angle)
+    )
+
+
+def _first_side(x, sharp):
+    """Index of the side from which on lengths, turns and corners, read around, come last in the
+    order of words: it does not depend on where the list of vertices begins."""
+    lengths = np.linalg.norm(np.roll(x, -1, axis=0) - x, axis=1)
+    letters = list(zip(np.round(lengths, 6), np.round(turns(x), 6), sharp))
+    return max(range(len(x)), key=lambda k: letters[k:] + letters[:k])
+
+
+# --- images ------------------------------------------------------------------------------------
+
+
+@dataclass
+class LabelOutline:
+    """Outline of one label of an image: vertices (n, 2) in pixels, x to the right, y upwards, from
+    the lower left corner of the image, and its area over that of the pixels, minus 1."""
+
+    label: int
+    vertices: np.ndarray
+    area_error: float
+
+
+def label_outlines(labels, background=0, smoothing=1.0, least_pixels=50):
+    """Outlines of the labels of an image.
+
+    The mask of a label is smoothed by a Gaussian and its contour taken at 1/2, in steps of a pixel:
+    two grains that touch in the image have one common line between them. Where the outline bends
+    with a radius r (in pixels) it moves inwards by some smoothing^2/(2 r).
+
+    Args:
+        labels (ndarray): integers, shape (rows, columns), the first row on top.
+        background (int): what is no grain.
+        smoothing (float): standard deviation of the Gaussian, in [0.5, 10] [pixels].
+        least_pixels (int): labels of fewer pixels are unusable.
+
+    Returns:
+        tuple: list of LabelOutline in the order of the labels; and dict of the unusable labels with
+        the reason: less than `least_pixels`, at the border of the image, in several pieces, with a
+        hole, or too thin to be smoothed.
+    """
+    if not 0.5 <= smoothing <= 10:
+        raise ValueError(f"smoothing = {smoothing} is outside the admissible range [0.5, 10]")
+    names, indices = np.unique(labels, return_inverse=True)
+    numbers = indices.reshape(labels.shape) + 1  # from 1 on, without gaps
+    found, unusable = [], {}
+    for name, place, number in zip(names, ndimage.find_objects(numbers), range(1, len(names) + 1)):
+        if name == background:
+            continue
+        mask = numbers[place] == number
+        reason = _why_unusable(mask, place, labels.shape, least_pixels)
+        lines = [] if reason else _contours(mask, smoothing)
+        if reason is None and len(lines) != 1:
+            reason = f"is so thin that smoothing = {smoothing} leaves {len(lines)} pieces of it"
+        if reason:
+            unusable[int(name)] = reason
+            continue
+        corner = np.array([place[1].start, labels.shape[0] - place[0].stop])
+        area = area_and_inertia(lines[0])[0]
+        found.append(LabelOutline(int(name), lines[0] + corner, area / mask.sum() - 1))
+    return found, unusable
+
+
+def _why_unusable(mask, place, shape, least_pixels):
+    """Reason, or None."""
+    pixels = int(mask.sum())
+    if pixels < least_pixels:
+        return f"has {pixels} pixels, fewer than least_pixels = {least_pixels}"
+    if any(p.start == 0 or p.stop == n for p, n in zip(place, shape)):
+        return "touches the border of the image, which may cut it"
+    pieces = ndimage.label(mask)[1]
+    if pieces > 1:
+        return f"is in {pieces} pieces"
+    if ndimage.binary_fill_holes(mask).sum() > pixels:
+        return "has a hole"
+    return None
+
+
+def _contours(mask, smoothing):
+    """Closed contours of the smoothed mask, counter-clockwise about what is inside, in steps of
+    about a pixel, in pixels from the lower left corner of the mask, y upwards."""
+    margin = int(np.ceil(4 * smoothing)) + 1
+    padded = np.pad(mask[::-1].astype(float), margin)
+    level = ndimage.gaussian_filter(padded, smoothing, truncate=4)
+    lines = contour_generator(z=level).lines(0.5)
+    return [_in_equal_steps(line[:-1]) - margin + 0.5 for line in lines]
+
+
+def _in_equal_steps(line):
+    if signed_area(line) < 0:
+        line = line[::-1]
+    closed = np.vstack([line, line[:1]])
+    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    steps = np.linspace(0, along[-1], max(8, round(along[-1])), endpoint=False)
+    return np.column_stack([np.interp(steps, along, closed[:, a]) for a in range(2)])

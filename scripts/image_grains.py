@@ -1,0 +1,155 @@
+"""Soft grains from a labelled picture, squeezed by four walls.
+
+Run it with YADE: ``scripts/yade -n -x scripts/image_grains.py --out DIR``. The picture is drawn by
+the script itself (superdisks, ellipses and pebbles on a jittered grid), as a segmentation of a
+photograph would give it: ``labels.png``. Any other one: ``--image FILE --pixel METRES``. Results:
+``before.png`` and ``after.png`` (von Mises stress over E), ``result.json`` with the error of the
+areas, and the stress on the walls against the packing fraction.
+"""
+
+import argparse
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from yade import FrictMat, O, utils
+
+import softgrain as sg
+from softgrain import command_line
+
+YOUNG = 1e6  # Pa
+CELL = 48  # pixels, of the grid on which the script draws
+
+
+def parse_options(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--image", type=Path, help="labelled picture; default: one that the script draws")
+    add("--pixel", type=command_line.positive, default=2e-4, help="side of a pixel [m]")
+    add("--columns", type=int, default=4, help="grains drawn along each side of the picture")
+    add("--zeta", type=command_line.resolution, default=0.2, help="relative resolution 2 dr/D [-]")
+    add("--mu", type=command_line.non_negative, default=0.2, help="friction [-]")
+    add("--phi", type=command_line.fraction, default=0.95, help="packing fraction to end at [-]")
+    add("--speed", type=command_line.positive, default=0.3, help="of each wall [m/s]")
+    add("--seed", type=int, default=1, help="of the drawing")
+    add(
+        "--out",
+        type=command_line.output_folder,
+        default=Path("image_grains"),
+        help="folder for results",
+    )
+    return parser.parse_args(arguments)
+
+
+def draw_labels(columns, seed):
+    """A picture of columns x columns grains that do not touch: labels from 1 on, 0 between them."""
+    rng = np.random.default_rng(seed)
+    size = columns * CELL + 8
+    rows, cols = np.mgrid[:size, :size] + 0.5
+    labels = np.zeros((size, size), np.uint16)
+    for k in range(columns**2):
+        centre = 4 + CELL * (np.array([k % columns, k // columns]) + 0.5) + rng.uniform(-2, 2, 2)
+        angle, ratio = rng.uniform(0, math.pi), rng.uniform(0.6, 1)
+        x, y = cols - centre[0], rows - centre[1]
+        c, s = math.cos(angle), math.sin(angle)
+        along, across = c * x + s * y, (c * y - s * x) / ratio
+        if k % 3 == 2:  # a pebble with dents
+            bumps = 1 + 0.13 * np.cos(3 * np.arctan2(y, x) + angle) * (1 + (k % 2))
+            inside = np.hypot(along, across) < 18 * bumps
+        else:
+            exponent = (2, 4)[k % 3]
+            inside = np.abs(along) ** exponent + np.abs(across) ** exponent < 19**exponent
+        labels[inside] = k + 1
+    return labels
+
+
+def make_scene(options):
+    """Grains and four walls close around them; returns the grains and the ids of the walls."""
+    soft = sg.SoftMat(
+        young=YOUNG,
+        poisson=0.45,
+        density=1000,
+        frictionAngle=math.atan(options.mu),
+        massDamping=100,
+        label="soft",
+    )
+    O.materials.append(soft)
+    O.materials.append(FrictMat(frictionAngle=0, label="walls"))
+    image = options.image
+    if image is None:
+        image = options.out / "labels.png"
+        Image.fromarray(draw_labels(options.columns, options.seed)).save(image)
+    grains = sg.grains_from_image(image, options.pixel, "soft", unusable="skip", zeta=options.zeta)
+    for label, reason in grains.left_out.items():
+        print(f"label {label} is left out: it {reason}")
+    O.bodies.append(grains.bodies)
+    O.engines = sg.engines()
+    sg.set_time_step(0.8)
+    outlines = np.vstack([b.shape.outline()[:, :2] for b in grains.bodies])
+    walls = []
+    for axis in (0, 1):
+        for sense in (1, -1):
+            place = (outlines.min if sense == 1 else outlines.max)(axis=0)[axis]
+            wall = utils.wall(float(place), axis=axis, sense=sense, material="walls")
+            wall.state.vel[axis] = sense * options.speed
+            walls.append(O.bodies.append(wall))
+    return grains, walls
+
+
+def box(walls):
+    left, right, low, high = (O.bodies[i].state.pos[k // 2] for k, i in enumerate(walls))
+    return left, right, low, high
+
+
+def area(walls):
+    left, right, low, high = box(walls)
+    return (right - left) * (high - low)
+
+
+def pressure(walls):
+    """Mean normal stress on the four walls over E."""
+    left, right, low, high = box(walls)
+    force = sum(abs(O.forces.f(i)[k // 2]) for k, i in enumerate(walls))
+    return force / (2 * (right - left) + 2 * (high - low)) / YOUNG
+
+
+def compact(options, walls):
+    """Squeeze to the packing fraction; returns records of phi and mean normal stress over E."""
+    record, samples = [], []
+    while sg.packing_fraction(area(walls)) < options.phi:
+        for _ in range(100):
+            O.step()
+            samples.append(pressure(walls))
+        record.append((sg.packing_fraction(area(walls)), float(np.mean(samples))))
+        samples.clear()
+    return record
+
+
+def main():
+    options = parse_options()
+    grains, walls = make_scene(options)
+    sg.draw_packing(options.out / "before.png", box=box(walls), field=None)
+    record = compact(options, walls)
+    sg.draw_packing(options.out / "after.png", box=box(walls), scale=YOUNG)
+    engine = sg.integrator()
+    result = {
+        "grains": len(grains.bodies),
+        "largest_area_error": float(np.abs(grains.area_errors).max()),
+        "mean_area_error": float(grains.area_errors.mean()),
+        "steps": O.iter,
+        "sweeps_a_step": engine.totalSweeps / engine.steps,
+        "largest_overlap_over_dr": engine.largestOverlap,
+        "capped_steps": engine.cappedSteps,
+        "coordination": sg.coordination_number(),
+        "phi": [phi for phi, _ in record],
+        "stress_over_E": [stress for _, stress in record],
+    }
+    (options.out / "result.json").write_text(json.dumps(result, indent=1))
+    print({k: v for k, v in result.items() if not isinstance(v, list)})
+    print(f"phi = {record[-1][0]:.3f}, mean normal stress {record[-1][1]:.4f} E")
+
+
+if __name__ in ("__main__", "yade"):
+    main()
