@@ -227,9 +227,8 @@ def test_rotating_superdisk_keeps_its_angular_momentum():
     assert len(nodes) == len(velocities)
     run(2000)
     now = body.state.angVel[2] * body.state.inertia[2]
-    print(
-        f"angular momentum changes by {now / start - 1:.1e} in {2000 * O.dt * spin / 6.28:.1f} turns"
-    )
+    turns = 2000 * O.dt * spin / (2 * math.pi)
+    print(f"angular momentum changes by {now / start - 1:.1e} in {turns:.1f} turns")
     assert now == pytest.approx(start, rel=1e-9)
 
 
