@@ -153,6 +153,7 @@ def normalized(vertices, corners=None):
     angle = np.arctan2(*(x[1] - x[0])[::-1])
     c, s = np.cos(angle), np.sin(angle)
     x = np.round(x @ np.array([[c, -s], [s, c]]), 9) + 0.0  # equal digits for congruent ones
+    size /= np.sqrt(signed_area(x))
     radius = inradius(x)
     return Outline(
         x / radius, np.flatnonzero(sharp).tolist(), float(radius * size), centroid, float(angle)

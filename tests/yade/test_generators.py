@@ -48,10 +48,11 @@ def regular_ortho():
     return O.bodies.append(bodies)
 
 
-def regular_hexa_in_a_layer():
-    layer = pack.inAlignedBox((0, 0, -0.0101), (0.1, 0.1, 0.0101))
-    bodies = pack.regularHexa(layer, radius=0.01, gap=0, material=rigid())
-    return O.bodies.append(bodies)
+def one_layer_of_regular_hexa():
+    """The lowest layer: regularHexa fills no box that is just one sphere high."""
+    bodies = pack.regularHexa(pack.inAlignedBox(*BOX), radius=0.0099, gap=0, material=rigid())
+    lowest = min(b.state.pos[2] for b in bodies)
+    return O.bodies.append([b for b in bodies if b.state.pos[2] < lowest + 1e-9])
 
 
 def regular_ortho_in_a_layer():
@@ -62,7 +63,7 @@ def regular_ortho_in_a_layer():
 
 def random_dense():
     bodies = pack.randomDensePack(
-        pack.inAlignedBox(*BOX), radius=0.01, spheresInCell=30, material=rigid(), seed=1
+        pack.inAlignedBox(*BOX), radius=0.01, spheresInCell=100, material=rigid(), seed=1
     )
     if isinstance(bodies, pack.SpherePack):
         return bodies.toSimulation(material=rigid())
@@ -110,7 +111,7 @@ def imported_with_format(tmp_path):
     [
         (flat_cloud, 2),
         (sizes_of_a_sieve, 2),
-        (regular_hexa_in_a_layer, 2),
+        (one_layer_of_regular_hexa, 2),
         (regular_ortho_in_a_layer, 2),
         (net, 2),
         (loaded_pack, 2),

@@ -38,11 +38,11 @@ def any_grain(rng, place, material):
 
 
 def pressed_pair(material):
-    """Two disks between walls, far from the others; returns their nodes after each step."""
+    """Two disks between walls, far from the others."""
     for x in (-0.01, 0.01):
         add_disk((x, -1.0, 0), 0.01, material)
-    add_wall(-0.02, 0)
-    add_wall(0.02, 0, velocity=(-0.05, 0, 0))
+    add_wall(-0.02, 0, sense=1)
+    add_wall(0.02, 0, sense=-1, velocity=(-0.05, 0, 0))
 
 
 @pytest.mark.parametrize("reuse", (False, True))
@@ -59,7 +59,7 @@ def test_a_thousand_grains_come_and_go(reuse):
             O.bodies.erase(gone)
             free_ids.append(gone)
         column = rng.choice([c for c in range(12) if c not in present])
-        body = any_grain(rng, (0.02 * column, 0.0), material)
+        body = any_grain(rng, (0.05 + 0.02 * column, 0.0), material)
         if reuse and free_ids:
             present[column] = O.bodies.insertAtId(body, free_ids.pop())
         else:

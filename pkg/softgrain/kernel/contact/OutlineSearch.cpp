@@ -259,6 +259,9 @@ void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, d
 		use(s, facets);
 }
 
+/// The outline is nowhere further outside of a facet than this share of the facet's length.
+constexpr double mostBulge = 0.125;
+
 /// Nodes of `body` against the outline of `other`, where one of them has corners or indentations.
 template <int dim>
 void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
@@ -266,11 +269,17 @@ void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& ot
 {
 	const double deep = contactDepth(body, other);
 	// Near a corner or in a notch the nearest facet need not be the one that a node lies
-	// against: there only facets count that the node faces.
+	// against: there only facets count that the node faces. One that is outside must be before
+	// them, not behind the far side of a thin arm.
 	forNodesNear(body, other, reach, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
+		const bool mayBeInside = !other.mesh->irregular || other.encloses(x);
 		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, [&](int f) {
-			return body.facesAgainst(s, other.areaOfFacet(f).normalized());
+			const Vec<dim> normal = other.areaOfFacet(f).normalized();
+			const Vec<dim>& start = other.position[other.mesh->facet[f][0]];
+			return body.facesAgainst(s, normal) &&
+			       (mayBeInside ||
+				(x - start).dot(normal) > -mostBulge * other.longestEdge);
 		});
 		// None near: the node lies against no side of the grain, but it may be inside.
 		const bool faces = place.squaredDistance <= deep * deep;
