@@ -28,12 +28,26 @@ Ring angleIron()
 	return ring;
 }
 
-TemplateRecipe ironRecipe(double zeta)
+TemplateRecipe polygonRecipe(double zeta, const Ring& ring)
 {
 	TemplateRecipe r = recipe(zeta);
 	r.form.form = Form::polygon;
-	r.form.ring = std::make_shared<const Ring>(angleIron());
+	r.form.ring = std::make_shared<const Ring>(ring);
 	return r;
+}
+
+TemplateRecipe ironRecipe(double zeta) { return polygonRecipe(zeta, angleIron()); }
+
+/// Five spikes; corner 2 k is a tip, 2 k + 1 a notch.
+Ring star()
+{
+	Ring ring;
+	for (int k = 0; k < 10; ++k) {
+		const double r = k % 2 ? 1 : 2.2, t = std::numbers::pi * k / 5;
+		ring.vertex.emplace_back(r * std::cos(t), r * std::sin(t));
+		ring.corner.push_back(k);
+	}
+	return ring;
 }
 
 double momentOfInertia(const Quadrature<2>& q)
@@ -217,4 +231,56 @@ TEST_CASE("Ring: a small grain in the notch of another touches neither, nor lies
 	auto same = pair();
 	findContacts(big, big, 0.02, same);
 	CHECK(same.deepest == std::numeric_limits<double>::infinity());
+}
+
+TEST_CASE("Ring: a tip below the corner of a notch is pushed back to it", "[contact][ring]")
+{
+	// the tip of one star, on the x axis, in the notch of another, 36 degrees on
+	const auto reference = makeGrainTemplate<2>(polygonRecipe(0.25, star()));
+	const Vec<2> tip = star().vertex[0], notch = star().vertex[5];
+	for (double depth : { 0.01, 0.1 }) {
+		CAPTURE(depth);
+		const Vec<2> aside(0, 0.3 * depth);
+		const auto left = contactBody<2>(*reference, 1, { 0, 0 });
+		const auto right =
+			contactBody<2>(*reference, 1, tip - notch - Vec<2>(depth, 0) + aside);
+		auto list = pair();
+		findContacts(left, right, 0.02, list);
+		bool found = false;
+		for (const Contact<2>& c : list.contacts) {
+			const auto& body = c.key.side == 0 ? left : right;
+			if (c.key.side != 0 || (body.position[c.key.node] - tip).norm() > 1e-9)
+				continue;
+			found = true;
+			CHECK(std::abs(c.gap + std::hypot(depth, 0.3 * depth)) < 1e-9);
+			CHECK((c.normal - Vec<2>(-1, 0.3).normalized()).norm() < 1e-9);
+		}
+		CHECK(found);
+		CHECK(list.deepest < 1.1 * depth / 0.25);
+	}
+}
+
+TEST_CASE("Ring: nothing touches through a thin tip", "[contact][ring]")
+{
+	// the tip of a star and that of its mirror image past each other, flank to flank, where
+	// they are thinner than the depth down to which nodes are in contact
+	Ring mirrored = star();
+	for (Vec<2>& X : mirrored.vertex)
+		X = -X;
+	const auto one = makeGrainTemplate<2>(polygonRecipe(0.25, star())),
+		   image = makeGrainTemplate<2>(polygonRecipe(0.25, mirrored));
+	const Vec<2> tip = star().vertex[0], flank = star().vertex[1] - tip;
+	const Vec<2> outwards = Vec<2>(flank[1], -flank[0]).normalized();
+	for (double gap : { 0.01, 0.05 }) {
+		CAPTURE(gap);
+		const auto below = contactBody<2>(*one, 1, { 0, 0 });
+		const auto above =
+			contactBody<2>(*image, 1, 2 * tip + 0.3 * flank + gap * outwards);
+		auto list = pair();
+		findContacts(below, above, 0.1, list);
+		CHECK(list.contacts.size() > 2);
+		for (const Contact<2>& c : list.contacts)
+			CHECK(c.gap > 0.99 * gap);
+		CHECK(list.deepest == 0);
+	}
 }

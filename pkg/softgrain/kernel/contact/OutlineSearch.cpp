@@ -164,23 +164,27 @@ bool isIndented(const ContactBody<2>& body, int corner)
 bool isIndented(const ContactBody<3>&, int) { return false; }
 
 /// Whether the place nearest to `x` is a sharp edge or corner of the outline with `x` beyond the
-/// end of the facet: no facet lies under `x` then, and the distance to the edge is the gap.
+/// end of the facet: no facet lies under `x` then, and the distance to the edge is the gap,
+/// negative below an indentation.
 template <int dim>
 bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place,
 		  Contact<dim>& contact)
 {
 	Vec<dim> foot = Vec<dim>::Zero();
+	bool indented = false;
 	for (int i = 0; i < dim; ++i) {
 		const int vertex = body.mesh->facet[place.facet][i];
-		if (place.weight[i] > 0 && (!body.isSharp(vertex) || isIndented(body, vertex)))
-			return false;
 		foot += place.weight[i] * body.position[vertex];
+		if (!(place.weight[i] > 0)) continue;
+		if (!body.isSharp(vertex)) return false;
+		indented = indented || isIndented(body, vertex);
 	}
 	const Vec<dim> apart = x - foot;
 	const Vec<dim> normal = body.areaOfFacet(place.facet).normalized();
 	if ((apart - apart.dot(normal) * normal).norm() < 1e-9 * body.pointSpacing) return false;
-	contact.normal = apart.normalized();
-	contact.gap = apart.norm();
+	const double sign = indented && body.encloses(x) ? -1 : 1;
+	contact.normal = sign * apart.normalized();
+	contact.gap = sign * apart.norm();
 	return true;
 }
 
@@ -259,8 +263,17 @@ void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, d
 		use(s, facets);
 }
 
-/// The outline is nowhere further outside of a facet than this share of the facet's length.
-constexpr double mostBulge = 0.125;
+/// Whether a place outside of a grain lies before a facet, not behind it on the far side of a thin
+/// arm.
+bool isBefore(const Vec<2>& x, const ContactBody<2>& body, int facet)
+{
+	const Vec<2>& start = body.position[body.mesh->facet[facet][0]];
+	return (x - start).dot(body.areaOfFacet(facet).normalized()) >=
+	       -OutlineCurve(body, facet).bulge();
+}
+
+/// In 3D no grain has thin arms.
+bool isBefore(const Vec<3>&, const ContactBody<3>&, int) { return true; }
 
 /// Nodes of `body` against the outline of `other`, where one of them has corners or indentations.
 template <int dim>
@@ -275,14 +288,12 @@ void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& ot
 		const Vec<dim>& x = body.position[s];
 		const bool mayBeInside = !other.mesh->irregular || other.encloses(x);
 		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, [&](int f) {
-			const Vec<dim> normal = other.areaOfFacet(f).normalized();
-			const Vec<dim>& start = other.position[other.mesh->facet[f][0]];
-			return body.facesAgainst(s, normal) &&
-			       (mayBeInside ||
-				(x - start).dot(normal) > -mostBulge * other.longestEdge);
+			return body.facesAgainst(s, other.areaOfFacet(f).normalized()) &&
+			       (mayBeInside || isBefore(x, other, f));
 		});
 		// None near: the node lies against no side of the grain, but it may be inside.
 		const bool faces = place.squaredDistance <= deep * deep;
+		if (!faces && !mayBeInside) return;
 		if (!faces) place = nearestPlace(x, other, facets, anyFacet);
 		Contact<dim> contact = contactAt(x, other, place);
 		if (isBeyondEdge(x, other, place, contact) && !body.facesAgainst(s, contact.normal))
