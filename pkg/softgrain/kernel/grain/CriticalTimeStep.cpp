@@ -1,7 +1,6 @@
 #include "grain/CriticalTimeStep.hpp"
 
 #include <cmath>
-#include <map>
 #include <random>
 
 namespace softgrain {
@@ -87,10 +86,10 @@ template <int dim>
 std::vector<double> criticalTimeSteps(const GrainTemplate<dim>& reference, Condition condition,
 				      const std::vector<GrainParameters<dim>>& grains)
 {
-	std::map<double, double> frequency; // by Poisson's ratio
 	std::vector<double> steps;
 	for (const GrainParameters<dim>& grain : grains) {
-		const auto [known, isNew] = frequency.try_emplace(grain.constants.poisson, 0.);
+		const auto [known, isNew] = reference.highestFrequency.try_emplace(
+			{ static_cast<int>(condition), grain.constants.poisson }, 0.);
 		if (isNew)
 			known->second =
 				highestFrequency(reference, condition, grain.constants.poisson);

@@ -22,7 +22,8 @@ template <int dim>
 double criticalTimeStep(const GrainTemplate<dim>& reference, Condition condition,
 			const GrainParameters<dim>& grain);
 
-/// The same for congruent grains; the iteration runs once for each Poisson's ratio.
+/// The same for congruent grains; the iteration runs once for each Poisson's ratio in the life of
+/// the template.
 template <int dim>
 std::vector<double> criticalTimeSteps(const GrainTemplate<dim>& reference, Condition condition,
 				      const std::vector<GrainParameters<dim>>& grains);

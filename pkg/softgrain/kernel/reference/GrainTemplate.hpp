@@ -11,8 +11,10 @@
 #include "reference/SparseRows.hpp"
 #include "reference/SurfaceMobility.hpp"
 
+#include <map>
 #include <memory>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace softgrain {
@@ -91,6 +93,10 @@ template <int dim> struct GrainTemplate {
 	SparseRows<double> delassus;      ///< W_ss' = sum_I N_I(Xs) N_I(Xs') / mI, a banded table
 	SurfaceMobility<dim> surfaceMobility; ///< W for the sweeps; only where there are facets
 	SparseRows<double> overlap;           ///< as W, without the masses
+
+	/// What grain/CriticalTimeStep.hpp has found so far, by condition and Poisson's ratio: a
+	/// new assembly of the same grains need not find it again. For one thread at a time.
+	mutable std::map<std::pair<int, double>, double> highestFrequency;
 
 	int nodes() const { return static_cast<int>(nodePosition.size()); }
 	int points() const { return static_cast<int>(pointPosition.size()); }
