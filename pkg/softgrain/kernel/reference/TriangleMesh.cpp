@@ -11,7 +11,7 @@ namespace {
 constexpr int fewestOnRing = 6;
 
 /// Nodes side by side on a circle.
-struct Ring {
+struct NodeRing {
 	int first, count;
 	double start; ///< angle of the first node
 
@@ -19,9 +19,9 @@ struct Ring {
 	double angle(int i) const { return start + 2 * std::numbers::pi * i / count; }
 };
 
-Ring appendRing(double radius, int count, double start, TriangleMesh& mesh)
+NodeRing appendRing(double radius, int count, double start, TriangleMesh& mesh)
 {
-	const Ring ring { static_cast<int>(mesh.node.size()), count, start };
+	const NodeRing ring { static_cast<int>(mesh.node.size()), count, start };
 	for (int i = 0; i < count; ++i)
 		mesh.node.emplace_back(radius * std::cos(ring.angle(i)),
 				       radius * std::sin(ring.angle(i)));
@@ -29,7 +29,7 @@ Ring appendRing(double radius, int count, double start, TriangleMesh& mesh)
 }
 
 /// Triangles between two rings: once around both, from whichever is behind.
-void stitch(const Ring& outer, const Ring& inner, TriangleMesh& mesh)
+void stitch(const NodeRing& outer, const NodeRing& inner, TriangleMesh& mesh)
 {
 	int i = 0, j = 0;
 	while (i < outer.count || j < inner.count) {
@@ -61,18 +61,18 @@ TriangleMesh meshOfDisk(const OutlineMesh<2>& rim, double spacing)
 	mesh.node = rim.vertex;
 	const int onRim = static_cast<int>(rim.vertex.size());
 	const int rings = std::max(static_cast<int>(std::lround(1 / spacing)), 2);
-	Ring outer { 0, onRim, std::atan2(rim.vertex[0][1], rim.vertex[0][0]) };
+	NodeRing outer { 0, onRim, std::atan2(rim.vertex[0][1], rim.vertex[0][0]) };
 	for (int k = 1; k < rings; ++k) {
 		const double radius = 1 - static_cast<double>(k) / rings;
 		const int count =
 			std::max(static_cast<int>(std::lround(radius * onRim)), fewestOnRing);
 		const double half = std::numbers::pi / count; // rings out of step: no needles
-		const Ring inner =
+		const NodeRing inner =
 			appendRing(radius, count, outer.start + (k % 2 ? half : -half), mesh);
 		stitch(outer, inner, mesh);
 		outer = inner;
 	}
-	const Ring centre = appendRing(0, 1, outer.start, mesh);
+	const NodeRing centre = appendRing(0, 1, outer.start, mesh);
 	for (int i = 0; i < outer.count; ++i)
 		mesh.triangle.push_back({ outer.at(i), outer.at(i + 1), centre.first });
 	return mesh;
