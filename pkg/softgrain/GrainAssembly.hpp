@@ -64,6 +64,16 @@ struct RigidMotionDescription {
 	Mat3 inverseInertia;                    ///< in the axes of space, 1/(kg m^2); 0: held
 };
 
+/// Two rigid bodies where they touch, or may in the coming step.
+struct RigidContactDescription {
+	int first, second;   ///< numbers of their RigidMotionDescription
+	Vec3 point, normal;  ///< m; unit, from the first to the second
+	double gap;          ///< m, negative for an overlap
+	double size;         ///< what the spacing of material points is to soft grains, m
+	double friction;     ///< mu
+	Vec3 impulse;        ///< on the second, N s: the last one, after a step the solved one
+};
+
 /// One grain as a rigid body would show.
 struct GrainMotion {
 	double mass, inertia; ///< inertia about z in 2D, mean principal one in 3D
@@ -131,6 +141,8 @@ public:
 	/// Builds the system of all grains; throws std::invalid_argument naming the grain, the
 	/// parameter and the admissible range.
 	static std::shared_ptr<GrainAssembly> create(const std::vector<GrainDescription>& grains);
+	/// For contacts of rigid bodies alone, in three dimensions.
+	static std::shared_ptr<GrainAssembly> createWithoutGrains();
 
 	virtual int grains() const = 0;
 	virtual int idOf(int g) const = 0;
@@ -154,10 +166,13 @@ public:
 			    double dt) const = 0;
 	/// Throws std::invalid_argument if grains cannot touch the body, saying why.
 	virtual void checkRigidBody(const RigidBodyDescription& body) const = 0;
-	/// `partners`: motions of the rigid bodies in contact, as the pairs number them.
+	/// `partners`: motions of the rigid bodies in contact, as the pairs number them. Contacts
+	/// of these with each other are swept in the given order. In 2D throws
+	/// std::invalid_argument for one whose normal is neither in the plane nor across it.
 	virtual StepReport step(const StepSettings& settings,
 				const std::vector<PairContacts*>& pairs,
-				const std::vector<RigidMotionDescription>& partners) = 0;
+				const std::vector<RigidMotionDescription>& partners,
+				std::vector<RigidContactDescription>& rigidContacts) = 0;
 	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
 
 	/// Another load than before wakes a sleeping grain, and so does `moveRigidly`.

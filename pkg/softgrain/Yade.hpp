@@ -21,6 +21,7 @@
 #include <core/GlobalEngine.hpp>
 #include <core/Interaction.hpp>
 #include <core/InteractionContainer.hpp>
+#include <core/InteractionLoop.hpp>
 #include <core/Material.hpp>
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
@@ -33,6 +34,11 @@
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/DemXDofGeom.hpp>
+#include <pkg/dem/FrictPhys.hpp>
+#include <pkg/dem/Ig2_Box_Sphere_ScGeom.hpp>
+#include <pkg/dem/Ig2_Facet_Sphere_ScGeom.hpp>
+#include <pkg/dem/Ig2_Sphere_Sphere_ScGeom.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
+#include <pkg/dem/ScGeom.hpp>
 
 #pragma pop_macro("REGISTER_FACTORABLE")

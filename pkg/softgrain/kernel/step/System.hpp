@@ -120,6 +120,9 @@ public:
 	/// Rigid bodies that take part in the contacts of the next step, with the velocities that
 	/// they get without contact; the step changes them.
 	std::vector<RigidPartner<dim>>& rigidPartners() { return partners_; }
+	/// Contacts of these with each other in the next step, in the order of the sweeps; they
+	/// receive their impulses.
+	std::vector<RigidContact<dim>>& rigidContacts() { return rigidContacts_; }
 	/// Wakes a sleeping grain if the load is another.
 	void setLoad(int g, const BodyLoad<dim>& load);
 	/// A grain about which something was changed by hand; the grains that it rests with follow
@@ -245,6 +248,7 @@ private:
 	double sleepersStiffening_ = 1, sleepersRateStiffening_ = 1; ///< largest
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
+	std::vector<RigidContact<dim>> rigidContacts_;
 	std::vector<int> rate_;                   ///< by grain
 	bool multirate_ = false, ratesChosen_ = false;
 	std::vector<int> damped_; ///< grains with damping
