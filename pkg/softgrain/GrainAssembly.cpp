@@ -338,7 +338,7 @@ public:
 	void checkRigidBody(const RigidBodyDescription& body) const override { surfaceOf(body); }
 
 	StepReport step(const StepSettings& settings, const std::vector<PairContacts*>& pairs,
-			const std::vector<RigidMotionDescription>& partners,
+			std::vector<RigidMotionDescription>& partners,
 			std::vector<RigidContactDescription>& rigidContacts) override
 	{
 		system_.rigidPartners().clear();
@@ -352,6 +352,10 @@ public:
 		for (std::size_t k = 0; k < solvedContacts_.size(); ++k)
 			solvedContacts_[k]->impulse =
 				toSpace<dim>(system_.rigidContacts()[k].impulse);
+		for (std::size_t k = 0; k < partners.size(); ++k) {
+			partners[k].shift = toSpace<dim>(system_.rigidPartners()[k].shift);
+			partners[k].turn = angularToSpace<dim>(system_.rigidPartners()[k].turn);
+		}
 		report.work.pairs = searchedPairs_.exchange(0);
 		report.work.candidates = testedCandidates_.exchange(0);
 		return report;

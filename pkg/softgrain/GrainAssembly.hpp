@@ -62,6 +62,8 @@ struct RigidMotionDescription {
 	Vec3 freeVelocity, freeAngularVelocity; ///< in half a step, without contact
 	Vec3 inverseMass;                       ///< along each axis of space, 1/kg; 0: held
 	Mat3 inverseInertia;                    ///< in the axes of space, 1/(kg m^2); 0: held
+	/// By the step: out of overlaps with other rigid bodies, besides the motion, m and rad.
+	Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();
 };
 
 /// Two rigid bodies where they touch, or may in the coming step.
@@ -171,7 +173,7 @@ public:
 	/// std::invalid_argument for one whose normal is neither in the plane nor across it.
 	virtual StepReport step(const StepSettings& settings,
 				const std::vector<PairContacts*>& pairs,
-				const std::vector<RigidMotionDescription>& partners,
+				std::vector<RigidMotionDescription>& partners,
 				std::vector<RigidContactDescription>& rigidContacts) = 0;
 	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
 

@@ -194,4 +194,17 @@ void SoftGrainIntegrator::publishRigidContacts()
 	}
 }
 
+/// Out of overlaps, besides what NewtonIntegrator will do; it takes members of clumps along.
+void SoftGrainIntegrator::moveApart() const
+{
+	for (std::size_t k = 0; k < partners_.size(); ++k) {
+		State& state = *(*scene->bodies)[movers_[k]]->state;
+		state.pos += partners_[k].shift;
+		const Real angle = partners_[k].turn.norm();
+		if (angle == 0) continue;
+		state.ori = Quaternionr(AngleAxisr(angle, partners_[k].turn / angle)) * state.ori;
+		state.ori.normalize();
+	}
+}
+
 } // namespace yade

@@ -120,6 +120,7 @@ const Body& SoftGrainIntegrator::rigidBodyOf(const Interaction& I) const
 void SoftGrainIntegrator::describeRigidBodies(const std::vector<Interaction*>& interactions)
 {
 	partners_.clear();
+	movers_.clear();
 	numberOf_.assign(scene->bodies->size(), -1);
 	newton_ = &newtonIntegrator(*scene);
 	for (const Interaction* I : interactions) {
@@ -137,6 +138,7 @@ int SoftGrainIntegrator::numberOf(const Body& body)
 	if (number < 0) {
 		number = static_cast<int>(partners_.size());
 		partners_.push_back(motionOf(mover, *scene, *newton_));
+		movers_.push_back(mover.getId());
 	}
 	return number;
 }

@@ -95,6 +95,7 @@ void SoftGrainIntegrator::advance()
 
 	publishForces(interactions, report.kick);
 	publishRigidContacts();
+	moveApart();
 	clock_.end("publishForces");
 	publishMotions();
 	clock_.end("publishMotions");

@@ -24,7 +24,7 @@ public:
 		((Real, tolerance, 1e-2, Attr::triggerPostLoad, "Residual of the contact conditions at which the sweeps of a step end, > 0 [-]. See *residual*."))
 		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on sweeps per step, ≥ 1; below 4 grains at rest may vibrate ever more. Steps that hit it with a *residual* above *tolerance* are counted in *cappedSteps*."))
 		((Real, overlapRelaxation, 0.1, Attr::triggerPostLoad, "Share of an overlap worked off per step, in [0, 1] [-]; at once would throw grains apart."))
-		((Real, overlapSpeed, 1e-3, Attr::triggerPostLoad, "Cap on the speed at which overlaps are worked off, over the slowest wave speed of the grains, ≥ 0 [-]. Rigid bodies work off at most 1e-4 of a radius in a step."))
+		((Real, overlapSpeed, 1e-3, Attr::triggerPostLoad, "Cap on the speed at which overlaps are worked off, over the slowest wave speed of the grains, ≥ 0 [-]. Rigid bodies that overlap each other are moved apart without gaining speed, and without a cap."))
 		((Real, maxOverlap, 1, Attr::triggerPostLoad, "Overlap at which the run stops, over the spacing of material points (of two rigid bodies: a tenth of the smaller radius, here and in *overlap*), > 0 [-]."))
 		((bool, rigidMotion, true, , "Whether grains that are undeformed and have no contact point within reach move as rigid bodies, at next to no cost: momentum and angular momentum are kept to rounding, and they are woken in the step in which a contact point comes within reach, before contacts are solved. Their nodes, stress and outline are made when asked for. Grains that spin at their rim with more than a hundredth of their wave speed, and formulation 'updated', are always computed. See doc/decisions/0014-inactive-grains.md."))
 		((bool, multirate, false, , "Whether small or stiff grains take steps of their own: O.dt is that of the grain with the shortest critical step, contacts and motion go by it, and stresses and internal forces of a grain whose critical step, undeformed, is n times as long are computed every n-th step and act until the next time (*rates*). Momentum is kept to rounding, angular momentum over n steps; energies ripple as in a scene of slow grains alone with a time step of their own. Grains with formulation 'updated' or velocityUpdate 'flip' are computed in every step; a scene whose critical steps differ by less than a factor of two runs as without. O.dt should change seldom, as it does by itself. See doc/decisions/0018-multirate.md."))
@@ -82,6 +82,7 @@ private:
 	void stopOnRigidOverlap() const;
 	void leaveSeamsOut();
 	void publishRigidContacts();
+	void moveApart() const;
 	void checkRigidBodies(const std::vector<Interaction*>& interactions) const;
 	void publishForces(const std::vector<Interaction*>& interactions, Real kick);
 	void publishReactions(const Interaction& I, Real kick);
@@ -98,6 +99,7 @@ private:
 	// of the step at hand
 	const NewtonIntegrator* newton_ = nullptr;
 	std::vector<softgrain::RigidMotionDescription> partners_;
+	std::vector<int> movers_;   ///< ids of the bodies that move so
 	std::vector<int> numberOf_; ///< in `partners_`, by id; -1: none
 	std::vector<Interaction*> rigidInteractions_; ///< of Law2_ScGeom_FrictPhys_Nonsmooth
 	std::vector<softgrain::RigidContactDescription> rigidContacts_; ///< one for each

@@ -1,12 +1,13 @@
 #include "contact/RigidContact.hpp"
 #include "contact/Bias.hpp"
 
+#include <algorithm>
+
 namespace softgrain {
 
 template <int dim>
 void RigidContactSolver<dim>::prepare(RigidContact<dim>& contact,
-				      std::vector<RigidPartner<dim>>& partners, double dt,
-				      const SolverSettings& settings)
+				      std::vector<RigidPartner<dim>>& partners, double dt)
 {
 	contact_ = &contact;
 	first_ = &partners[contact.first];
@@ -17,10 +18,7 @@ void RigidContactSolver<dim>::prepare(RigidContact<dim>& contact,
 	secondArm_ = contact.point - second_->centre;
 	friction_ = contact.friction;
 	c_.normal = contact.normal;
-	// no wave speed of its own caps the speed: the overlap left alone may go in a step
-	SolverSettings slow = settings;
-	slow.overlapSpeed = std::min(settings.overlapSpeed, restingOverlap * contact.size / dt);
-	c_.bias = biasOf(contact.gap, contact.size, dt, slow);
+	c_.bias = std::max(contact.gap, 0.) / dt;
 	solvable_ = c_.setMobility(first_->mobilityAt(firstArm_) +
 				   second_->mobilityAt(secondArm_));
 	c_.impulse = onCone<dim>(contact.impulse, c_.normal, friction_);
@@ -52,6 +50,30 @@ template <int dim> ResidualSum RigidContactSolver<dim>::residual() const
 	ResidualSum sum;
 	if (solvable_) c_.addResidual(sum, velocity(), friction_);
 	return sum;
+}
+
+template <int dim>
+bool RigidContactSolver<dim>::findSeparation(double dt, const SolverSettings& settings)
+{
+	pushed_ = 0;
+	const double gap = contact_->gap + dt * velocity().dot(c_.normal);
+	const double resting = restingOverlap * contact_->size;
+	separation_ = -std::max(gap, 0.);
+	if (!solvable_ || gap >= -resting) return false;
+	separation_ = settings.overlapRelaxation * (-gap - resting);
+	return separation_ > 0;
+}
+
+template <int dim> void RigidContactSolver<dim>::separate()
+{
+	if (!solvable_) return;
+	const Vec<dim> apart = second_->shiftAt(secondArm_) - first_->shiftAt(firstArm_);
+	const double before = pushed_;
+	pushed_ = std::max(0., before + (separation_ - apart.dot(c_.normal)) / c_.Wn);
+	const Vec<dim> push = (pushed_ - before) * c_.normal;
+	if (push.isZero(0)) return;
+	if (firstMoves_) first_->displace(firstArm_, -push);
+	if (secondMoves_) second_->displace(secondArm_, push);
 }
 
 template <int dim> void RigidContactSolver<dim>::finish() { contact_->impulse = c_.impulse; }

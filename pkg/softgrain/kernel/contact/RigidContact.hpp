@@ -1,5 +1,9 @@
 // Two rigid bodies at the place where they touch, or may in the coming step, and that one contact
 // as the sweeps see it: all in one piece, without memory of its own.
+//
+// An overlap asks for no velocity here, which would shake a packing under pressure for ever: bodies
+// are moved apart after the solve (`separate`), without gaining speed
+// (doc/decisions/0020-rigid-contact-dynamics.md).
 #pragma once
 
 #include "contact/PairSolver.hpp"
@@ -25,10 +29,16 @@ template <int dim> struct RigidContact {
 template <int dim> class RigidContactSolver {
 public:
 	void prepare(RigidContact<dim>& contact, std::vector<RigidPartner<dim>>& partners,
-		     double dt, const SolverSettings& settings);
+		     double dt);
 	SweepChange sweep(SweepOrder order);
 	ResidualSum residual() const;
 	void finish();
+	/// After the velocities are solved: how far the bodies are to be moved apart. False where
+	/// the overlap at the end of the step may stay.
+	bool findSeparation(double dt, const SolverSettings& settings);
+	/// Moves the bodies so far apart by RigidPartner::shift and turn, others held, or back by
+	/// what this contact has moved them before; lets gaps close, but not overlap.
+	void separate();
 	int contacts() const { return 1; }
 	int active() const { return c_.impulse.isZero(0) ? 0 : 1; }
 
@@ -44,6 +54,8 @@ private:
 	RigidPartner<dim>*first_, *second_;
 	bool firstMoves_, secondMoves_, solvable_;
 	double friction_;
+	double separation_; ///< wanted at the end of the step, m; negative: so far it may close
+	double pushed_;     ///< what `separate` did so far, kg m
 	RigidContact<dim>* contact_; ///< valid for the step
 };
 

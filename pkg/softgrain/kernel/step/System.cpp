@@ -360,6 +360,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 			&rigidContacts_);
 	clock.end("prepare");
 	report.solver = solver_.solve();
+	solver_.separateRigidBodies(settings.dt);
 	clock.end("solve");
 	correctVelocities(touched, settings);
 	clock.end("correctVelocities");

@@ -118,7 +118,8 @@ public:
 	bool isAsleep(int g) const { return setOf(g).isAsleep(indexInSet(g)); }
 	std::vector<BodyLoad<dim>>& loads() { return loads_; }
 	/// Rigid bodies that take part in the contacts of the next step, with the velocities that
-	/// they get without contact; the step changes them.
+	/// they get without contact; the step changes them, and tells how far they are to be moved
+	/// out of overlaps with each other besides.
 	std::vector<RigidPartner<dim>>& rigidPartners() { return partners_; }
 	/// Contacts of these with each other in the next step, in the order of the sweeps; they
 	/// receive their impulses.
