@@ -224,9 +224,10 @@ template <int dim> std::optional<RigidContact<dim>> contactOf(const RigidContact
 			"two rigid bodies touch out of the plane of 2D soft grains: put their "
 			"centres into that plane");
 	}
-	return RigidContact<dim> { d.first, d.second,   toKernel<dim>(d.point),
-				   toKernel<dim>(d.normal), d.gap,    d.size,
-				   d.friction,   toKernel<dim>(d.impulse) };
+	return RigidContact<dim> {
+		d.first, d.second,   toKernel<dim>(d.point),  toKernel<dim>(d.normal), d.gap,
+		d.size,  d.friction, toKernel<dim>(d.impulse)
+	};
 }
 
 /// Gaps are differences of positions in space: 1e8 radii from the origin they are good to 1e-7 dr.

@@ -1,10 +1,12 @@
 // Contacts of rigid bodies with each other in a step: from YADE's interactions to the kernel, and
 // the forces back.
-#include "RigidContact.hpp"
+#include "NonsmoothLaw.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrainIntegrator.hpp"
 
+#include <limits>
 #include <sstream>
+#include <tuple>
 
 namespace yade {
 
@@ -81,11 +83,12 @@ bool SoftGrainIntegrator::listRigidContacts()
 	if (!law) return false;
 	for (const auto& I : *scene->interactions)
 		if (I->isReal() && I->functorCache.constLaw.get() == law)
-			rigidInteractions_.push_back(I.get());
+			rigidInteractions_.push_back({ std::min(I->getId1(), I->getId2()),
+						       std::max(I->getId1(), I->getId2()),
+						       I.get() });
 	std::sort(rigidInteractions_.begin(), rigidInteractions_.end(),
-		  [](const Interaction* a, const Interaction* b) {
-			  return std::minmax(a->getId1(), a->getId2()) <
-				 std::minmax(b->getId1(), b->getId2());
+		  [](const RigidInteraction& a, const RigidInteraction& b) {
+			  return std::tie(a.lower, a.higher) < std::tie(b.lower, b.higher);
 		  });
 	return true;
 }
@@ -94,7 +97,8 @@ bool SoftGrainIntegrator::listRigidContacts()
 void SoftGrainIntegrator::describeRigidContacts()
 {
 	rigidContacts_.clear();
-	for (const Interaction* I : rigidInteractions_) {
+	for (const RigidInteraction& entry : rigidInteractions_) {
+		const Interaction* I = entry.interaction;
 		const Bodies ids = bodiesOf(*I, *scene);
 		const Body &first = *(*scene->bodies)[ids.first],
 			   &second = *(*scene->bodies)[ids.second];
@@ -106,10 +110,9 @@ void SoftGrainIntegrator::describeRigidContacts()
 				") meet under Law2_ScGeom_FrictPhys_Nonsmooth, which is for a "
 				"Sphere against a Sphere, Facet, Box or Wall");
 		if (!(phys.tangensOfFrictionAngle >= 0))
-			throw std::runtime_error(
-				namesOf(*I) + ": tangensOfFrictionAngle = " +
-				std::to_string(phys.tangensOfFrictionAngle) +
-				" is outside the admissible range [0, inf)");
+			throw std::runtime_error(namesOf(*I) + ": tangensOfFrictionAngle = " +
+						 std::to_string(phys.tangensOfFrictionAngle) +
+						 " is outside the admissible range [0, inf)");
 		RigidContactDescription d;
 		describePlace(first, second, static_cast<const ScGeom&>(*I->geom), d);
 		d.first = numberOf(first);
@@ -129,7 +132,7 @@ void SoftGrainIntegrator::stopOnRigidOverlap() const
 		const RigidContactDescription& d = rigidContacts_[k];
 		if (-d.gap <= maxOverlap * d.size) continue;
 		std::ostringstream message;
-		message << "rigid " << namesOf(*rigidInteractions_[k]) << " overlap by "
+		message << "rigid " << namesOf(*rigidInteractions_[k].interaction) << " overlap by "
 			<< -d.gap / d.size * sizeOverRadius << " radii of the smaller, more than "
 			<< sizeOverRadius << " maxOverlap = " << sizeOverRadius * maxOverlap
 			<< ". Hint: start from less overlap, reduce O.dt, or load more slowly";
@@ -144,9 +147,10 @@ void SoftGrainIntegrator::leaveSeamsOut()
 {
 	onPlates_.clear();
 	for (std::size_t k = 0; k < rigidContacts_.size(); ++k) {
-		const Body& first = *(*scene->bodies)[rigidInteractions_[k]->getId1()];
+		const Interaction& I = *rigidInteractions_[k].interaction;
+		const Body& first = *(*scene->bodies)[I.getId1()];
 		if (asSphere(first) || dynamic_cast<const Wall*>(first.shape.get())) continue;
-		onPlates_.push_back({ rigidInteractions_[k]->getId2(), static_cast<int>(k) });
+		onPlates_.push_back({ I.getId2(), static_cast<int>(k) });
 	}
 	if (onPlates_.empty()) return;
 	std::sort(onPlates_.begin(), onPlates_.end());
@@ -177,7 +181,7 @@ void SoftGrainIntegrator::publishRigidContacts()
 {
 	for (std::size_t k = 0; k < rigidContacts_.size(); ++k) {
 		const RigidContactDescription& d = rigidContacts_[k];
-		const Interaction& I = *rigidInteractions_[k];
+		const Interaction& I = *rigidInteractions_[k].interaction;
 		const Bodies ids = bodiesOf(I, *scene);
 		const Vector3r force = d.impulse / scene->dt;
 		FrictPhys& phys = static_cast<FrictPhys&>(*I.phys);

@@ -135,9 +135,10 @@ void SoftGrainIntegrator::checkEngines() const
 		if (engine.get() == this) seenThis = true;
 		if (seenThis && YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return;
 	}
-	throw std::runtime_error("there is no NewtonIntegrator after it in O.engines, which carries "
-				 "State along. "
-				 "See sg.engines()");
+	throw std::runtime_error(
+		"there is no NewtonIntegrator after it in O.engines, which carries "
+		"State along. "
+		"See sg.engines()");
 }
 
 int SoftGrainIntegrator::threads() const
@@ -156,7 +157,8 @@ void SoftGrainIntegrator::chooseTimeStep()
 	if (assembly_->grains() == 0) {
 		if (scene->dt == defaultTimeStep())
 			throw std::runtime_error(
-				"O.dt is not set, and contact dynamics of rigid bodies alone has no "
+				"O.dt is not set, and contact dynamics of rigid bodies alone has "
+				"no "
 				"critical time step: assign O.dt such that no body moves further "
 				"than 0.05 of its radius in a step");
 		return;

@@ -101,7 +101,11 @@ private:
 	std::vector<softgrain::RigidMotionDescription> partners_;
 	std::vector<int> movers_;   ///< ids of the bodies that move so
 	std::vector<int> numberOf_; ///< in `partners_`, by id; -1: none
-	std::vector<Interaction*> rigidInteractions_; ///< of Law2_ScGeom_FrictPhys_Nonsmooth
+	struct RigidInteraction {
+		int lower, higher; ///< ids of its bodies
+		Interaction* interaction;
+	};
+	std::vector<RigidInteraction> rigidInteractions_; ///< of Law2_ScGeom_FrictPhys_Nonsmooth
 	std::vector<softgrain::RigidContactDescription> rigidContacts_; ///< one for each
 	std::vector<std::pair<int, int>> onPlates_; ///< spheres by id, contact on a facet or box
 	softgrain::PhaseClock clock_;

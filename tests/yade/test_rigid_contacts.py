@@ -151,7 +151,9 @@ def test_impact_keeps_momentum_and_does_not_bounce():
         states = [b.state for b in (first, second)]
         return (
             sum(s.mass * np.array(s.vel) for s in states),
-            sum(s.mass * np.cross(s.pos, s.vel) + s.inertia[0] * np.array(s.angVel) for s in states),
+            sum(
+                s.mass * np.cross(s.pos, s.vel) + s.inertia[0] * np.array(s.angVel) for s in states
+            ),
         )
 
     linear, angular = momenta()
@@ -195,9 +197,7 @@ def test_seams_are_not_felt(kind):
         for x in np.arange(-3, 12, 3) * R:
             a, b = Vector3(x, -3 * R, 0), Vector3(x + 3 * R, -3 * R, 0)
             c, d = Vector3(x + 3 * R, 3 * R, 0), Vector3(x, 3 * R, 0)
-            O.bodies.append(
-                [utils.facet((a, b, c), material=material()), utils.facet((a, c, d))]
-            )
+            O.bodies.append([utils.facet((a, b, c), material=material()), utils.facet((a, c, d))])
     else:
         for x in np.arange(-3, 12, 3) * R:
             box = utils.box((x + 1.5 * R, 0, -R), (1.5 * R, 3 * R, R), fixed=True)
@@ -299,7 +299,9 @@ def test_rigid_and_soft_in_one_solve():
     for _ in range(600):
         run(1)
         kinds |= {
-            (type(i.geom).__name__, i.phys.normalForce.norm() > 0) for i in O.interactions if i.isReal
+            (type(i.geom).__name__, i.phys.normalForce.norm() > 0)
+            for i in O.interactions
+            if i.isReal
         }
     assert {("SoftGeom", True), ("ScGeom", True)} <= kinds
     np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * abs(before[0]))

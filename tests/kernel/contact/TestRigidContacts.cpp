@@ -58,7 +58,8 @@ RigidBodies<dim> randomBodies(unsigned seed, int count, double share, double fri
 			c.first = a;
 			c.second = b;
 			c.point = bodies.body[a].centre + random.uniform(0.2, 0.8) * arm;
-			c.normal = (arm.normalized() + offset * random.direction<dim>()).normalized();
+			c.normal =
+				(arm.normalized() + offset * random.direction<dim>()).normalized();
 			c.gap = random.uniform(0, 0.1);
 			c.size = 1;
 			c.friction = friction;
@@ -126,8 +127,8 @@ TEST_CASE("a stack of ten bears its weight", "[rigid]")
 		p.inverseMass.setConstant(1 / mass);
 		p.inverseInertia(0, 0) = 2 / (mass * radius * radius);
 		p.velocity = Vec<2>(0, -weight / mass); // after a step of 1 s
-		stack.contacts.push_back({ k - 1, k, Vec<2>(0, (2 * k - 1) * radius), Vec<2>(0, 1), 0,
-					   1, 0.5, Vec<2>::Zero() });
+		stack.contacts.push_back({ k - 1, k, Vec<2>(0, (2 * k - 1) * radius), Vec<2>(0, 1),
+					   0, 1, 0.5, Vec<2>::Zero() });
 	}
 	const SolverReport report = stack.solve(1e-13);
 	REQUIRE(report.converged);

@@ -19,8 +19,7 @@ void RigidContactSolver<dim>::prepare(RigidContact<dim>& contact,
 	friction_ = contact.friction;
 	c_.normal = contact.normal;
 	c_.bias = std::max(contact.gap, 0.) / dt;
-	solvable_ = c_.setMobility(first_->mobilityAt(firstArm_) +
-				   second_->mobilityAt(secondArm_));
+	solvable_ = c_.setMobility(first_->mobilityAt(firstArm_) + second_->mobilityAt(secondArm_));
 	c_.impulse = onCone<dim>(contact.impulse, c_.normal, friction_);
 	if (!solvable_) c_.impulse.setZero();
 	push(c_.impulse);

@@ -43,7 +43,7 @@ template <int dim> struct RigidPartner {
 	Eigen::Matrix<double, spins, spins> inverseInertia =
 		Eigen::Matrix<double, spins, spins>::Zero();
 
-	Vec<dim> shift = Vec<dim>::Zero(); ///< out of overlaps, besides its motion, m
+	Vec<dim> shift = Vec<dim>::Zero();  ///< out of overlaps, besides its motion, m
 	Spin<dim> turn = Spin<dim>::Zero(); ///< the same, rad
 
 	/// Whether impulses change its motion.

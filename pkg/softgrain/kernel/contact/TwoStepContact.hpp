@@ -39,8 +39,8 @@ template <int dim> struct TwoStepContact {
 	double Wn, Wt;     ///< W_nn and W_t, 1/kg
 	double bias;       ///< b, m/s
 
-	/// False if no impulse moves the place along the normal. Where none moves it across, friction
-	/// is found by another W_t: the sliding velocity is what it is.
+	/// False if no impulse moves the place along the normal. Where none moves it across,
+	/// friction is found by another W_t: the sliding velocity is what it is.
 	bool setMobility(const Mat<dim>& W)
 	{
 		ofNormal = W * normal;

@@ -250,7 +250,7 @@ private:
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
 	std::vector<RigidContact<dim>> rigidContacts_;
-	std::vector<int> rate_;                   ///< by grain
+	std::vector<int> rate_; ///< by grain
 	bool multirate_ = false, ratesChosen_ = false;
 	std::vector<int> damped_; ///< grains with damping
 	/// Smallest undeformed critical step over the rate of the others, s.

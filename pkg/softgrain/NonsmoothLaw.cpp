@@ -1,4 +1,4 @@
-#include "RigidContact.hpp"
+#include "NonsmoothLaw.hpp"
 #include "SoftGrainIntegrator.hpp"
 
 namespace yade {
@@ -55,8 +55,8 @@ bool Ig2_Sphere_Sphere_ScGeom_Ahead::go(const shared_ptr<Shape>& shape1,
 			[&](const shared_ptr<Shape>& grown) {                                      \
 				return Base::go(shape1, grown, state1, state2, shift2, force, I);  \
 			},                                                                         \
-			shape2, nonsmoothReach* radius, PointMoves, I);                            \
-		if (found) static_cast<ScGeom&>(*I->geom).radius1 = (Radius1)*radius;              \
+			shape2, nonsmoothReach * radius, PointMoves, I);                           \
+		if (found) static_cast<ScGeom&>(*I->geom).radius1 = (Radius1) * radius;            \
 		return found;                                                                      \
 	}
 SOFTGRAIN_GO_AHEAD(Ig2_Facet_Sphere_ScGeom, true, 2)
