@@ -23,8 +23,8 @@ constexpr double changePerResidual = 2;
 /// is solved (10 000 disks: half the time; fewer pairs: in vain).
 constexpr int pairsInCache = 4000;
 
-/// Sweeps that move rigid bodies out of overlaps. With fewer, what is pushed at one end of a packing
-/// overlaps at the other: after 4 a squeezed packing creeps
+/// Sweeps that move rigid bodies out of overlaps. With fewer, what is pushed at one end of a
+/// packing overlaps at the other: after 4 a squeezed packing creeps
 /// (doc/decisions/0020-rigid-contact-dynamics.md).
 constexpr int separatingSweeps = 20;
 
@@ -50,7 +50,8 @@ void ContactSolver<dim>::plan(const std::vector<ContactList<dim>*>& lists, int g
 	}
 	if (rigidContacts)
 		for (const RigidContact<dim>& c : *rigidContacts) {
-			const bool both = (*partners)[c.first].moves() && (*partners)[c.second].moves();
+			const bool both =
+				(*partners)[c.first].moves() && (*partners)[c.second].moves();
 			const int first = (*partners)[c.first].moves() ? c.first : c.second;
 			bodiesOf_.push_back({ grains + first, both ? grains + c.second : -1 });
 		}
@@ -90,7 +91,8 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 		const auto [kind, index] = slot_[k];
 		const int pair = plan_.pairs[k];
 		if (kind == Kind::rigid)
-			rigidContacts_[index].prepare((*rigidContacts)[pair - listed], *partners, dt);
+			rigidContacts_[index].prepare((*rigidContacts)[pair - listed], *partners,
+						      dt);
 		else if (kind == Kind::grainOnRigid)
 			rigidPairs_[index].prepare(bodies, *inContact_[pair], *partners, dt,
 						   settings);

@@ -109,8 +109,8 @@ private:
 		int index;
 	};
 	SweepPlan plan_;
-	std::vector<ContactList<dim>*> inContact_; ///< lists with contacts
-	std::vector<BodiesOfPair> bodiesOf_;       ///< of these, then of the rigid contacts
+	std::vector<ContactList<dim>*> inContact_;     ///< lists with contacts
+	std::vector<BodiesOfPair> bodiesOf_;           ///< of these, then of the rigid contacts
 	std::vector<Slot> slot_;                       ///< task by task
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare
 	std::vector<RigidPairSolver<dim>> rigidPairs_; ///< the same with rigid bodies
