@@ -309,7 +309,7 @@ def test_rigid_and_soft_in_one_solve():
 
 
 def test_rigid_is_the_limit_of_stiff_soft():
-    """Disks in a column under a load: a stiff soft one in the middle bears what a rigid one does."""
+    """Disks in a column: a stiff soft one in the middle bears what a rigid one does."""
     reactions = []
     for young in (None, 1e8):
         O.reset()
