@@ -219,6 +219,21 @@ template <int dim> RigidPartner<dim> partnerOf(const RigidMotionDescription& d)
 	return p;
 }
 
+/// None for a contact across the plane of 2D grains, in which it does nothing.
+template <int dim> std::optional<RigidContact<dim>> contactOf(const RigidContactDescription& d)
+{
+	if (dim == 2 && std::abs(d.normal[2]) > 1e-9) {
+		if (std::abs(d.normal[2]) > 1 - 1e-9) return std::nullopt;
+		throw std::invalid_argument(
+			"two rigid bodies touch out of the plane of 2D soft grains: put their "
+			"centres into that plane");
+	}
+	return RigidContact<dim> {
+		d.first, d.second,   toKernel<dim>(d.point),  toKernel<dim>(d.normal), d.gap,
+		d.size,  d.friction, toKernel<dim>(d.impulse)
+	};
+}
+
 /// Gaps are differences of positions in space: 1e8 radii from the origin they are good to 1e-7 dr.
 void requireDigits(const GrainDescription& d)
 {
@@ -233,6 +248,7 @@ void requireDigits(const GrainDescription& d)
 
 template <int dim> class GrainAssemblyOf : public GrainAssembly {
 public:
+	/// In 2D there must be a grain.
 	GrainAssemblyOf(const std::vector<GrainDescription>& grains, const GrainAssembly* last)
 		: z_(dim == 2 ? grains.front().position[2] : 0.)
 	{
@@ -330,7 +346,8 @@ public:
 	void checkRigidBody(const RigidBodyDescription& body) const override { surfaceOf(body); }
 
 	StepReport step(const StepSettings& settings, const std::vector<PairContacts*>& pairs,
-			const std::vector<RigidMotionDescription>& partners) override
+			std::vector<RigidMotionDescription>& partners,
+			std::vector<RigidContactDescription>& rigidContacts) override
 	{
 		system_.rigidPartners().clear();
 		for (const RigidMotionDescription& partner : partners)
@@ -338,7 +355,15 @@ public:
 		std::vector<ContactList<dim>*> lists;
 		for (PairContacts* pair : pairs)
 			lists.push_back(&listOf(*pair));
+		listRigidContacts(rigidContacts);
 		StepReport report = system_.step(settings, lists);
+		for (std::size_t k = 0; k < solvedContacts_.size(); ++k)
+			solvedContacts_[k]->impulse =
+				toSpace<dim>(system_.rigidContacts()[k].impulse);
+		for (std::size_t k = 0; k < partners.size(); ++k) {
+			partners[k].shift = toSpace<dim>(system_.rigidPartners()[k].shift);
+			partners[k].turn = angularToSpace<dim>(system_.rigidPartners()[k].turn);
+		}
 		report.work.pairs = searchedPairs_.exchange(0);
 		report.work.candidates = testedCandidates_.exchange(0);
 		return report;
@@ -464,6 +489,19 @@ private:
 		return static_cast<PairContactsOf<dim>&>(pair).list;
 	}
 
+	void listRigidContacts(std::vector<RigidContactDescription>& descriptions)
+	{
+		system_.rigidContacts().clear();
+		solvedContacts_.clear();
+		for (RigidContactDescription& d : descriptions) {
+			const auto contact = contactOf<dim>(d);
+			d.impulse.setZero();
+			if (!contact) continue;
+			system_.rigidContacts().push_back(*contact);
+			solvedContacts_.push_back(&d);
+		}
+	}
+
 	std::optional<RigidSurface<dim>> surfaceOf(const RigidBodyDescription& body) const
 	{
 		if (system_.setOf(0).reference().recipe.contact == ContactGeometry::nodes)
@@ -542,6 +580,8 @@ private:
 				  testedCandidates_ = 0; ///< since the last step
 	System<dim> system_;
 	Templates templates_;
+	/// Where the impulses of the system's rigid contacts go, in the step at hand.
+	std::vector<RigidContactDescription*> solvedContacts_;
 	std::vector<int> id_; ///< of the YADE body by index in the system
 	double slowestWave_;  ///< m/s
 	double z_;
@@ -568,6 +608,11 @@ std::shared_ptr<GrainAssembly> GrainAssembly::create(const std::vector<GrainDesc
 	}
 	if (grains.front().dim == 2) return std::make_shared<GrainAssemblyOf<2>>(grains, last);
 	return std::make_shared<GrainAssemblyOf<3>>(grains, last);
+}
+
+std::shared_ptr<GrainAssembly> GrainAssembly::createWithoutGrains()
+{
+	return std::make_shared<GrainAssemblyOf<3>>(std::vector<GrainDescription>(), nullptr);
 }
 
 } // namespace softgrain

@@ -62,6 +62,18 @@ struct RigidMotionDescription {
 	Vec3 freeVelocity, freeAngularVelocity; ///< in half a step, without contact
 	Vec3 inverseMass;                       ///< along each axis of space, 1/kg; 0: held
 	Mat3 inverseInertia;                    ///< in the axes of space, 1/(kg m^2); 0: held
+	/// By the step: out of overlaps with other rigid bodies, besides the motion, m and rad.
+	Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();
+};
+
+/// Two rigid bodies where they touch, or may in the coming step.
+struct RigidContactDescription {
+	int first, second;  ///< numbers of their RigidMotionDescription
+	Vec3 point, normal; ///< m; unit, from the first to the second
+	double gap;         ///< m, negative for an overlap
+	double size;        ///< what the spacing of material points is to soft grains, m
+	double friction;    ///< mu
+	Vec3 impulse;       ///< on the second, N s: the last one, after a step the solved one
 };
 
 /// One grain as a rigid body would show.
@@ -134,6 +146,8 @@ public:
 	/// admissible range.
 	static std::shared_ptr<GrainAssembly> create(const std::vector<GrainDescription>& grains,
 						     const GrainAssembly* last = nullptr);
+	/// For contacts of rigid bodies alone, in three dimensions.
+	static std::shared_ptr<GrainAssembly> createWithoutGrains();
 
 	virtual int grains() const = 0;
 	virtual int templates() const = 0; ///< that the grains share
@@ -158,10 +172,13 @@ public:
 			    double dt) const = 0;
 	/// Throws std::invalid_argument if grains cannot touch the body, saying why.
 	virtual void checkRigidBody(const RigidBodyDescription& body) const = 0;
-	/// `partners`: motions of the rigid bodies in contact, as the pairs number them.
+	/// `partners`: motions of the rigid bodies in contact, as the pairs number them. Contacts
+	/// of these with each other are swept in the given order. In 2D throws
+	/// std::invalid_argument for one whose normal is neither in the plane nor across it.
 	virtual StepReport step(const StepSettings& settings,
 				const std::vector<PairContacts*>& pairs,
-				const std::vector<RigidMotionDescription>& partners) = 0;
+				std::vector<RigidMotionDescription>& partners,
+				std::vector<RigidContactDescription>& rigidContacts) = 0;
 	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
 
 	/// Another load than before wakes a sleeping grain, and so does `moveRigidly`.

@@ -4,8 +4,6 @@
 #include "SoftContact.hpp"
 #include "SoftGrainIntegrator.hpp"
 
-#include <map>
-
 namespace yade {
 
 using softgrain::Vec3;
@@ -38,7 +36,8 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 	if (newton.damping != 0 && state.isDamped)
 		throw std::runtime_error(
 			nameOf(body) +
-			" touches soft grains and is free, but NewtonIntegrator.damping = " +
+			" takes part in contact dynamics and is free, but NewtonIntegrator.damping "
+			"= " +
 			std::to_string(newton.damping) +
 			" would damp the reactions; set NewtonIntegrator.damping = 0, or "
 			"state.isDamped = False for this body");
@@ -47,7 +46,7 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 	if (translates && !(state.mass > 0))
 		throw std::runtime_error(
 			nameOf(body) +
-			" touches soft grains and is free to move, but state.mass = " +
+			" takes part in contact dynamics and is free to move, but state.mass = " +
 			std::to_string(state.mass) + "; admissible: (0, inf) kg");
 	if (turns && YADE_PTR_DYN_CAST<Wall>(body.shape))
 		throw std::runtime_error(
@@ -56,7 +55,7 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 			"'XYZ' in state.blockedDOFs, or use a Box");
 	if (turns && !(state.inertia.minCoeff() > 0))
 		throw std::runtime_error(nameOf(body) +
-					 " touches soft grains and is free to turn, but "
+					 " takes part in contact dynamics and is free to turn, but "
 					 "state.inertia has a component that is not in (0, inf)");
 }
 
@@ -70,7 +69,7 @@ void addForces(const Body& body, Scene& scene, Vec3& force, Vec3& torque)
 			.addForceTorqueFromMembers(body.state.get(), &scene, force, torque);
 }
 
-/// What NewtonIntegrator would make of a body in this step without contact with soft grains.
+/// What NewtonIntegrator would make of a body in this step without contact dynamics.
 softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 					   const NewtonIntegrator& newton)
 {
@@ -136,22 +135,30 @@ const SoftGrain& SoftGrainIntegrator::softGrainOf(const Interaction& I) const
 }
 
 /// Numbers the rigid bodies in contact; O.forces hold all that else acts on them.
-std::vector<softgrain::RigidMotionDescription>
-SoftGrainIntegrator::rigidPartners(const std::vector<Interaction*>& interactions)
+void SoftGrainIntegrator::describeRigidBodies(const std::vector<Interaction*>& interactions)
 {
-	std::vector<softgrain::RigidMotionDescription> partners;
-	std::map<Body::id_t, int> number;
-	const NewtonIntegrator& newton = newtonIntegrator(*scene);
+	partners_.clear();
+	movers_.clear();
+	numberOf_.assign(scene->bodies->size(), -1);
+	newton_ = &newtonIntegrator(*scene);
 	for (const Interaction* I : interactions) {
 		softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
-		if (!pair.hasRigidBody()) continue;
-		const Body& mover = moverOf(rigidBodyOf(*I), *scene);
-		const auto [entry, isNew] =
-			number.emplace(mover.getId(), static_cast<int>(partners.size()));
-		if (isNew) partners.push_back(motionOf(mover, *scene, newton));
-		pair.setPartner(entry->second);
+		if (pair.hasRigidBody()) pair.setPartner(numberOf(rigidBodyOf(*I)));
 	}
-	return partners;
+	describeRigidContacts();
+}
+
+/// Number of the motion of a body in the step at hand, described when first asked for.
+int SoftGrainIntegrator::numberOf(const Body& body)
+{
+	const Body& mover = moverOf(body, *scene);
+	int& number = numberOf_[mover.getId()];
+	if (number < 0) {
+		number = static_cast<int>(partners_.size());
+		partners_.push_back(motionOf(mover, *scene, *newton_));
+		movers_.push_back(mover.getId());
+	}
+	return number;
 }
 
 /// Bodies that soft grains cannot touch as they stand.
@@ -174,7 +181,7 @@ void SoftGrainIntegrator::publishReactions(const Interaction& I, Real kick)
 	const softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I.geom).pair;
 	const softgrain::SumOfImpulses sum = pair.impulse();
 	const Body& body = rigidBodyOf(I);
-	const bool free = isFree(moverOf(body, *scene), newtonIntegrator(*scene));
+	const bool free = isFree(moverOf(body, *scene), *newton_);
 	SoftPhys& phys = static_cast<SoftPhys&>(*I.phys);
 	phys.kn = phys.ks = free ? 0 : nominalStiffness(softGrainOf(I), *scene);
 	if (sum.active == 0) return;

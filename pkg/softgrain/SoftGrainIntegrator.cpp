@@ -62,8 +62,14 @@ void SoftGrainIntegrator::action()
 void SoftGrainIntegrator::advance()
 {
 	clock_.start(TimingInfo::enabled);
+	const bool rigidContacts = listRigidContacts();
 	assembly_ = assembleScene(*scene);
-	if (!assembly_) return;
+	if (!assembly_ && !rigidContacts) return;
+	if (!assembly_) {
+		if (!withoutGrains_)
+			withoutGrains_ = softgrain::GrainAssembly::createWithoutGrains();
+		assembly_ = withoutGrains_;
+	}
 	checkEngines();
 	if (loaded_) continueSavedRun();
 	assembly_->setMultirate(multirate);
@@ -80,15 +86,17 @@ void SoftGrainIntegrator::advance()
 	stopOnOverlap(interactions);
 	clock_.end("softInteractions");
 	applyLoads();
-	const auto partners = rigidPartners(interactions);
+	describeRigidBodies(interactions);
 	clock_.end("applyLoads");
 
 	std::vector<softgrain::PairContacts*> pairs;
 	for (const Interaction* I : interactions)
 		pairs.push_back(static_cast<SoftGeom&>(*I->geom).pair.get());
-	const auto report = assembly_->step(settings(), pairs, partners);
+	const auto report = assembly_->step(settings(), pairs, partners_, rigidContacts_);
 
 	publishForces(interactions, report.kick);
+	publishRigidContacts();
+	moveApart();
 	clock_.end("publishForces");
 	publishMotions();
 	clock_.end("publishMotions");
@@ -150,9 +158,10 @@ void SoftGrainIntegrator::checkEngines() const
 				"O.dt between contact and motion; put it before");
 	}
 	if (seenNewton) return;
-	throw std::runtime_error("there is no NewtonIntegrator after it in O.engines; soft grains "
-				 "need one to carry their State along. "
-				 "See sg.engines()");
+	throw std::runtime_error(
+		"there is no NewtonIntegrator after it in O.engines, which carries "
+		"State along. "
+		"See sg.engines()");
 }
 
 int SoftGrainIntegrator::threads() const
@@ -183,6 +192,15 @@ void SoftGrainIntegrator::followDeformation(Real undeformed)
 /// set for the undeformed scene before the first step); a value of the user's is only checked.
 void SoftGrainIntegrator::chooseTimeStep()
 {
+	if (assembly_->grains() == 0) {
+		if (scene->dt == defaultTimeStep())
+			throw std::runtime_error(
+				"O.dt is not set, and contact dynamics of rigid bodies alone has "
+				"no "
+				"critical time step: assign O.dt such that no body moves further "
+				"than 0.05 of its radius in a step");
+		return;
+	}
 	const Real undeformed = assembly_->criticalTimeStep();
 	criticalDt = assembly_->presentCriticalTimeStep();
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
@@ -308,6 +326,7 @@ bool isTouched(const Shape& shape)
 std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 {
 	std::vector<Interaction*> found;
+	if (assembly_->grains() == 0) return found;
 	for (const auto& I : *scene->interactions) {
 		const auto &b1 = (*scene->bodies)[I->getId1()], &b2 = (*scene->bodies)[I->getId2()];
 		if (!b1 || !b2) continue;
@@ -369,7 +388,8 @@ softgrain::StepSettings SoftGrainIntegrator::settings()
 	s.solver.tolerance = tolerance;
 	s.solver.maxSweeps = maxSweeps;
 	s.solver.overlapRelaxation = overlapRelaxation;
-	s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
+	if (assembly_->grains() > 0)
+		s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
 	s.trackEnergy = scene->trackEnergy;
 	s.rigidMotion = rigidMotion;
 	s.sleep = sleep;

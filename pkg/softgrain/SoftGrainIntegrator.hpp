@@ -20,13 +20,13 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGrainIntegrator, GlobalEngine,
-		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies. Free rigid bodies in contact with soft grains take part in the contact dynamics with their mass and inertia, at the velocity that :yref:`NewtonIntegrator` would give them: whatever else puts forces on them stands before this engine, and *damping* must be 0 (or their :yref:`State.isDamped` False); it does not reach soft grains, which have the damping of their :yref:`SoftMat`. Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads (weight: that of the unscaled mass, see :yref:`SoftMat.massScaling`). Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; positions and velocities are then those before the step, readable and savable.",
+		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. Contacts of rigid bodies with each other under :yref:`Law2_ScGeom_FrictPhys_Nonsmooth` are solved in the same contact dynamics, also in a scene without soft grains. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies. Free rigid bodies in these contacts take part in the contact dynamics with their mass and inertia, at the velocity that :yref:`NewtonIntegrator` would give them: whatever else puts forces on them stands before this engine, and *damping* must be 0 (or their :yref:`State.isDamped` False); it does not reach soft grains, which have the damping of their :yref:`SoftMat`. Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads (weight: that of the unscaled mass, see :yref:`SoftMat.massScaling`). Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; positions and velocities are then those before the step, readable and savable.",
 		((Real, timeStepFraction, 0.8, Attr::triggerPostLoad, "Fraction of the critical time step that O.dt is kept at or up to 30 % below while grains deform (it changes seldom, by jumps), in (0, 1] [-]. Assigning O.dt by hand ends that: then O.dt is left alone and only refused when too large. An active :yref:`TimeStepper`, which must stand before, is for the rigid bodies: the smaller of both steps is taken."))
 		((Real, tolerance, 1e-2, Attr::triggerPostLoad, "Residual of the contact conditions at which the sweeps of a step end, > 0 [-]. See *residual*."))
 		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on sweeps per step, ≥ 1; below 4 grains at rest may vibrate ever more. Steps that hit it with a *residual* above *tolerance* are counted in *cappedSteps*."))
 		((Real, overlapRelaxation, 0.1, Attr::triggerPostLoad, "Share of an overlap worked off per step, in [0, 1] [-]; at once would throw grains apart."))
-		((Real, overlapSpeed, 1e-3, Attr::triggerPostLoad, "Cap on the speed at which overlaps are worked off, over the slowest wave speed of the grains, ≥ 0 [-]."))
-		((Real, maxOverlap, 1, Attr::triggerPostLoad, "Overlap at which the run stops, over the spacing of material points, > 0 [-]."))
+		((Real, overlapSpeed, 1e-3, Attr::triggerPostLoad, "Cap on the speed at which overlaps are worked off, over the slowest wave speed of the grains, ≥ 0 [-]. Rigid bodies that overlap each other are moved apart without gaining speed, and without a cap."))
+		((Real, maxOverlap, 1, Attr::triggerPostLoad, "Overlap at which the run stops, over the spacing of material points (of two rigid bodies: a tenth of the smaller radius, here and in *overlap*), > 0 [-]."))
 		((bool, rigidMotion, true, , "Whether grains that are undeformed and have no contact point within reach move as rigid bodies, at next to no cost: momentum and angular momentum are kept to rounding, and they are woken in the step in which a contact point comes within reach, before contacts are solved. Their nodes, stress and outline are made when asked for. Grains that spin at their rim with more than a hundredth of their wave speed, and formulation 'updated', are always computed. See doc/decisions/0014-inactive-grains.md."))
 		((bool, multirate, false, , "Whether small or stiff grains take steps of their own: O.dt is that of the grain with the shortest critical step, contacts and motion go by it, and stresses and internal forces of a grain whose critical step, undeformed, is n times as long are computed every n-th step and act until the next time (*rates*). Momentum is kept to rounding, angular momentum over n steps; energies ripple as in a scene of slow grains alone with a time step of their own. Grains with formulation 'updated' or velocityUpdate 'flip' are computed in every step; a scene whose critical steps differ by less than a factor of two runs as without. O.dt should change seldom, as it does by itself. See doc/decisions/0018-multirate.md."))
 		((bool, sleep, true, , "Whether damped grains (:yref:`SoftMat.massDamping`, :yref:`SoftMat.stiffnessDamping`) that came to rest sleep: nodes, stress and contact forces stay as they are, and nothing is searched, solved or moved for them. All grains connected by contact points within reach fall asleep together, once the kinetic energy of each has been below 1e-8 of its elastic energy for four periods of its slowest vibration times the number of grains across, if they lie on a Wall, none of their walls moves, and all are damped. They are woken together, with their impulses, by anything within reach that is not asleep, by a Wall that moves or was moved, and by a change of load, State, friction, material or number of bodies. What they still had of kinetic energy and momentum is dropped and counted. Undeformed grains that touch nothing, do not move and bear no load sleep as well, damped or not. See doc/decisions/0014-inactive-grains.md."))
@@ -80,8 +80,14 @@ private:
 	softgrain::StepSettings settings();
 	const Body& rigidBodyOf(const Interaction& I) const;
 	const SoftGrain& softGrainOf(const Interaction& I) const;
-	std::vector<softgrain::RigidMotionDescription>
-	rigidPartners(const std::vector<Interaction*>& interactions);
+	bool listRigidContacts();
+	void describeRigidBodies(const std::vector<Interaction*>& interactions);
+	void describeRigidContacts();
+	int numberOf(const Body& body);
+	void stopOnRigidOverlap() const;
+	void leaveSeamsOut();
+	void publishRigidContacts();
+	void moveApart() const;
 	void checkRigidBodies(const std::vector<Interaction*>& interactions) const;
 	void publishForces(const std::vector<Interaction*>& interactions, Real kick);
 	void publishReactions(const Interaction& I, Real kick);
@@ -94,6 +100,19 @@ private:
 	int threads() const;
 
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
+	std::shared_ptr<softgrain::GrainAssembly> withoutGrains_; ///< for scenes of rigid bodies
+	// of the step at hand
+	const NewtonIntegrator* newton_ = nullptr;
+	std::vector<softgrain::RigidMotionDescription> partners_;
+	std::vector<int> movers_;   ///< ids of the bodies that move so
+	std::vector<int> numberOf_; ///< in `partners_`, by id; -1: none
+	struct RigidInteraction {
+		int lower, higher; ///< ids of its bodies
+		Interaction* interaction;
+	};
+	std::vector<RigidInteraction> rigidInteractions_; ///< of Law2_ScGeom_FrictPhys_Nonsmooth
+	std::vector<softgrain::RigidContactDescription> rigidContacts_; ///< one for each
+	std::vector<std::pair<int, int>> onPlates_; ///< spheres by id, contact on a facet or box
 	softgrain::PhaseClock clock_;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
 	int energyIds_[8] = { -1, -1, -1, -1, -1, -1, -1, -1 };

@@ -36,7 +36,12 @@
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/DemXDofGeom.hpp>
+#include <pkg/dem/FrictPhys.hpp>
+#include <pkg/dem/Ig2_Box_Sphere_ScGeom.hpp>
+#include <pkg/dem/Ig2_Facet_Sphere_ScGeom.hpp>
+#include <pkg/dem/Ig2_Sphere_Sphere_ScGeom.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
+#include <pkg/dem/ScGeom.hpp>
 #include <pkg/dem/TriaxialStressController.hpp>
 
 #pragma pop_macro("REGISTER_FACTORABLE")

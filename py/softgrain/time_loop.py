@@ -16,6 +16,7 @@ from yade import (
     Law2_ScGeom_FrictPhys_CundallStrack,
     NewtonIntegrator,
     O,
+    Sphere,
     wrapper,
 )
 
@@ -23,30 +24,41 @@ from yade import (
 _own_step = {"dt": None, "fraction": None}
 
 
-def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
+#: What rigid bodies do to each other, by the name of ``engines(rigid=)``.
+_RIGID_LAWS = ("linear", "nonsmooth")
+#: Radii that bounding boxes of spheres have, so that the functors "ahead" are asked in time.
+_AHEAD = 1.05
+
+
+def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear", **integrator):
     """Ready-made list of engines for soft grains and the rigid bodies they touch: walls, spheres,
-    clumps of spheres, facets, boxes. Rigid bodies touch each other by YADE's linear law with
-    friction (``Law2_ScGeom_FrictPhys_CundallStrack``), whose stiffness may ask for a smaller
-    ``O.dt`` than soft grains do: assign it by hand then.
+    clumps of spheres, facets, boxes.
 
     Args:
         verlet_distance (float | None): ``InsertionSortCollider.verletDist`` [m]; None: a twentieth
-            of the smallest soft grain's radius.
+            of the smallest radius of the soft grains, or of the spheres if there are none.
         gravity (Vector3): ``NewtonIntegrator.gravity`` [m/s²].
         label (str | None): label of the ``SoftGrainIntegrator``.
+        rigid (str): how rigid bodies touch each other. 'linear': by YADE's linear law with friction
+            (``Law2_ScGeom_FrictPhys_CundallStrack``), whose stiffness may ask for a smaller
+            ``O.dt`` than soft grains do: assign it by hand then. 'nonsmooth': by the contact
+            dynamics of soft grains, in the same solve (``Law2_ScGeom_FrictPhys_Nonsmooth``), also
+            in a scene without soft grains; there ``O.dt`` is to be assigned.
         **integrator: attributes of ``SoftGrainIntegrator``.
 
     Returns:
         list of Engine: for ``O.engines``.
 
     Raises:
-        ValueError: an attribute is out of its range, or there is no soft grain and no
-            verlet_distance.
+        ValueError: an attribute is out of its range, or there is no grain and no verlet_distance.
     """
+    if rigid not in _RIGID_LAWS:
+        raise ValueError(f"rigid = {rigid!r} is not one of {', '.join(map(repr, _RIGID_LAWS))}")
+    nonsmooth = rigid == "nonsmooth"
     if verlet_distance is None:
-        radii = [b.shape.radius for b in O.bodies if b and isinstance(b.shape, wrapper.SoftGrain)]
+        radii = _radii(wrapper.SoftGrain) or _radii(Sphere)
         if not radii:
-            raise ValueError("verlet_distance: give it, or add soft grains first")
+            raise ValueError("verlet_distance: give it, or add soft grains or spheres first")
         verlet_distance = 0.05 * min(radii)
     if label:
         integrator["label"] = label
@@ -55,27 +67,39 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
         integrator.setdefault("dtSet", O.dt)
     return [
         ForceResetter(),
-        InsertionSortCollider(_bound_functors(), verletDist=verlet_distance),
+        InsertionSortCollider(_bound_functors(nonsmooth), verletDist=verlet_distance),
         InteractionLoop(
-            _geometry_functors(),
+            _geometry_functors(nonsmooth),
             [
                 wrapper.Ip2_SoftMat_SoftMat_SoftPhys(),
                 wrapper.Ip2_FrictMat_SoftMat_SoftPhys(),
                 Ip2_FrictMat_FrictMat_FrictPhys(),
             ],
-            [wrapper.Law2_SoftGeom_SoftPhys_Nonsmooth(), Law2_ScGeom_FrictPhys_CundallStrack()],
+            [
+                wrapper.Law2_SoftGeom_SoftPhys_Nonsmooth(),
+                (
+                    wrapper.Law2_ScGeom_FrictPhys_Nonsmooth()
+                    if nonsmooth
+                    else Law2_ScGeom_FrictPhys_CundallStrack()
+                ),
+            ],
         ),
         wrapper.SoftGrainIntegrator(**integrator),
         NewtonIntegrator(damping=0, gravity=gravity),
     ]
 
 
-def _bound_functors():
-    rigid = [Bo1_Wall_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Box_Aabb()]
+def _radii(shape):
+    return [b.shape.radius for b in O.bodies if b and isinstance(b.shape, shape)]
+
+
+def _bound_functors(nonsmooth):
+    sphere = Bo1_Sphere_Aabb(aabbEnlargeFactor=_AHEAD) if nonsmooth else Bo1_Sphere_Aabb()
+    rigid = [Bo1_Wall_Aabb(), sphere, Bo1_Facet_Aabb(), Bo1_Box_Aabb()]
     return [wrapper.Bo1_SoftGrain_Aabb()] + rigid
 
 
-def _geometry_functors():
+def _geometry_functors(nonsmooth):
     soft = [
         wrapper.Ig2_SoftGrain_SoftGrain_SoftGeom(),
         wrapper.Ig2_Wall_SoftGrain_SoftGeom(),
@@ -83,13 +107,19 @@ def _geometry_functors():
         wrapper.Ig2_Facet_SoftGrain_SoftGeom(),
         wrapper.Ig2_Box_SoftGrain_SoftGeom(),
     ]
-    rigid = [
+    if nonsmooth:
+        return soft + [
+            wrapper.Ig2_Sphere_Sphere_ScGeom_Ahead(),
+            wrapper.Ig2_Facet_Sphere_ScGeom_Ahead(),
+            wrapper.Ig2_Box_Sphere_ScGeom_Ahead(),
+            wrapper.Ig2_Wall_Sphere_ScGeom_Ahead(),
+        ]
+    return soft + [
         Ig2_Sphere_Sphere_ScGeom(),
         Ig2_Facet_Sphere_ScGeom(),
         Ig2_Box_Sphere_ScGeom(),
         Ig2_Wall_Sphere_ScGeom(),
     ]
-    return soft + rigid
 
 
 def check_fraction(name, fraction):

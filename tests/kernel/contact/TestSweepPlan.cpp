@@ -71,7 +71,10 @@ struct Crowd {
 TEST_CASE("Plan of sweeps: every pair once, no body in two tasks of a colour", "[contact]")
 {
 	Crowd crowd;
-	const SweepPlan<2> plan = planSweeps<2>(crowd.pointers(), Crowd::count);
+	std::vector<BodiesOfPair> pairs;
+	for (const ContactList<2>& list : crowd.lists)
+		pairs.push_back({ list.first, list.sharedSecond(Crowd::count) });
+	const SweepPlan plan = planSweeps(pairs, Crowd::count);
 	CHECK(std::set(plan.pairs.begin(), plan.pairs.end()).size() == crowd.lists.size());
 	REQUIRE(plan.taskEnd.back() == static_cast<int>(crowd.lists.size()));
 	REQUIRE(plan.colourEnd.back() == plan.tasks());
@@ -80,8 +83,8 @@ TEST_CASE("Plan of sweeps: every pair once, no body in two tasks of a colour", "
 		std::map<int, int> taskOf; // bodies of this colour
 		for (; task < plan.colourEnd[colour]; ++task)
 			for (; pair < plan.taskEnd[task]; ++pair)
-				for (int body :
-				     { plan.pairs[pair]->first, plan.pairs[pair]->second })
+				for (int body : { pairs[plan.pairs[pair]].first,
+						  pairs[plan.pairs[pair]].second })
 					if (body >= 0)
 						CHECK(taskOf.emplace(body, task).first->second ==
 						      task);
@@ -91,40 +94,30 @@ TEST_CASE("Plan of sweeps: every pair once, no body in two tasks of a colour", "
 
 TEST_CASE("Plan of sweeps: neighbours share tasks", "[contact]")
 {
-	std::deque<ContactList<2>> lists;
-	std::vector<ContactList<2>*> pointers;
+	std::vector<BodiesOfPair> pairs;
 	constexpr int side = 32;
-	auto touch = [&](int a, int b) {
-		lists.emplace_back();
-		lists.back().first = a;
-		lists.back().second = b;
-		pointers.push_back(&lists.back());
-	};
+	auto touch = [&](int a, int b) { pairs.push_back({ a, b }); };
 	for (int i = 0; i < side; ++i)
 		for (int j = 0; j + 1 < side; ++j) {
 			touch(i * side + j, i * side + j + 1);
 			touch(j * side + i, (j + 1) * side + i);
 		}
-	const SweepPlan<2> plan = planSweeps<2>(pointers, side * side);
-	CHECK(plan.taskEnd[plan.colourEnd[0] - 1] > static_cast<int>(lists.size()) / 2);
+	const SweepPlan plan = planSweeps(pairs, side * side);
+	CHECK(plan.taskEnd[plan.colourEnd[0] - 1] > static_cast<int>(pairs.size()) / 2);
 	CHECK(plan.colours() < 10);
 	// the plan of the same pairs is the same
-	CHECK(planSweeps<2>(pointers, side * side).pairs == plan.pairs);
+	CHECK(planSweeps(pairs, side * side).pairs == plan.pairs);
 }
 
 TEST_CASE("Plan of sweeps: tasks that share a cluster follow one another", "[contact]")
 {
-	std::deque<ContactList<2>> lists;
-	std::vector<ContactList<2>*> pointers;
-	for (int k = 1; k <= 3000; ++k) { // a star: all clusters but one are single bodies
-		lists.emplace_back();
-		lists.back().first = 0;
-		lists.back().second = k;
-		pointers.push_back(&lists.back());
-	}
-	const SweepPlan<2> plan = planSweeps<2>(pointers, 3001);
+	std::vector<BodiesOfPair> pairs;
+	for (int k = 1; k <= 3000; ++k) // a star: all clusters but one are single bodies
+		pairs.push_back({ 0, k });
+	const SweepPlan plan = planSweeps(pairs, 3001);
 	CHECK(plan.colours() == plan.tasks());
-	CHECK(plan.pairs == pointers);
+	for (int k = 0; k < 3000; ++k)
+		CHECK(plan.pairs[k] == k);
 }
 
 TEST_CASE("Solver: the same bits with any number of threads", "[contact]")

@@ -1,5 +1,4 @@
 #include "contact/ContactSolver.hpp"
-#include "contact/SweepPlan.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,45 +23,81 @@ constexpr double changePerResidual = 2;
 /// is solved (10 000 disks: half the time; fewer pairs: in vain).
 constexpr int pairsInCache = 4000;
 
+/// Sweeps that move rigid bodies out of overlaps. With fewer, what is pushed at one end of a
+/// packing overlaps at the other: after 4 a squeezed packing creeps
+/// (doc/decisions/0020-rigid-contact-dynamics.md).
+constexpr int separatingSweeps = 20;
+
 /// With fewer pairs a colour than this, threads would wait longer than they work.
 constexpr int pairsPerThread = 8;
 
+/// A pair of grains has so many times the work of a contact of two rigid bodies.
+constexpr int rigidContactsPerPair = 16;
+
 } // namespace
+
+template <int dim>
+void ContactSolver<dim>::plan(const std::vector<ContactList<dim>*>& lists, int grains,
+			      const std::vector<RigidPartner<dim>>* partners,
+			      const std::vector<RigidContact<dim>>* rigidContacts)
+{
+	inContact_.clear();
+	bodiesOf_.clear();
+	for (ContactList<dim>* list : lists) {
+		if (list->contacts.empty()) continue;
+		inContact_.push_back(list);
+		bodiesOf_.push_back({ list->first, list->sharedSecond(grains) });
+	}
+	if (rigidContacts)
+		for (const RigidContact<dim>& c : *rigidContacts) {
+			const bool both =
+				(*partners)[c.first].moves() && (*partners)[c.second].moves();
+			const int first = (*partners)[c.first].moves() ? c.first : c.second;
+			bodiesOf_.push_back({ grains + first, both ? grains + c.second : -1 });
+		}
+	count_ = static_cast<int>(bodiesOf_.size());
+	change_.resize(count_);
+	plan_ = planSweeps(bodiesOf_, grains + (partners ? static_cast<int>(partners->size()) : 0));
+}
 
 template <int dim>
 void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 				 const std::vector<ContactList<dim>*>& lists, double dt,
 				 const SolverSettings& settings, int threads,
-				 std::vector<RigidPartner<dim>>* partners)
+				 std::vector<RigidPartner<dim>>* partners,
+				 std::vector<RigidContact<dim>>* rigidContacts)
 {
 	settings_ = settings;
-	std::vector<ContactList<dim>*> inContact;
-	for (ContactList<dim>* list : lists)
-		if (!list->contacts.empty()) inContact.push_back(list);
-	count_ = static_cast<int>(inContact.size());
-	change_.resize(count_);
-
-	const SweepPlan<dim> plan =
-		planSweeps<dim>(inContact, static_cast<int>(bodies.size()),
-				partners ? static_cast<int>(partners->size()) : 0);
-	const auto& ordered = plan.pairs;
-	taskEnd_ = plan.taskEnd;
-	colourEnd_ = plan.colourEnd;
+	plan(lists, static_cast<int>(bodies.size()), partners, rigidContacts);
+	const int listed = static_cast<int>(inContact_.size());
+	int used[3] = { 0, 0, 0 };
 	slot_.clear();
-	std::size_t soft = 0, rigid = 0;
-	for (const ContactList<dim>* list : ordered)
-		slot_.push_back({ list->rigid.has_value(),
-				  static_cast<int>(list->rigid ? rigid++ : soft++) });
-	if (pairs_.size() < soft) pairs_.resize(soft);
-	if (rigidPairs_.size() < rigid) rigidPairs_.resize(rigid);
+	for (int k : plan_.pairs) {
+		const Kind kind = k >= listed            ? Kind::rigid
+				  : inContact_[k]->rigid ? Kind::grainOnRigid
+							 : Kind::grains;
+		slot_.push_back({ kind, used[static_cast<int>(kind)]++ });
+	}
+	auto holdAtLeast = [](auto& solvers, int count) {
+		if (solvers.size() < static_cast<std::size_t>(count)) solvers.resize(count);
+	};
+	holdAtLeast(pairs_, used[0]);
+	holdAtLeast(rigidPairs_, used[1]);
+	holdAtLeast(rigidContacts_, used[2]);
 
-	const int colours = static_cast<int>(colourEnd_.size());
-	threads_ = std::clamp(count_ / (pairsPerThread * std::max(colours, 1)), 1, threads);
+	const int work = listed + (count_ - listed) / rigidContactsPerPair;
+	threads_ = std::clamp(work / (pairsPerThread * std::max(plan_.colours(), 1)), 1, threads);
 	forEachPair(SweepOrder::forwards, [&](int k) {
-		if (const auto [isRigid, index] = slot_[k]; isRigid)
-			rigidPairs_[index].prepare(bodies, *ordered[k], *partners, dt, settings);
+		const auto [kind, index] = slot_[k];
+		const int pair = plan_.pairs[k];
+		if (kind == Kind::rigid)
+			rigidContacts_[index].prepare((*rigidContacts)[pair - listed], *partners,
+						      dt);
+		else if (kind == Kind::grainOnRigid)
+			rigidPairs_[index].prepare(bodies, *inContact_[pair], *partners, dt,
+						   settings);
 		else
-			pairs_[index].prepare(bodies, *ordered[k], dt, settings);
+			pairs_[index].prepare(bodies, *inContact_[pair], dt, settings);
 	});
 }
 
@@ -70,13 +105,13 @@ template <int dim>
 template <class Visit>
 void ContactSolver<dim>::forEachPair(SweepOrder order, Visit&& visit)
 {
-	const int colours = static_cast<int>(colourEnd_.size());
+	const int colours = plan_.colours();
 #pragma omp parallel num_threads(threads_) if (threads_ > 1)
 	for (int i = 0; i < colours; ++i) {
 		const int colour = order == SweepOrder::forwards ? i : colours - 1 - i;
-		const int begin = colour > 0 ? colourEnd_[colour - 1] : 0;
+		const int begin = colour > 0 ? plan_.colourEnd[colour - 1] : 0;
 #pragma omp for schedule(static)
-		for (int task = begin; task < colourEnd_[colour]; ++task)
+		for (int task = begin; task < plan_.colourEnd[colour]; ++task)
 			forEachPairOf(task, order, visit);
 	}
 }
@@ -85,7 +120,7 @@ template <int dim>
 template <class Visit>
 void ContactSolver<dim>::forEachPairOf(int task, SweepOrder order, Visit&& visit)
 {
-	const int begin = task > 0 ? taskEnd_[task - 1] : 0, end = taskEnd_[task];
+	const int begin = task > 0 ? plan_.taskEnd[task - 1] : 0, end = plan_.taskEnd[task];
 	if (order == SweepOrder::forwards)
 		for (int k = begin; k < end; ++k)
 			visit(k);
@@ -99,7 +134,7 @@ template <class Visit>
 void ContactSolver<dim>::forEachConstraint(Visit&& visit) const
 {
 	for (int k = 0; k < count_; ++k)
-		withPair(k, [&](const auto& pair) {
+		withGrainPair(k, [&](const auto& pair) {
 			for (const auto& c : pair.constraints())
 				visit(pair, c);
 		});
@@ -108,7 +143,7 @@ void ContactSolver<dim>::forEachConstraint(Visit&& visit) const
 template <int dim>
 void ContactSolver<dim>::fetch(int k, void (PairSolver<dim>::*what)() const) const
 {
-	if (k < 0 || k >= count_ || slot_[k].rigid) return;
+	if (k < 0 || k >= count_ || slot_[k].kind != Kind::grains) return;
 	(pairs_[slot_[k].index].*what)();
 }
 
@@ -153,6 +188,21 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	return report;
 }
 
+template <int dim> void ContactSolver<dim>::separateRigidBodies(double dt)
+{
+	bool overlaps = false;
+	for (int k = 0; k < count_; ++k)
+		if (slot_[k].kind == Kind::rigid)
+			overlaps |= rigidContacts_[slot_[k].index].findSeparation(dt, settings_);
+	if (!overlaps) return;
+	for (int sweep = 0; sweep < separatingSweeps; ++sweep)
+		forEachPair(sweep < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards,
+			    [&](int k) {
+				    if (slot_[k].kind == Kind::rigid)
+					    rigidContacts_[slot_[k].index].separate();
+			    });
+}
+
 template <int dim> double ContactSolver<dim>::residual() const
 {
 	std::vector<ResidualSum> sums(count_);
@@ -170,7 +220,7 @@ template <int dim> ContactWork ContactSolver<dim>::work() const
 	std::vector<ContactWork> works(count_);
 #pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
 	for (int k = 0; k < count_; ++k)
-		works[k] = withPair(k, [](const auto& pair) { return pair.work(); });
+		withGrainPair(k, [&](const auto& pair) { works[k] = pair.work(); });
 	ContactWork work;
 	for (const ContactWork& ofPair : works)
 		work += ofPair;
@@ -211,14 +261,15 @@ template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
 {
 	ContactProblem<dim> problem;
 	for (const Slot& slot : slot_)
-		if (slot.rigid && rigidPairs_[slot.index].movesPartner())
+		if (slot.kind == Kind::rigid ||
+		    (slot.kind == Kind::grainOnRigid && rigidPairs_[slot.index].movesPartner()))
 			throw std::logic_error(
 				"the contact problem cannot be given as data: a rigid body that "
 				"contact moves takes part, whose blocks of W are no multiples of "
 				"the identity");
 	problem.delassus = delassus();
 	for (int k = 0; k < count_; ++k)
-		withPair(k, [&](const auto& pair) {
+		withGrainPair(k, [&](const auto& pair) {
 			problem.start.insert(problem.start.end(), pair.start().begin(),
 					     pair.start().end());
 		});

@@ -8,7 +8,8 @@
 // masses are isotropic, so the Delassus block of a contact is W times the identity and the
 // one-contact problem has a closed solution (CoulombCone.hpp). How well all conditions hold
 // together is measured apart from the sweeps (Residual.hpp). Rigid bodies are further bodies of the
-// same problem, with blocks of their own (RigidPairSolver.hpp).
+// same problem, with blocks of their own (TwoStepContact.hpp): against grains (RigidPairSolver.hpp)
+// and against each other (RigidContact.hpp).
 //
 // A sweep goes through the pairs of bodies as SweepPlan.hpp says: threads share the tasks of a
 // colour, none of which have a body in common, and the result is that of one thread.
@@ -16,7 +17,9 @@
 
 #include "contact/ContactProblem.hpp"
 #include "contact/PairSolver.hpp"
+#include "contact/RigidContact.hpp"
 #include "contact/RigidPairSolver.hpp"
+#include "contact/SweepPlan.hpp"
 
 #include <vector>
 
@@ -34,20 +37,26 @@ template <int dim> class ContactSolver {
 public:
 	/// Takes all contacts of `lists`, whose bodies are in `bodies`, and applies the impulses
 	/// left by the last step, made admissible for the present normals. The order of the lists
-	/// decides on the plan of the sweeps. Lists with a rigid body
-	/// name their entry of `partners`, whose velocities the impulses change too.
+	/// decides on the plan of the sweeps. Lists with a rigid body name their entry of
+	/// `partners`, whose velocities the impulses change too; so do the contacts of rigid bodies
+	/// with each other, which come after the lists.
 	void prepare(std::vector<ContactBody<dim>>& bodies,
 		     const std::vector<ContactList<dim>*>& lists, double dt,
 		     const SolverSettings& settings, int threads = 1,
-		     std::vector<RigidPartner<dim>>* partners = nullptr);
+		     std::vector<RigidPartner<dim>>* partners = nullptr,
+		     std::vector<RigidContact<dim>>* rigidContacts = nullptr);
 	/// Gauss-Seidel sweeps: two backwards and two forwards (in one direction alone, few sweeps
 	/// a step shake grains at rest: doc/decisions/0010-grains-at-rest.md), then always forwards
 	/// (doc/decisions/0004-sweep-order.md), until the residual is within the tolerance or the
 	/// cap is hit; then the lists have their impulses, and the contact nodes the sums
 	/// (ContactBody::impulse).
 	SolverReport solve();
+	/// After `solve`: moves rigid bodies that overlap each other apart, by RigidPartner::shift
+	/// and turn. Velocities stay as they are.
+	void separateRigidBodies(double dt);
 	/// Of the present impulses: see ResidualSum.
 	double residual() const;
+	/// Of the contacts of grains.
 	ContactWork work() const;
 	/// The problem and its solution, of the last `solve`, in the order of the sweeps. Lists are
 	/// not needed any more; velocities and mobility tables of the bodies are, as they were
@@ -56,6 +65,10 @@ public:
 	ContactProblem<dim> problem() const;
 
 private:
+	/// Puts the pairs in the order of the sweeps.
+	void plan(const std::vector<ContactList<dim>*>& lists, int grains,
+		  const std::vector<RigidPartner<dim>>* partners,
+		  const std::vector<RigidContact<dim>>* rigidContacts);
 	/// Calls with the numbers of all pairs, colour by colour; `visit` may not throw.
 	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit);
 	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit);
@@ -66,27 +79,42 @@ private:
 	template <class Visit> void forEachConstraint(Visit&& visit) const;
 	SparseRows<double> delassus() const;
 
-	/// Calls with the solver of pair k, of either kind.
+	enum class Kind : char { grains, grainOnRigid, rigid };
+	/// Calls with the solver of pair k, of whichever kind.
 	template <class Visit> decltype(auto) withPair(int k, Visit&& visit)
 	{
 		const Slot& slot = slot_[k];
-		return slot.rigid ? visit(rigidPairs_[slot.index]) : visit(pairs_[slot.index]);
+		if (slot.kind == Kind::rigid) return visit(rigidContacts_[slot.index]);
+		if (slot.kind == Kind::grainOnRigid) return visit(rigidPairs_[slot.index]);
+		return visit(pairs_[slot.index]);
 	}
 	template <class Visit> decltype(auto) withPair(int k, Visit&& visit) const
 	{
 		const Slot& slot = slot_[k];
-		return slot.rigid ? visit(rigidPairs_[slot.index]) : visit(pairs_[slot.index]);
+		if (slot.kind == Kind::rigid) return visit(rigidContacts_[slot.index]);
+		if (slot.kind == Kind::grainOnRigid) return visit(rigidPairs_[slot.index]);
+		return visit(pairs_[slot.index]);
+	}
+	/// The same unless pair k is one of two rigid bodies.
+	template <class Visit> void withGrainPair(int k, Visit&& visit) const
+	{
+		const Slot& slot = slot_[k];
+		if (slot.kind == Kind::grainOnRigid) visit(rigidPairs_[slot.index]);
+		if (slot.kind == Kind::grains) visit(pairs_[slot.index]);
 	}
 
 	/// Where a pair is kept.
 	struct Slot {
-		bool rigid;
+		Kind kind;
 		int index;
 	};
-	std::vector<Slot> slot_;                       ///< colour by colour
+	SweepPlan plan_;
+	std::vector<ContactList<dim>*> inContact_;     ///< lists with contacts
+	std::vector<BodiesOfPair> bodiesOf_;           ///< of these, then of the rigid contacts
+	std::vector<Slot> slot_;                       ///< task by task
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare
 	std::vector<RigidPairSolver<dim>> rigidPairs_; ///< the same with rigid bodies
-	std::vector<int> taskEnd_, colourEnd_;         ///< as in SweepPlan
+	std::vector<RigidContactSolver<dim>> rigidContacts_; ///< the same of rigid bodies alone
 	int count_ = 0;
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	SolverSettings settings_;

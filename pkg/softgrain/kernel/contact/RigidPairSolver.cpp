@@ -1,29 +1,7 @@
 #include "contact/RigidPairSolver.hpp"
 #include "contact/Bias.hpp"
-#include "contact/CoulombCone.hpp"
-
-#include <algorithm>
-#include <cmath>
 
 namespace softgrain {
-
-namespace {
-
-/// Largest eigenvalue of W in the plane (2D: line) across n.
-double largestAcross(const Mat<2>& W, const Vec<2>& n)
-{
-	const Vec<2> t(-n[1], n[0]);
-	return t.dot(W * t);
-}
-
-double largestAcross(const Mat<3>& W, const Vec<3>& n)
-{
-	const Vec<3> s = n.unitOrthogonal(), t = n.cross(s);
-	const double ss = s.dot(W * s), tt = t.dot(W * t), st = s.dot(W * t);
-	return 0.5 * (ss + tt) + std::hypot(0.5 * (ss - tt), st);
-}
-
-} // namespace
 
 template <int dim>
 void RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list,
@@ -73,9 +51,7 @@ template <int dim> void RigidPairSolver<dim>::findMobility(Constraint& c)
 			w += c.weight[i] * c.weight[j] * grain_->mobility(c.node[i], c.node[j]);
 	}
 	c.endMoved = static_cast<int>(moved_.size());
-	c.W = w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm);
-	c.Wn = c.normal.dot(c.W * c.normal);
-	c.Wt = largestAcross(c.W, c.normal);
+	c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
 }
 
 template <int dim>
@@ -94,26 +70,6 @@ template <int dim> Vec<dim> RigidPairSolver<dim>::velocity(const Constraint& c) 
 	return grainVelocity(c, &ContactBody<dim>::velocity) - partner_->velocityAt(c.arm);
 }
 
-template <int dim> Vec<dim> RigidPairSolver<dim>::solvedImpulse(const Constraint& c) const
-{
-	const Vec<dim>& n = c.normal;
-	Vec<dim> u = velocity(c);
-	const double before = c.impulse.dot(n);
-	const double normal = std::max(0., before - (u.dot(n) + c.bias) / c.Wn);
-	if (normal == 0) return Vec<dim>::Zero();
-	u += c.W * ((normal - before) * n);
-	const Vec<dim> sliding = u - u.dot(n) * n;
-	const Vec<dim> r = c.impulse - before * n - sliding / c.Wt + normal * n;
-	return onCone<dim>(r, n, friction_);
-}
-
-/// |r|^2 in the norm in which the two steps of a contact solve it.
-template <int dim> double RigidPairSolver<dim>::energy(const Constraint& c, const Vec<dim>& r) const
-{
-	const double normal = r.dot(c.normal);
-	return c.Wt * r.squaredNorm() + (c.Wn - c.Wt) * normal * normal;
-}
-
 template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
 	const Vec<dim> scaled = grain_->delassusScale * J;
@@ -125,18 +81,17 @@ template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, 
 template <int dim> SweepChange RigidPairSolver<dim>::sweep(SweepOrder order)
 {
 	return sweepOver(
-		constraints_, order, [this](const Constraint& c) { return solvedImpulse(c); },
-		[this](const Constraint& c, const Vec<dim>& r) { return energy(c, r); },
+		constraints_, order,
+		[this](const Constraint& c) { return c.solvedAt(velocity(c), friction_); },
+		[](const Constraint& c, const Vec<dim>& r) { return c.energy(r); },
 		[this](const Constraint& c, const Vec<dim>& J) { applyImpulse(c, J); });
 }
 
 template <int dim> ResidualSum RigidPairSolver<dim>::residual() const
 {
 	ResidualSum sum;
-	for (const Constraint& c : constraints_) {
-		const Vec<dim> solved = solvedImpulse(c);
-		sum.add(energy(c, solved - c.impulse), energy(c, c.impulse), energy(c, solved));
-	}
+	for (const Constraint& c : constraints_)
+		c.addResidual(sum, velocity(c), friction_);
 	return sum;
 }
 

@@ -43,6 +43,9 @@ template <int dim> struct RigidPartner {
 	Eigen::Matrix<double, spins, spins> inverseInertia =
 		Eigen::Matrix<double, spins, spins>::Zero();
 
+	Vec<dim> shift = Vec<dim>::Zero();  ///< out of overlaps, besides its motion, m
+	Spin<dim> turn = Spin<dim>::Zero(); ///< the same, rad
+
 	/// Whether impulses change its motion.
 	bool moves() const { return !inverseMass.isZero(0) || !inverseInertia.isZero(0); }
 	/// Of its point at `arm` from the centre.
@@ -55,6 +58,13 @@ template <int dim> struct RigidPartner {
 	{
 		velocity += inverseMass.cwiseProduct(J);
 		spin += inverseInertia * moment<dim>(arm, J);
+	}
+	Vec<dim> shiftAt(const Vec<dim>& arm) const { return shift + turned<dim>(turn, arm); }
+	/// As `push`, by an impulse times a time, kg m.
+	void displace(const Vec<dim>& arm, const Vec<dim>& J)
+	{
+		shift += inverseMass.cwiseProduct(J);
+		turn += inverseInertia * moment<dim>(arm, J);
 	}
 	/// Velocity of the point at `arm` by an impulse there, 1/kg: symmetric, and no multiple of
 	/// the identity where the body can turn.

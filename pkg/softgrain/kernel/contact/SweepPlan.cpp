@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <map>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -23,18 +22,17 @@ constexpr int bits = 64;
 /// Neighbours of all bodies, in the order of the pairs.
 class Graph {
 public:
-	template <int dim>
-	Graph(const std::vector<ContactList<dim>*>& lists, int grains, int bodies)
+	Graph(const std::vector<BodiesOfPair>& pairs, int bodies)
 		: begin_(bodies + 1, 0)
 	{
-		forEachEdge(lists, grains, [this](int a, int b) {
+		forEachEdge(pairs, [this](int a, int b) {
 			++begin_[a + 1];
 			++begin_[b + 1];
 		});
 		std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
 		std::vector<int> next(begin_.begin(), begin_.end() - 1);
 		neighbour_.resize(begin_.back());
-		forEachEdge(lists, grains, [&](int a, int b) {
+		forEachEdge(pairs, [&](int a, int b) {
 			neighbour_[next[a]++] = b;
 			neighbour_[next[b]++] = a;
 		});
@@ -46,13 +44,11 @@ public:
 	}
 
 private:
-	template <int dim, class Visit>
-	static void forEachEdge(const std::vector<ContactList<dim>*>& lists, int grains,
-				Visit&& visit)
+	template <class Visit>
+	static void forEachEdge(const std::vector<BodiesOfPair>& pairs, Visit&& visit)
 	{
-		for (const ContactList<dim>* list : lists)
-			if (const int second = list->sharedSecond(grains); second >= 0)
-				visit(list->first, second);
+		for (const auto& [first, second] : pairs)
+			if (second >= 0) visit(first, second);
 	}
 	std::vector<int> begin_, neighbour_;
 };
@@ -81,37 +77,44 @@ std::vector<int> clustersOf(const Graph& graph, int bodies)
 }
 
 /// Pairs of two clusters or, if they are the same, of one.
-template <int dim> struct Task {
+struct Task {
+	bool across;
 	int first, second; ///< clusters
-	std::vector<ContactList<dim>*> pairs;
+	int begin, end;    ///< of the pairs, in their order by tasks
 };
 
-/// Tasks within clusters first, in the order of the clusters; pairs in the given order.
-template <int dim>
-std::vector<Task<dim>> tasksOf(const std::vector<ContactList<dim>*>& lists,
-			       const std::vector<int>& cluster, int grains)
+/// Orders the pairs by tasks: those within clusters first, in the order of the clusters; pairs of a
+/// task in the given order.
+std::vector<Task> tasksOf(const std::vector<BodiesOfPair>& pairs, const std::vector<int>& cluster,
+			  std::vector<int>& order)
 {
-	using Key = std::tuple<bool, int, int>; // across, clusters
-	std::map<Key, std::vector<ContactList<dim>*>> byClusters;
-	for (ContactList<dim>* list : lists) {
-		const int second = list->sharedSecond(grains);
-		const int a = cluster[list->first], b = second >= 0 ? cluster[second] : a;
-		byClusters[{ a != b, std::min(a, b), std::max(a, b) }].push_back(list);
+	using Key = std::tuple<bool, int, int, int>; // across, clusters, number of the pair
+	std::vector<Key> keys;
+	keys.reserve(pairs.size());
+	for (const auto& [first, second] : pairs) {
+		const int a = cluster[first], b = second >= 0 ? cluster[second] : a;
+		keys.emplace_back(a != b, std::min(a, b), std::max(a, b), keys.size());
 	}
-	std::vector<Task<dim>> tasks;
-	for (auto& [key, pairs] : byClusters)
-		tasks.push_back({ std::get<1>(key), std::get<2>(key), std::move(pairs) });
+	std::sort(keys.begin(), keys.end());
+	std::vector<Task> tasks;
+	order.clear();
+	for (const auto& [across, a, b, pair] : keys) {
+		const int begin = static_cast<int>(order.size());
+		const bool isNew = tasks.empty() || tasks.back().across != across ||
+				   tasks.back().first != a || tasks.back().second != b;
+		if (isNew) tasks.push_back({ across, a, b, begin, begin });
+		++tasks.back().end;
+		order.push_back(pair);
+	}
 	return tasks;
 }
 
 /// Puts each task into the first colour none of whose tasks shares a cluster with it.
-template <int dim>
-std::vector<std::vector<const Task<dim>*>> coloursOf(const std::vector<Task<dim>>& tasks,
-						     int clusters)
+std::vector<std::vector<const Task*>> coloursOf(const std::vector<Task>& tasks, int clusters)
 {
 	std::vector<std::uint64_t> taken(clusters, 0); // colours of the tasks of a cluster
-	std::vector<std::vector<const Task<dim>*>> colours, beyond;
-	for (const Task<dim>& task : tasks) {
+	std::vector<std::vector<const Task*>> colours, beyond;
+	for (const Task& task : tasks) {
 		const int colour = std::countr_one(taken[task.first] | taken[task.second]);
 		if (colour == bits) {
 			beyond.push_back({ &task });
@@ -128,24 +131,22 @@ std::vector<std::vector<const Task<dim>*>> coloursOf(const std::vector<Task<dim>
 
 } // namespace
 
-template <int dim>
-SweepPlan<dim> planSweeps(const std::vector<ContactList<dim>*>& lists, int bodies, int partners)
+SweepPlan planSweeps(const std::vector<BodiesOfPair>& pairs, int bodies)
 {
-	const int all = bodies + partners;
-	const std::vector<int> cluster = clustersOf(Graph(lists, bodies, all), all);
-	const auto tasks = tasksOf<dim>(lists, cluster, bodies);
-	SweepPlan<dim> plan;
-	for (const auto& colour : coloursOf<dim>(tasks, all)) {
-		for (const Task<dim>* task : colour) {
-			plan.pairs.insert(plan.pairs.end(), task->pairs.begin(), task->pairs.end());
+	const std::vector<int> cluster = clustersOf(Graph(pairs, bodies), bodies);
+	std::vector<int> order;
+	const auto tasks = tasksOf(pairs, cluster, order);
+	SweepPlan plan;
+	plan.pairs.reserve(pairs.size());
+	for (const auto& colour : coloursOf(tasks, bodies)) {
+		for (const Task* task : colour) {
+			plan.pairs.insert(plan.pairs.end(), order.begin() + task->begin,
+					  order.begin() + task->end);
 			plan.taskEnd.push_back(static_cast<int>(plan.pairs.size()));
 		}
 		plan.colourEnd.push_back(plan.tasks());
 	}
 	return plan;
 }
-
-template SweepPlan<2> planSweeps(const std::vector<ContactList<2>*>&, int, int);
-template SweepPlan<3> planSweeps(const std::vector<ContactList<3>*>&, int, int);
 
 } // namespace softgrain

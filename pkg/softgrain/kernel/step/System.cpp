@@ -341,6 +341,9 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 		if (list->second >= 0) touched[list->second] = 1;
 	}
 
+	for (const RigidContact<dim>& contact : rigidContacts_)
+		report.deepest = std::max(report.deepest, -contact.gap / contact.size);
+
 	clock.end("sortLists");
 	wakeGrains(lists, report.kick, settings.sleep);
 	chooseRigidGrains(touched, settings);
@@ -353,9 +356,11 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	if (gridSpacing_ > 0) useGridNodes(lists);
 	predictVelocities(touched, settings);
 	clock.end("predictVelocities");
-	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads, &partners_);
+	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads, &partners_,
+			&rigidContacts_);
 	clock.end("prepare");
 	report.solver = solver_.solve();
+	solver_.separateRigidBodies(settings.dt);
 	clock.end("solve");
 	correctVelocities(touched, settings);
 	clock.end("correctVelocities");

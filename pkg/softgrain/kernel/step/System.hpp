@@ -118,8 +118,12 @@ public:
 	bool isAsleep(int g) const { return setOf(g).isAsleep(indexInSet(g)); }
 	std::vector<BodyLoad<dim>>& loads() { return loads_; }
 	/// Rigid bodies that take part in the contacts of the next step, with the velocities that
-	/// they get without contact; the step changes them.
+	/// they get without contact; the step changes them, and tells how far they are to be moved
+	/// out of overlaps with each other besides.
 	std::vector<RigidPartner<dim>>& rigidPartners() { return partners_; }
+	/// Contacts of these with each other in the next step, in the order of the sweeps; they
+	/// receive their impulses.
+	std::vector<RigidContact<dim>>& rigidContacts() { return rigidContacts_; }
 	/// Wakes a sleeping grain if the load is another.
 	void setLoad(int g, const BodyLoad<dim>& load);
 	/// A grain about which something was changed by hand; the grains that it rests with follow
@@ -245,7 +249,8 @@ private:
 	double sleepersStiffening_ = 1, sleepersRateStiffening_ = 1; ///< largest
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
-	std::vector<int> rate_;                   ///< by grain
+	std::vector<RigidContact<dim>> rigidContacts_;
+	std::vector<int> rate_; ///< by grain
 	bool multirate_ = false, ratesChosen_ = false;
 	std::vector<int> damped_; ///< grains with damping
 	/// Smallest undeformed critical step over the rate of the others, s.

@@ -1,0 +1,83 @@
+#include "NonsmoothLaw.hpp"
+#include "SoftGrainIntegrator.hpp"
+
+namespace yade {
+
+YADE_PLUGIN((
+	Ig2_Sphere_Sphere_ScGeom_Ahead)(Ig2_Facet_Sphere_ScGeom_Ahead)(Ig2_Box_Sphere_ScGeom_Ahead)(Ig2_Wall_Sphere_ScGeom_Ahead)(Law2_ScGeom_FrictPhys_Nonsmooth));
+
+CREATE_LOGGER(Law2_ScGeom_FrictPhys_Nonsmooth);
+
+namespace {
+
+Real radiusOf(const Shape& shape) { return static_cast<const Sphere&>(shape).radius; }
+
+/// Makes a functor of YADE see a sphere (#2) that is larger by `reach`, and takes that out of the
+/// geometry again. `pointMoves`: whether the contact point it gives depends on the radius.
+template <class Go>
+bool goAhead(Go&& go, const shared_ptr<Shape>& sphere, Real reach, bool pointMoves,
+	     const shared_ptr<Interaction>& I)
+{
+	static thread_local const shared_ptr<Shape> grown { new Sphere };
+	const Real radius = radiusOf(*sphere);
+	static_cast<Sphere&>(*grown).radius = radius + reach;
+	if (!go(grown)) return false;
+	ScGeom& geom = static_cast<ScGeom&>(*I->geom);
+	geom.penetrationDepth -= reach;
+	geom.radius2 = radius;
+	if (pointMoves) geom.contactPoint += 0.5 * reach * geom.normal;
+	return true;
+}
+
+} // namespace
+
+bool Ig2_Sphere_Sphere_ScGeom_Ahead::go(const shared_ptr<Shape>& shape1,
+					const shared_ptr<Shape>& shape2, const State& state1,
+					const State& state2, const Vector3r& shift2,
+					const bool& force, const shared_ptr<Interaction>& I)
+{
+	const Real reach = nonsmoothReach * std::min(radiusOf(*shape1), radiusOf(*shape2));
+	return goAhead(
+		[&](const shared_ptr<Shape>& grown) {
+			return Ig2_Sphere_Sphere_ScGeom::go(shape1, grown, state1, state2, shift2,
+							    force, I);
+		},
+		shape2, reach, true, I);
+}
+
+#define SOFTGRAIN_GO_AHEAD(Base, PointMoves, Radius1)                                              \
+	bool Base##_Ahead::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,    \
+			      const State& state1, const State& state2, const Vector3r& shift2,    \
+			      const bool& force, const shared_ptr<Interaction>& I)                 \
+	{                                                                                          \
+		const Real radius = radiusOf(*shape2);                                             \
+		const bool found = goAhead(                                                        \
+			[&](const shared_ptr<Shape>& grown) {                                      \
+				return Base::go(shape1, grown, state1, state2, shift2, force, I);  \
+			},                                                                         \
+			shape2, nonsmoothReach * radius, PointMoves, I);                           \
+		if (found) static_cast<ScGeom&>(*I->geom).radius1 = (Radius1) * radius;            \
+		return found;                                                                      \
+	}
+SOFTGRAIN_GO_AHEAD(Ig2_Facet_Sphere_ScGeom, true, 2)
+SOFTGRAIN_GO_AHEAD(Ig2_Box_Sphere_ScGeom, true, 1)
+SOFTGRAIN_GO_AHEAD(Ig2_Wall_Sphere_ScGeom, false, 1)
+#undef SOFTGRAIN_GO_AHEAD
+
+bool Law2_ScGeom_FrictPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IPhys>&, Interaction*)
+{
+	if (!checked_) {
+		checked_ = true;
+		bool solved = false;
+		for (const auto& engine : scene->engines)
+			solved |= bool(YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine));
+		if (!solved)
+			LOG_ERROR("there is no SoftGrainIntegrator in O.engines, which solves the "
+				  "contacts of this law: they bear no force. See sg.engines()");
+	}
+	const ScGeom& g = static_cast<ScGeom&>(*geom);
+	// a little further than where the pair was found, or it would come and go
+	return g.penetrationDepth > -1.2 * nonsmoothReach * std::min(g.radius1, g.radius2);
+}
+
+} // namespace yade

@@ -1,0 +1,83 @@
+#include "contact/RigidContact.hpp"
+#include "contact/Bias.hpp"
+
+#include <algorithm>
+
+namespace softgrain {
+
+template <int dim>
+void RigidContactSolver<dim>::prepare(RigidContact<dim>& contact,
+				      std::vector<RigidPartner<dim>>& partners, double dt)
+{
+	contact_ = &contact;
+	first_ = &partners[contact.first];
+	second_ = &partners[contact.second];
+	firstMoves_ = first_->moves();
+	secondMoves_ = second_->moves();
+	firstArm_ = contact.point - first_->centre;
+	secondArm_ = contact.point - second_->centre;
+	friction_ = contact.friction;
+	c_.normal = contact.normal;
+	c_.bias = std::max(contact.gap, 0.) / dt;
+	solvable_ = c_.setMobility(first_->mobilityAt(firstArm_) + second_->mobilityAt(secondArm_));
+	c_.impulse = onCone<dim>(contact.impulse, c_.normal, friction_);
+	if (!solvable_) c_.impulse.setZero();
+	push(c_.impulse);
+}
+
+template <int dim> void RigidContactSolver<dim>::push(const Vec<dim>& J)
+{
+	if (firstMoves_) first_->push(firstArm_, -J);
+	if (secondMoves_) second_->push(secondArm_, J);
+}
+
+template <int dim> SweepChange RigidContactSolver<dim>::sweep(SweepOrder)
+{
+	if (!solvable_) return {};
+	const Vec<dim> r = c_.solvedAt(velocity(), friction_);
+	const Vec<dim> J = r - c_.impulse;
+	SweepChange change { 0, c_.energy(r) };
+	if (J.isZero(0)) return change;
+	change.changed = c_.energy(J);
+	push(J);
+	c_.impulse = r;
+	return change;
+}
+
+template <int dim> ResidualSum RigidContactSolver<dim>::residual() const
+{
+	ResidualSum sum;
+	if (solvable_) c_.addResidual(sum, velocity(), friction_);
+	return sum;
+}
+
+template <int dim>
+bool RigidContactSolver<dim>::findSeparation(double dt, const SolverSettings& settings)
+{
+	pushed_ = 0;
+	const double gap = contact_->gap + dt * velocity().dot(c_.normal);
+	const double resting = restingOverlap * contact_->size;
+	separation_ = -std::max(gap, 0.);
+	if (!solvable_ || gap >= -resting) return false;
+	separation_ = settings.overlapRelaxation * (-gap - resting);
+	return separation_ > 0;
+}
+
+template <int dim> void RigidContactSolver<dim>::separate()
+{
+	if (!solvable_) return;
+	const Vec<dim> apart = second_->shiftAt(secondArm_) - first_->shiftAt(firstArm_);
+	const double before = pushed_;
+	pushed_ = std::max(0., before + (separation_ - apart.dot(c_.normal)) / c_.Wn);
+	const Vec<dim> push = (pushed_ - before) * c_.normal;
+	if (push.isZero(0)) return;
+	if (firstMoves_) first_->displace(firstArm_, -push);
+	if (secondMoves_) second_->displace(secondArm_, push);
+}
+
+template <int dim> void RigidContactSolver<dim>::finish() { contact_->impulse = c_.impulse; }
+
+template class RigidContactSolver<2>;
+template class RigidContactSolver<3>;
+
+} // namespace softgrain

@@ -1,0 +1,62 @@
+// Two rigid bodies at the place where they touch, or may in the coming step, and that one contact
+// as the sweeps see it: all in one piece, without memory of its own.
+//
+// An overlap asks for no velocity here, which would shake a packing under pressure for ever: bodies
+// are moved apart after the solve (`separate`), without gaining speed
+// (doc/decisions/0020-rigid-contact-dynamics.md).
+#pragma once
+
+#include "contact/PairSolver.hpp"
+#include "contact/RigidPartner.hpp"
+#include "contact/TwoStepContact.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+template <int dim> struct RigidContact {
+	int first, second; ///< bodies: numbers of their RigidPartner
+	Vec<dim> point;    ///< m
+	Vec<dim> normal;   ///< unit, from the first to the second
+	double gap;        ///< m, negative for an overlap
+	double size;       ///< what the spacing of material points is to soft grains, m
+	double friction;   ///< mu
+	/// On the second body, N s: what the solve starts from, afterwards its result.
+	Vec<dim> impulse;
+};
+
+/// The rigid counterpart of PairSolver for one contact of two rigid bodies.
+template <int dim> class RigidContactSolver {
+public:
+	void prepare(RigidContact<dim>& contact, std::vector<RigidPartner<dim>>& partners,
+		     double dt);
+	SweepChange sweep(SweepOrder order);
+	ResidualSum residual() const;
+	void finish();
+	/// After the velocities are solved: how far the bodies are to be moved apart. False where
+	/// the overlap at the end of the step may stay.
+	bool findSeparation(double dt, const SolverSettings& settings);
+	/// Moves the bodies so far apart by RigidPartner::shift and turn, others held, or back by
+	/// what this contact has moved them before; lets gaps close, but not overlap.
+	void separate();
+	int contacts() const { return 1; }
+	int active() const { return c_.impulse.isZero(0) ? 0 : 1; }
+
+private:
+	Vec<dim> velocity() const
+	{
+		return second_->velocityAt(secondArm_) - first_->velocityAt(firstArm_);
+	}
+	void push(const Vec<dim>& J); ///< an impulse on both bodies
+
+	TwoStepContact<dim> c_;
+	Vec<dim> firstArm_, secondArm_; ///< of the place from the centres of mass, m
+	RigidPartner<dim>*first_, *second_;
+	bool firstMoves_, secondMoves_, solvable_;
+	double friction_;
+	double separation_; ///< wanted at the end of the step, m; negative: so far it may close
+	double pushed_;     ///< what `separate` did so far, kg m
+	RigidContact<dim>* contact_; ///< valid for the step
+};
+
+} // namespace softgrain

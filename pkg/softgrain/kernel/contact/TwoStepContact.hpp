@@ -1,0 +1,78 @@
+// A contact with rigid bodies, whose block W is no multiple of the identity:
+//     W = w I + sum over its rigid bodies of (1/m I + [a]^T I^-1 [a]),
+// with w of the nodes of a grain, [a] x = x cross a for the arm a of the place about the centre of
+// mass. It is solved in two steps, its normal impulse first, then its tangential one at the
+// velocity after that,
+//     r_n <- max(0, r_n - (u_n + b)/W_nn),     r_t <- cut(r_t - u_t/W_t, mu r_n),
+// with W_t the largest eigenvalue of the tangential block. Fixed points are exactly the solutions.
+// For balls (a passes through their centres), and where bodies do not turn, one pass solves the
+// contact; otherwise the sweeps do.
+#pragma once
+
+#include "contact/CoulombCone.hpp"
+#include "contact/Residual.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softgrain {
+
+/// Largest eigenvalue of W in the line across n.
+inline double largestAcross(const Mat<2>& W, const Vec<2>& n)
+{
+	const Vec<2> t(-n[1], n[0]);
+	return t.dot(W * t);
+}
+
+/// The same in the plane across n.
+inline double largestAcross(const Mat<3>& W, const Vec<3>& n)
+{
+	const Vec<3> s = n.unitOrthogonal(), t = n.cross(s);
+	const double ss = s.dot(W * s), tt = t.dot(W * t), st = s.dot(W * t);
+	return 0.5 * (ss + tt) + std::hypot(0.5 * (ss - tt), st);
+}
+
+template <int dim> struct TwoStepContact {
+	Vec<dim> normal;   ///< unit, towards the body on which `impulse` acts
+	Vec<dim> impulse;  ///< N s
+	Vec<dim> ofNormal; ///< W n, 1/kg
+	double Wn, Wt;     ///< W_nn and W_t, 1/kg
+	double bias;       ///< b, m/s
+
+	/// False if no impulse moves the place along the normal. Where none moves it across,
+	/// friction is found by another W_t: the sliding velocity is what it is.
+	bool setMobility(const Mat<dim>& W)
+	{
+		ofNormal = W * normal;
+		Wn = normal.dot(ofNormal);
+		Wt = largestAcross(W, normal);
+		if (!(Wt > 1e-12 * Wn)) Wt = Wn;
+		return Wn > 0;
+	}
+	/// The impulse that solves the contact at the velocity u of the present one.
+	Vec<dim> solvedAt(Vec<dim> u, double friction) const
+	{
+		const Vec<dim>& n = normal;
+		const double before = impulse.dot(n);
+		const double after = std::max(0., before - (u.dot(n) + bias) / Wn);
+		if (after == 0) return Vec<dim>::Zero();
+		u += (after - before) * ofNormal;
+		const Vec<dim> sliding = u - u.dot(n) * n;
+		const Vec<dim> r = impulse - before * n - sliding / Wt + after * n;
+		return onCone<dim>(r, n, friction);
+	}
+	/// |r|^2 in the norm in which the two steps solve the contact.
+	double energy(const Vec<dim>& r) const
+	{
+		const double rn = r.dot(normal);
+		return Wt * r.squaredNorm() + (Wn - Wt) * rn * rn;
+	}
+	/// How far the impulse is from solving the contact at the velocity u.
+	void addResidual(ResidualSum& sum, const Vec<dim>& u, double friction) const
+	{
+		const Vec<dim> solved = solvedAt(u, friction);
+		sum.add(energy(solved - impulse), energy(impulse), energy(solved));
+	}
+};
+
+} // namespace softgrain

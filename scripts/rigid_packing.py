@@ -1,0 +1,209 @@
+"""Packings of rigid grains prepared by contact dynamics, and beside it by YADE's linear DEM.
+
+Run it with YADE: ``scripts/yade -n -x scripts/rigid_packing.py --out DIR``. ``result.json`` has, of
+a box into which spheres fall, what the solver did and how still they lie in the end, with the
+processor time per step of both laws on that same packing; and of loose disks squeezed by walls
+under a force until they are jammed, packing, overlaps and processor time by both laws.
+"""
+
+import argparse
+import json
+import math
+import time
+from pathlib import Path
+
+import numpy as np
+import yade.utils
+from yade import FrictMat, O, Sphere
+
+import softgrain as sg
+from softgrain import command_line
+
+RADIUS = 0.01  # m, of the largest sphere
+DENSITY = 2000.0  # kg/m3
+GRAVITY = 10.0  # m/s2
+FORCE = 10.0  # N, of a wall on the disks
+COLUMNS = 8  # spheres side by side in the box
+BOX_STEP, BOX_TIME = 2e-4, 2.0  # s
+SQUEEZE_STEP = 5e-4  # s
+STILL = 1e-3  # unbalanced force at which a squeezed packing counts as jammed
+LONGEST = 6.0  # s, of a squeeze
+
+
+def parse_options(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--spheres", type=int, default=2000, help="in the box")
+    add("--disks", type=int, default=400, help="squeezed by walls")
+    add("--mu", type=command_line.non_negative, default=0.3, help="friction [-]")
+    add("--young", type=command_line.positive, default=1e7, help="of YADE's linear law [Pa]")
+    add(
+        "--out",
+        type=command_line.output_folder,
+        default=Path("rigid_packing"),
+        help="folder for results",
+    )
+    options = parser.parse_args(arguments)
+    for name in ("spheres", "disks"):
+        if getattr(options, name) < 1:
+            parser.error(f"argument --{name}: {getattr(options, name)} is not one of 1, 2, ...")
+    return options
+
+
+def material(options, mu=None):
+    mu = options.mu if mu is None else mu
+    return FrictMat(young=options.young, poisson=0.3, density=DENSITY, frictionAngle=math.atan(mu))
+
+
+def spheres():
+    return [b for b in O.bodies if isinstance(b.shape, Sphere)]
+
+
+def kinetic_energy():
+    """Of the spheres [J]."""
+    states = [b.state for b in spheres()]
+    return 0.5 * sum(
+        s.mass * s.vel.squaredNorm() + np.dot(s.inertia, np.square(s.angVel)) for s in states
+    )
+
+
+def step_of_the_linear_law():
+    """A third of what YADE holds for critical [s]."""
+    return 0.3 * yade.utils.PWaveTimeStep()
+
+
+def time_per_step(steps):
+    """Processor time of a step [ms]."""
+    start = time.process_time()
+    O.run(steps, True)
+    return 1e3 * (time.process_time() - start) / steps
+
+
+def fill_box(options):
+    """Spheres above each other, a little out of order, between five walls."""
+    O.reset()
+    random, side = np.random.default_rng(1), 2.25 * RADIUS * COLUMNS
+    grains, wall = material(options), material(options)
+    places = [(0, 0), (side, 0), (0, 1), (side, 1), (0, 2)]
+    O.bodies.append([yade.utils.wall(place, axis=axis, material=wall) for place, axis in places])
+    for k in range(options.spheres):
+        layer, rest = divmod(k, COLUMNS**2)
+        cell = np.array([*divmod(rest, COLUMNS), layer]) + 0.5
+        centre = 2.25 * RADIUS * cell + 0.08 * RADIUS * random.uniform(-1, 1, 3)
+        radius = RADIUS * random.uniform(0.85, 1)
+        O.bodies.append(yade.utils.sphere(tuple(centre), radius, material=grains))
+
+
+def box_at_rest(options):
+    """Lets the box come to rest; how still it is in the last tenth of the time."""
+    fill_box(options)
+    O.engines = sg.engines(rigid="nonsmooth", gravity=(0, 0, -GRAVITY))
+    O.dt = BOX_STEP
+    steps = round(BOX_TIME / O.dt)
+    scale = GRAVITY * RADIUS * sum(b.state.mass for b in spheres())
+    kinetic = []
+    for _ in range(9):
+        O.run(steps // 10, True)
+        kinetic.append(kinetic_energy() / scale)
+    places = np.array([b.state.pos for b in spheres()])
+    integrator = sg.integrator()
+    sweeps = integrator.totalSweeps
+    cost = time_per_step(steps // 10)
+    kinetic.append(kinetic_energy() / scale)
+    moved = np.linalg.norm(np.array([b.state.pos for b in spheres()]) - places, axis=1)
+    held = sum(O.forces.f(i)[2] for i in range(5))
+    result = {
+        "spheres": options.spheres,
+        "steps": integrator.steps,
+        "kinetic_over_m_g_R": kinetic,
+        "median_creep_over_R": float(np.median(moved)) / RADIUS,
+        "share_that_moved_by_R_over_1000": float(np.mean(moved > 1e-3 * RADIUS)),
+        "reaction_over_weight": -held / (scale / RADIUS),
+        "contacts": integrator.contacts,
+        "active_contacts": integrator.activeContacts,
+        "sweeps_per_step": integrator.totalSweeps / integrator.steps,
+        "sweeps_per_step_at_rest": (integrator.totalSweeps - sweeps) / (steps // 10),
+        "capped_steps": integrator.cappedSteps,
+        "residual": integrator.residual,
+        "largest_residual": integrator.largestResidual,
+        "overlap_over_R": 0.1 * integrator.overlap,
+        "largest_overlap_over_R": 0.1 * integrator.largestOverlap,
+        "milliseconds_per_step_at_rest": cost,
+        "dt": O.dt,
+    }
+    O.engines = sg.engines(rigid="linear", gravity=(0, 0, -GRAVITY))
+    O.interactions.clear()
+    O.dt = step_of_the_linear_law()
+    O.run(200, True)
+    result["linear"] = {"milliseconds_per_step": time_per_step(500), "dt": O.dt}
+    return result
+
+
+def loose_disks(options):
+    """Disks on a loose square lattice between four walls, two of which are free and pushed."""
+    O.reset()
+    random, row = np.random.default_rng(2), math.ceil(math.sqrt(options.disks))
+    pitch = 2.6 * RADIUS
+    smooth, grains = material(options, 0), material(options)
+    places = [(0, 0), (row * pitch, 0), (0, 1), (row * pitch, 1)]
+    walls = [yade.utils.wall(place, axis=axis, material=smooth) for place, axis in places]
+    ids = O.bodies.append(walls)
+    for k in range(options.disks):
+        jitter = 0.05 * RADIUS * random.uniform(-1, 1, 2)
+        centre = pitch * (np.array(divmod(k, row)) + 0.5) + jitter
+        disk = yade.utils.sphere((*centre, 0), RADIUS * random.uniform(0.8, 1.2), material=grains)
+        disk.state.blockedDOFs = "zXY"
+        disk.state.vel = (*random.uniform(-0.3, 0.3, 2), 0)
+        O.bodies.append(disk)
+    mass = sum(b.state.mass for b in spheres())
+    for axis, k in ((0, 1), (1, 3)):
+        state = O.bodies[ids[k]].state
+        state.blockedDOFs = ("yzXYZ", "xzXYZ")[axis]
+        state.mass, state.inertia = mass, (1, 1, 1)
+        O.forces.setPermF(ids[k], [-FORCE * (a == axis) for a in range(3)])
+    return ids
+
+
+def squeeze(options, rigid):
+    """From loose to jammed by one of the laws of rigid pairs."""
+    ids = loose_disks(options)
+    O.engines = sg.engines(rigid=rigid)
+    if rigid == "linear":
+        O.engines[-1].damping = 0.2
+    O.dt = SQUEEZE_STEP if rigid == "nonsmooth" else step_of_the_linear_law()
+    start = time.process_time()
+    while O.time < LONGEST and not (O.time > 0.5 and yade.utils.unbalancedForce() < STILL):
+        O.run(round(0.01 / O.dt), True)
+    cpu = time.process_time() - start
+    sides = [O.bodies[ids[k]].state.pos[axis] for axis, k in ((0, 1), (1, 3))]
+    bearing = [i for i in O.interactions if i.isReal and i.phys.normalForce.norm() > 1e-6 * FORCE]
+    integrator = sg.integrator()
+    return {
+        "law": rigid,
+        "disks": options.disks,
+        "packing_fraction": sum(math.pi * b.shape.radius**2 for b in spheres()) / np.prod(sides),
+        "contacts_per_disk": 2 * len(bearing) / options.disks,
+        "largest_overlap_over_R": max(i.geom.penetrationDepth for i in bearing) / RADIUS,
+        "unbalanced_force": yade.utils.unbalancedForce(),
+        "time": O.time,
+        "dt": O.dt,
+        "steps": O.iter,
+        "milliseconds_per_step": 1e3 * cpu / O.iter,
+        "seconds": cpu,
+        "sweeps_per_step": integrator.totalSweeps / max(integrator.steps, 1),
+        "capped_steps": integrator.cappedSteps,
+    }
+
+
+def main():
+    options = parse_options()
+    result = {
+        "squeeze": [squeeze(options, rigid) for rigid in ("nonsmooth", "linear")],
+        "box": box_at_rest(options),
+    }
+    command_line.write_result(options.out, result)
+    print(json.dumps(result, indent=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,201 @@
+#include "Helpers.hpp"
+#include "contact/ContactSolver.hpp"
+
+#include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
+
+using namespace softgrain;
+using namespace softgrain::testing;
+
+namespace {
+
+/// Rigid bodies alone, in a step of 1 s.
+template <int dim> struct RigidBodies {
+	std::vector<ContactBody<dim>> none;
+	std::vector<RigidPartner<dim>> body;
+	std::vector<RigidContact<dim>> contacts;
+	ContactSolver<dim> solver;
+	SolverSettings settings;
+
+	SolverReport solve(double tolerance, int maxSweeps = 100000, int threads = 1)
+	{
+		settings.tolerance = tolerance;
+		settings.maxSweeps = maxSweeps;
+		solver.prepare(none, {}, 1, settings, threads, &body, &contacts);
+		return solver.solve();
+	}
+	Vec<dim> velocityAt(const RigidContact<dim>& c) const
+	{
+		return body[c.second].velocityAt(c.point - body[c.second].centre) -
+		       body[c.first].velocityAt(c.point - body[c.first].centre);
+	}
+};
+
+/// Bodies that touch at random places; `offset`: how far arms are from the normal, over their
+/// length. The first body is held.
+template <int dim>
+RigidBodies<dim> randomBodies(unsigned seed, int count, double share, double friction,
+			      double offset)
+{
+	Random random(seed);
+	RigidBodies<dim> bodies;
+	bodies.body.resize(count);
+	for (RigidPartner<dim>& p : bodies.body) {
+		p.centre = random.vector<dim>();
+		p.velocity = random.vector<dim>();
+		p.spin = random.vector<RigidPartner<dim>::spins>();
+		p.inverseMass.setConstant(random.uniform(0.5, 2));
+		p.inverseInertia.setIdentity();
+		p.inverseInertia *= random.uniform(1, 5);
+	}
+	bodies.body[0].inverseMass.setZero();
+	bodies.body[0].inverseInertia.setZero();
+	for (int a = 0; a < count; ++a)
+		for (int b = a + 1; b < count; ++b) {
+			if (random.uniform(0, 1) > share) continue;
+			const Vec<dim> arm = bodies.body[b].centre - bodies.body[a].centre;
+			RigidContact<dim> c;
+			c.first = a;
+			c.second = b;
+			c.point = bodies.body[a].centre + random.uniform(0.2, 0.8) * arm;
+			c.normal =
+				(arm.normalized() + offset * random.direction<dim>()).normalized();
+			c.gap = random.uniform(0, 0.1);
+			c.size = 1;
+			c.friction = friction;
+			c.impulse = random.vector<dim>(); // a bad start
+			bodies.contacts.push_back(c);
+		}
+	return bodies;
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE_SIG("contacts of rigid bodies hold all conditions, one by one", "[rigid]",
+		       ((int dim), dim), 2, 3)
+{
+	int open = 0, stick = 0, slip = 0;
+	for (const double offset : { 0., 0.3 })
+		for (unsigned seed = 1; seed < 15; ++seed) {
+			auto bodies = randomBodies<dim>(seed, 6, 0.4, 0.6, offset);
+			auto anew = bodies;
+			const SolverReport report = bodies.solve(1e-13);
+			REQUIRE(report.converged);
+			for (const RigidContact<dim>& c : bodies.contacts) {
+				auto push = [&](int k, const Vec<dim>& J) {
+					RigidPartner<dim>& p = anew.body[k];
+					if (p.moves()) p.push(c.point - p.centre, J);
+				};
+				push(c.first, -c.impulse);
+				push(c.second, c.impulse);
+			}
+			for (const RigidContact<dim>& c : bodies.contacts) {
+				const Vec<dim>&n = c.normal, &r = c.impulse;
+				const Vec<dim> u = anew.velocityAt(c);
+				CHECK((u - bodies.velocityAt(c)).norm() < 1e-11);
+				const double un = u.dot(n) + c.gap, rn = r.dot(n);
+				const Vec<dim> ut = u - u.dot(n) * n, rt = r - rn * n;
+				CHECK(un > -1e-10);
+				CHECK(rn >= 0);
+				CHECK(std::abs(un * rn) < 1e-10);
+				CHECK(rt.norm() < 0.6 * rn + 1e-10);
+				if (rn < 1e-10)
+					++open;
+				else if (ut.norm() < 1e-9)
+					++stick;
+				else {
+					++slip;
+					CHECK(std::abs(rt.norm() - 0.6 * rn) < 1e-10);
+					CHECK(std::abs(ut.dot(rt) + ut.norm() * rt.norm()) < 1e-10);
+				}
+			}
+		}
+	CHECK(open > 10);
+	CHECK(stick > 3);
+	CHECK(slip > 10);
+}
+
+TEST_CASE("a stack of ten bears its weight", "[rigid]")
+{
+	RigidBodies<2> stack;
+	const double mass = 2, weight = 3, radius = 0.5;
+	stack.body.resize(11);
+	for (int k = 0; k <= 10; ++k) {
+		RigidPartner<2>& p = stack.body[k];
+		p.centre = Vec<2>(0, 2 * radius * k);
+		if (k == 0) continue; // the floor
+		p.inverseMass.setConstant(1 / mass);
+		p.inverseInertia(0, 0) = 2 / (mass * radius * radius);
+		p.velocity = Vec<2>(0, -weight / mass); // after a step of 1 s
+		stack.contacts.push_back({ k - 1, k, Vec<2>(0, (2 * k - 1) * radius), Vec<2>(0, 1),
+					   0, 1, 0.5, Vec<2>::Zero() });
+	}
+	const SolverReport report = stack.solve(1e-13);
+	REQUIRE(report.converged);
+	CHECK(report.active == 10);
+	for (int k = 0; k < 10; ++k)
+		CHECK((stack.contacts[k].impulse - Vec<2>(0, (10 - k) * weight)).norm() < 1e-9);
+	// warm: the same problem again needs no work
+	for (int k = 1; k <= 10; ++k) {
+		stack.body[k].velocity = Vec<2>(0, -weight / mass);
+		stack.body[k].spin.setZero();
+	}
+	CHECK(stack.solve(1e-9).sweeps == 4);
+}
+
+TEST_CASE("rigid bodies that overlap are moved apart without speed, a little stays", "[rigid]")
+{
+	for (const double gap : { -0.5, -0.5e-3 }) {
+		RigidBodies<3> three; // the third lies on the second and is not to be run into
+		three.body.resize(3);
+		for (int k = 0; k < 3; ++k) {
+			three.body[k].centre = Vec<3>(0, 0, k);
+			three.body[k].inverseMass.setOnes();
+		}
+		for (int k = 0; k < 2; ++k)
+			three.contacts.push_back({ k, k + 1, Vec<3>(0, 0, k + 0.5), Vec<3>(0, 0, 1),
+						   k == 0 ? gap : 0, 1, 0, Vec<3>::Zero() });
+		three.solve(1e-13);
+		three.solver.separateRigidBodies(1);
+		const double expected = gap < -1e-3 ? 0.1 * (-gap - 1e-3) : 0;
+		double sum = 0;
+		for (const RigidPartner<3>& p : three.body) {
+			CHECK(p.velocity.isZero(0));
+			sum += p.shift[2];
+		}
+		CHECK(std::abs(three.body[1].shift[2] - three.body[0].shift[2] - expected) < 1e-4);
+		CHECK(three.body[2].shift[2] >= three.body[1].shift[2] - 1e-15);
+		CHECK(std::abs(sum) < 1e-15);
+	}
+}
+
+TEST_CASE("what is held along the normal bears nothing", "[rigid]")
+{
+	RigidBodies<2> pair;
+	pair.body.resize(2);
+	pair.body[1].inverseMass = Vec<2>(1, 0); // moves across only
+	pair.body[1].velocity = Vec<2>(1, -1);
+	pair.contacts.push_back({ 0, 1, Vec<2>(0, 0), Vec<2>(0, 1), 0, 1, 0.5, Vec<2>(0, 1) });
+	const SolverReport report = pair.solve(1e-10);
+	CHECK(report.converged);
+	CHECK(pair.contacts[0].impulse.isZero(0));
+	CHECK(pair.body[1].velocity == Vec<2>(1, -1));
+}
+
+TEST_CASE("rigid contacts: the same bits with any number of threads", "[rigid]")
+{
+	auto solved = [](int threads) {
+		auto bodies = randomBodies<3>(5, 700, 0.008, 0.4, 0.2);
+		const SolverReport report = bodies.solve(1e-6, 1000, threads);
+		CHECK(report.active > 300);
+		std::vector<double> bits { report.residual, double(report.sweeps) };
+		for (const RigidContact<3>& c : bodies.contacts)
+			bits.insert(bits.end(), c.impulse.data(), c.impulse.data() + 3);
+		for (const RigidPartner<3>& p : bodies.body)
+			bits.insert(bits.end(), p.spin.data(), p.spin.data() + 3);
+		return bits;
+	};
+	const auto one = solved(1);
+	CHECK(solved(2) == one);
+	CHECK(solved(3) == one);
+}

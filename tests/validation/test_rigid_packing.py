@@ -1,0 +1,37 @@
+"""scripts/rigid_packing.py: rigid grains prepared by contact dynamics come to rest."""
+
+import pytest
+from runs import run_case
+
+
+def check_box(box):
+    kinetic = box["kinetic_over_m_g_R"]
+    assert kinetic[-1] < 1e-4 and kinetic[-1] < 1e-2 * kinetic[0]
+    assert box["median_creep_over_R"] < 1e-5
+    assert box["reaction_over_weight"] == pytest.approx(1, rel=1e-3)
+    assert box["capped_steps"] == 0
+    assert box["largest_residual"] <= 0.01
+    assert box["sweeps_per_step_at_rest"] < 6
+    assert box["largest_overlap_over_R"] < 5e-3
+
+
+def check_squeeze(cases):
+    nonsmooth, linear = cases
+    assert nonsmooth["unbalanced_force"] < 1e-3 and linear["unbalanced_force"] < 1e-3
+    assert nonsmooth["packing_fraction"] == pytest.approx(linear["packing_fraction"], abs=0.02)
+    assert nonsmooth["contacts_per_disk"] == pytest.approx(linear["contacts_per_disk"], abs=0.3)
+    assert nonsmooth["largest_overlap_over_R"] < 1e-3
+    assert nonsmooth["steps"] < 0.3 * linear["steps"]
+
+
+def test_small(tmp_path):
+    result = run_case("rigid_packing", tmp_path, "--spheres", "200", "--disks", "100")
+    check_box(result["box"])
+    check_squeeze(result["squeeze"])
+
+
+@pytest.mark.slow
+def test_two_thousand_spheres(tmp_path):
+    result = run_case("rigid_packing", tmp_path)
+    check_box(result["box"])
+    check_squeeze(result["squeeze"])
