@@ -1,5 +1,6 @@
 // Rigid bodies in the contacts of a step: what NewtonIntegrator will do with them, and the
 // reactions that it is to do it with.
+#include "PeriodicCell.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 #include "SoftGrainIntegrator.hpp"
@@ -18,18 +19,16 @@ string nameOf(const Body& body)
 	       (body.shape ? body.shape->getClassName() : string("no shape")) + ")";
 }
 
-const NewtonIntegrator& newtonIntegrator(const Scene& scene)
+/// Whether NewtonIntegrator moves a body.
+bool isMoved(const Body& body, const NewtonIntegrator& newton)
 {
-	for (const auto& engine : scene.engines)
-		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return *newton;
-	throw std::runtime_error("there is no NewtonIntegrator in O.engines");
+	return newton.mask <= 0 || body.maskCompatible(newton.mask);
 }
 
 /// Whether forces change the motion of a body.
 bool isFree(const Body& body, const NewtonIntegrator& newton)
 {
-	const bool moved = newton.mask <= 0 || body.maskCompatible(newton.mask);
-	return moved && body.state->blockedDOFs != State::DOF_ALL;
+	return isMoved(body, newton) && body.state->blockedDOFs != State::DOF_ALL;
 }
 
 void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
@@ -76,6 +75,11 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 	d.angularVelocity = d.freeAngularVelocity = state.angVel;
 	d.inverseMass.setZero();
 	d.inverseInertia.setZero();
+	const CellFlow flow = cellFlow(scene, newton);
+	if (isMoved(body, newton)) {
+		d.freeVelocity += flow.added(state.pos, state.vel, scene.dt);
+		d.freeAngularVelocity += flow.spinChange;
+	}
 	if (!isFree(body, newton)) return d;
 	requireExactReactions(body, newton);
 
@@ -95,6 +99,7 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 		d.inverseInertia = scaling * axes * state.inertia.cwiseInverse().asDiagonal() *
 				   axes.transpose();
 		torque -= state.angVel.cross(inertia * state.angVel);
+		d.freeAngularVelocity -= flow.spinChange; // Newton's integrator leaves it out here
 	} else // as NewtonIntegrator has it: components of inertia along the axes of space
 		for (int a = 0; a < 3; ++a)
 			if (!(state.blockedDOFs & State::axisDOF(a, true)))
@@ -123,7 +128,7 @@ SoftGrainIntegrator::rigidPartners(const std::vector<Interaction*>& interactions
 {
 	std::vector<softgrain::RigidMotionDescription> partners;
 	std::map<Body::id_t, int> number;
-	const NewtonIntegrator& newton = newtonIntegrator(*scene);
+	const NewtonIntegrator& newton = newtonIntegrator();
 	for (const Interaction* I : interactions) {
 		softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
 		if (!pair.hasRigidBody()) continue;
@@ -156,7 +161,7 @@ void SoftGrainIntegrator::publishReactions(const Interaction& I, Real kick)
 	if (sum.active == 0) return;
 	const Body& body = rigidBodyOf(I);
 	const Real time =
-		isFree(moverOf(body, *scene), newtonIntegrator(*scene)) ? scene->dt : kick;
+		isFree(moverOf(body, *scene), newtonIntegrator()) ? scene->dt : kick;
 	scene->forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);
 	scene->forces.addTorque(body.getId(), sum.moment / time);
 }

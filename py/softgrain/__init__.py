@@ -23,6 +23,8 @@ from softgrain.build import soft_block, soft_disk, soft_sphere  # noqa: E402
 from softgrain.contact_problem import solve_contact_problem  # noqa: E402
 from softgrain.observe import (  # noqa: E402
     Balance,
+    cell_stress,
+    cell_volume,
     coordination_number,
     grain_area,
     integrator,
@@ -41,6 +43,8 @@ from softgrain.timing import phase_times, reset_times  # noqa: E402
 __all__ = sorted(_classes) + [
     "Balance",
     "as_disks",
+    "cell_stress",
+    "cell_volume",
     "contact_halfwidth",
     "contact_profile",
     "coordination_number",

@@ -55,7 +55,10 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
         integrator.setdefault("dtSet", O.dt)
     return [
         ForceResetter(),
-        InsertionSortCollider(_bound_functors(), verletDist=verlet_distance),
+        # in a periodic cell the integrator refuses grains that are too big, walls may be infinite
+        InsertionSortCollider(
+            _bound_functors(), verletDist=verlet_distance, allowBiggerThanPeriod=True
+        ),
         InteractionLoop(
             _geometry_functors(),
             [

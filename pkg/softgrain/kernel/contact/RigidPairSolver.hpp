@@ -36,7 +36,7 @@ public:
 		Vec<dim> normal;  ///< from the rigid body to the grain
 		Vec<dim> impulse; ///< on the grain
 		double bias;      ///< b, m/s
-		Vec<dim> arm;     ///< of the place, from the centre of mass of the rigid body, m
+		Vec<dim> arm; ///< of the place, from the centre of mass of the rigid body's image, m
 		Mat<dim> W;       ///< 1/kg
 		double Wn, Wt;    ///< W_nn and W_t, 1/kg
 		int nodes;        ///< of the grain, on which the impulse acts in shares
@@ -69,6 +69,8 @@ private:
 	Vec<dim> solvedImpulse(const Constraint& c) const;
 	double energy(const Constraint& c, const Vec<dim>& r) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
+
+	Vec<dim> imageCentre() const { return partner_->centre + list_->image.shift; }
 
 	ContactBody<dim>* grain_ = nullptr;
 	RigidPartner<dim>* partner_ = nullptr;
