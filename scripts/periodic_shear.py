@@ -59,7 +59,7 @@ def make_scene(options):
         poisson=0.45,
         density=DENSITY,
         frictionAngle=math.atan(options.mu),
-        stiffnessDamping=3e-4,
+        massDamping=400,
     )
     sg.soften(ids, material=material, zeta=options.zeta, overlap="refuse")
     O.engines = sg.engines()
@@ -80,7 +80,7 @@ def hold_stress(stress):
         goal=(-stress, -stress, 0),
         stressMask=3,
         dynCell=True,
-        mass=3 * DENSITY * O.cell.size[0] ** 2,
+        mass=DENSITY * O.cell.size[0] ** 2,
         growDamping=0.5,
         maxStrainRate=(2, 2, 0),
     )

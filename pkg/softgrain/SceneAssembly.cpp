@@ -43,6 +43,11 @@ std::vector<Body*> softBodies(Scene& scene)
 	std::vector<Body*> bodies;
 	for (const shared_ptr<Body>& body : *scene.bodies) {
 		if (!body || !body->shape) continue;
+		if (scene.isPeriodic && isA<Wall>(body->shape))
+			throw std::invalid_argument(
+				name(*body) +
+				" is a Wall, but O.periodic = True: the collider of YADE never ends "
+				"with its infinite box in a periodic cell; leave it out");
 		checkBody(*body);
 		if (isA<SoftGrain>(body->shape)) bodies.push_back(body.get());
 	}

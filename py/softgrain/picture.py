@@ -62,7 +62,7 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
 
 def _shifts(centre, polygon):
     """To the images of a body that reach into a periodic cell, in the plane [m]."""
-    centre = np.array([*centre[:2], 0])
+    centre = np.array([centre[0], centre[1], 0])
     size = np.linalg.norm(polygon - centre[:2], axis=1).max()
     flat = {}
     for shift in nearest_images(centre, size):

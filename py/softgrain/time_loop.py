@@ -40,14 +40,20 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
         list of Engine: for ``O.engines``.
 
     Raises:
-        ValueError: an attribute is out of its range, or there is no soft grain and no
-            verlet_distance.
+        ValueError: an attribute is out of its range, there is no soft grain and no
+            verlet_distance, or a wall in a periodic cell.
     """
     if verlet_distance is None:
         radii = [b.shape.radius for b in O.bodies if b and isinstance(b.shape, wrapper.SoftGrain)]
         if not radii:
             raise ValueError("verlet_distance: give it, or add soft grains first")
         verlet_distance = 0.05 * min(radii)
+    walls = [b.id for b in O.bodies if b and isinstance(b.shape, wrapper.Wall)]
+    if O.periodic and walls:
+        raise ValueError(
+            f"body #{walls[0]} is a Wall, but O.periodic = True: the collider of YADE never ends "
+            "with its infinite box in a periodic cell; leave it out"
+        )
     if label:
         integrator["label"] = label
     if O.dt == _own_step["dt"]:  # set before there was an integrator: it is to keep that fraction
@@ -55,7 +61,7 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, **integrator):
         integrator.setdefault("dtSet", O.dt)
     return [
         ForceResetter(),
-        # in a periodic cell the integrator refuses grains that are too big, walls may be infinite
+        # in a periodic cell the integrator refuses grains that are too big, with a message
         InsertionSortCollider(
             _bound_functors(), verletDist=verlet_distance, allowBiggerThanPeriod=True
         ),

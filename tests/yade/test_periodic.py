@@ -14,7 +14,6 @@ from scenes import (
     YOUNG,
     ZETA,
     add_disk,
-    add_wall,
     present_state,
     ready,
     run,
@@ -43,9 +42,15 @@ def irregular_packing(shift=(0, 0), count=3, friction=0.3, gap=0.0, **material):
     kind = soft_material(frictionAngle=math.atan(friction), **material)
     for i in range(count):
         for j in range(count):
-            noise = random.uniform(-0.03, 0.03, 2) * RADIUS
+            noise = random.uniform(-0.01, 0.01, 2) * RADIUS
             place = (np.array([i, j]) + 0.5) * spacing + noise + shift
-            add_disk((*place, 0), random.uniform(0.9, 0.97) * RADIUS, kind)
+            add_disk((*place, 0), random.uniform(0.95, 0.99) * RADIUS, kind)
+
+
+def compress(phi, rate):
+    flow(xx=-rate, yy=-rate)
+    while sg.packing_fraction() < phi:
+        run(20)
 
 
 def positions():
@@ -65,10 +70,11 @@ def test_where_the_border_lies_does_not_matter(shear):
         irregular_packing(shift)
         ready(tolerance=1e-8, maxSweeps=2000)
         O.dt *= 0.8  # the user's, which stays
-        flow(xx=-2.0, yy=-2.0, xy=shear)
+        flow(xx=-5.0, yy=-5.0, xy=shear)
         run(500)
-        growth = np.array(O.cell.trsf)[:2, :2]
-        results.append([x - growth @ shift for x in positions()])
+        # the cell follows the bodies at the beginning of the next step
+        growth = (np.eye(3) + O.dt * np.array(O.cell.velGrad)) @ np.array(O.cell.trsf)
+        results.append([x - growth[:2, :2] @ shift for x in positions()])
         borders = [i for i in O.interactions if i.isReal and tuple(i.cellDist) != (0, 0, 0)]
         assert len(borders) >= 5
     for here, there in zip(*results):
@@ -77,13 +83,13 @@ def test_where_the_border_lies_does_not_matter(shear):
 
 def test_two_grains_across_the_border_are_as_two_inside():
     results = []
-    for second in (1.95, 1.95 - 8.0):
+    for second in (2.02, 2.02 - 8.0):
         O.reset()
         set_cell(8 * RADIUS, 8 * RADIUS)
         disks = [add_disk((x * RADIUS, 0.2 * RADIUS * k, 0)) for k, x in enumerate((0, second))]
         disks[0].state.vel = (0.5, 0, 0)
-        ready(maxOverlap=5, tolerance=1e-10, maxSweeps=2000)
-        run(200)
+        ready(tolerance=1e-10, maxSweeps=2000)
+        run(80)
         results.append([x - x[0] for x in positions()])
         interaction = O.interactions[0, 1]
         assert tuple(interaction.cellDist) == ((0, 0, 0) if second > 0 else (1, 0, 0))
@@ -108,33 +114,33 @@ def test_momentum_is_kept_where_images_alone_drive():
 @pytest.mark.parametrize("homo", [0, 1, 2])
 def test_work_of_the_cell(homo):
     """What the cell does is found in the grains, and it is stress times rate times volume."""
-    irregular_packing(stiffnessDamping=2e-4)
+    irregular_packing(massDamping=400.0)
     O.cell.homoDeform = homo
     O.trackEnergy = True
     ready()
-    flow(xx=-0.8, yy=-0.8)
-    run(3)
+    compress(0.80, 1.0)
     balance = sg.Balance()
     energy = sg.integrator().energy()
     done = energy["cell"] + energy["loads"]
     expected = 0.0
-    for _ in range(1500):
+    for _ in range(1000):
+        strain = O.dt * np.array(O.cell.velGrad)
         O.step()
-        rate = np.array(O.cell.velGrad)
-        expected += O.dt * np.sum(sg.cell_stress() * rate) * sg.cell_volume()
+        expected += np.sum(np.array(utils.getStress()) * strain) * sg.cell_volume()
     energy = sg.integrator().energy()
     done = energy["cell"] + energy["loads"] - done
-    assert energy["elastic"] > 0.05 * YOUNG * 1e-4
-    assert balance.error() < 2e-2
+    assert energy["elastic"] > 0.5  # J/m
+    assert balance.error() < 5e-3
     assert done == pytest.approx(expected, rel=0.02)
 
 
 def test_stress_of_contacts_and_of_grains_agree():
     """In the mean over a slow compression; and YADE's own sum is that of the contacts."""
-    irregular_packing(stiffnessDamping=2e-4)
+    irregular_packing(massDamping=400.0)
     ready()
+    compress(0.84, 1.0)
     flow(xx=-0.5, yy=-0.3)
-    run(1500)
+    run(200)
     contacts, grains = np.zeros((3, 3)), np.zeros((3, 3))
     for _ in range(200):
         O.step()
@@ -151,47 +157,44 @@ def test_stress_of_contacts_and_of_grains_agree():
 
 def test_simple_shear():
     """Bodies leave the cell sideways, contacts come and go, and grains turn with the flow."""
-    irregular_packing(stiffnessDamping=2e-4)
+    irregular_packing(massDamping=400.0)
     ready()
-    flow(xx=-1.0, yy=-1.0)
-    while sg.packing_fraction() < 0.86:
-        run(20)
+    compress(0.86, 1.0)
     O.cell.flipFlippable = True
     flow(xy=3.0)
     start = O.cell.trsf[0, 1]
-    seen, turned = set(), np.zeros(9)
+    seen, stress, count = set(), np.zeros((3, 3)), 0
     while O.cell.trsf[0, 1] - start < 1.2:
         run(20)
         seen |= {(i.id1, i.id2, *i.cellDist) for i in O.interactions if i.isReal}
-        turned += [20 * O.dt * b.state.angVel[2] for b in sg.soft_bodies()]
+        stress += sg.cell_stress()
+        count += 1
     assert len(seen) > 30
     assert abs(O.cell.hSize[0, 1]) <= 0.6 * O.cell.hSize[0, 0]  # it was flipped
-    assert -1.0 < turned.mean() < -0.2  # the flow turns by half the shear, clockwise
-    stress = sg.cell_stress()
-    assert stress[0, 1] > 0  # it drags back
-    assert stress[0, 1] == pytest.approx(stress[1, 0], abs=0.1 * abs(stress[1, 1]))
+    stress /= count
+    assert stress[0, 1] > 0.02 * abs(stress[1, 1])  # it drags back
+    # nothing turns the packing as a whole: the mean stress is symmetric
+    assert stress[0, 1] == pytest.approx(stress[1, 0], abs=0.02 * abs(stress[1, 1]))
+    assert max(abs(b.state.angVel[2]) for b in sg.soft_bodies()) < 100
     assert sg.integrator().largestOverlap < 0.5
 
 
-def test_rest_takes_no_sleep_while_the_cell_moves():
-    """A damped grain on a wall of a cell that is periodic in x."""
-    set_cell(6 * RADIUS, 10 * RADIUS)
-    material = soft_material(massDamping=200.0, frictionAngle=math.atan(0.5))
-    disks = [add_disk((x * RADIUS, RADIUS, 0), material=material) for x in (1, 3, 5)]
-    add_wall(0, axis=1, friction=0.5, sense=1)
-    ready(gravity=(0, -9.81, 0))
-    for _ in range(60):
-        run(100)
-        if all(d.shape.isAsleep() for d in disks):
-            break
+def test_grains_at_rest_are_woken_by_the_cell():
+    """Two grains that nothing drives sleep until the cell brings the image of one to the other."""
+    set_cell(6 * RADIUS, 6 * RADIUS)
+    O.cell.homoDeform = 0
+    disks = [add_disk((x * RADIUS, RADIUS, 0)) for x in (1, 4)]
+    ready()
+    run(5)
     assert all(d.shape.isAsleep() for d in disks)
-    flow(xx=-1.0)
+    flow(xx=-5.0)
     run(1)
     assert not any(d.shape.isAsleep() for d in disks)
-    run(300)
-    assert not any(d.shape.isAsleep() for d in disks)
-    across = [i for i in O.interactions if i.isReal and tuple(i.cellDist) != (0, 0, 0)]
-    assert across and across[0].phys.activeContacts > 0
+    while O.cell.size[0] > 4.95 * RADIUS:
+        run(10)
+    (contact,) = [i for i in O.interactions if i.isReal]
+    assert tuple(contact.cellDist) == (-1, 0, 0)
+    assert disks[0].state.vel[0] > 0.1 and disks[1].state.vel[0] < -0.1
 
 
 @pytest.mark.parametrize("place", [(0.0, 0.0), (-1.3, 0.6)])
@@ -248,7 +251,7 @@ def test_stress_control_by_yade():
     """PeriTriaxController with the mass of the cell holds the target within 1 %."""
     from yade import PeriTriaxController
 
-    irregular_packing(stiffnessDamping=5e-4)
+    irregular_packing(massDamping=400.0)
     ready()
     target = -0.05 * YOUNG
     control = PeriTriaxController(
@@ -294,13 +297,13 @@ def test_overlaps_across_the_border_are_seen():
         body = utils.sphere((x, 0.05, 0), 0.01, material=FrictMat())
         body.state.blockedDOFs = "zXY"
         O.bodies.append(body)
-    with pytest.raises(ValueError, match="#0 and #1 overlap by 65 %"):
+    with pytest.raises(ValueError, match="#1 and #0 overlap by 1.3e\\+02 %"):
         sg.soften(material=soft_material(), zeta=ZETA)
 
 
 def test_periodic_cloud_to_soft_balls():
     cloud = pack.SpherePack()
-    cloud.makeCloud((0, 0, 0), (0.1, 0.1, 0.1), rMean=0.014, num=14, periodic=True, seed=2)
+    cloud.makeCloud((0, 0, 0), (0.1, 0.1, 0.1), rMean=0.0125, num=30, periodic=True, seed=2)
     cloud.toSimulation(material=FrictMat())
     assert O.periodic and O.cell.size[0] == 0.1
     sg.soften(material=soft_material(), zeta=0.5)
@@ -338,7 +341,7 @@ LOADED = """
 
 
 def test_save_and_load(tmp_path):
-    irregular_packing(stiffnessDamping=2e-4)
+    irregular_packing(stiffnessDamping=2e-5, massDamping=100.0)
     ready()
     O.trackEnergy = True
     flow(xx=-2.0, yy=-2.0, xy=1.0)
@@ -372,6 +375,15 @@ def complaint():
     with pytest.raises(RuntimeError) as error:
         O.step()
     return str(error.value)
+
+
+def test_wall_in_a_cell():
+    set_cell(0.1, 0.1)
+    add_disk()
+    wall = O.bodies.append(utils.wall(0, axis=1, material=FrictMat()))
+    for make in (sg.engines, sg.set_time_step):
+        with pytest.raises(ValueError, match=f"body #{wall} is a Wall, but O.periodic"):
+            make()
 
 
 def test_cell_too_small():
