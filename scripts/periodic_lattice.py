@@ -26,7 +26,12 @@ def parse_options(arguments=None):
     add = parser.add_argument
     add("--lattice", choices=("square", "triangular"), default="square")
     add("--zeta", type=command_line.resolution, default=0.1, help="relative resolution 2 dr/D [-]")
-    add("--mu", type=command_line.non_negative, default=0.3, help="friction: keeps rows [-]")
+    add(
+        "--mu",
+        type=command_line.non_negative,
+        default=0.3,
+        help="friction, which bears nothing here but keeps rows from gliding [-]",
+    )
     add("--rate", type=command_line.positive, default=1.0, help="of compression [1/s]")
     add("--until", type=command_line.positive, default=0.05, help="displacement w/D to stop at [-]")
     add(
@@ -106,7 +111,6 @@ def compress(options):
 def main():
     options = parse_options()
     make_scene(options)
-    balance = None
     O.step()
     balance = sg.Balance()
     displacement, phi, xx, yy, xy, grains_xx, grains_yy, done, expected = compress(options)
@@ -143,9 +147,9 @@ def main():
     print(
         f"w/D = {displacement[-1]:.4f}, phi = {phi[-1]:.4f}: force within "
         f"{100 * result['error_max']:.2f} % of finite elements from w/D = 0.01 on, stress of grains "
-        f"within {100 * result['grains_against_contacts_max']:.2f} % of that of contacts, work of "
-        f"the cell {100 * result['work_against_stress']:+.2f} % off stress times strain, energy "
-        f"balance {100 * result['balance_error']:.3f} %"
+        f"within {100 * result['grains_against_contacts_max']:.2f} % of that of contacts, work "
+        f"{100 * result['work_against_stress']:+.2f} % off stress times strain, energy balance "
+        f"{result['balance_error']:.1e}"
     )
 
 

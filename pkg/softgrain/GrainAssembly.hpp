@@ -55,7 +55,8 @@ struct RigidBodyDescription {
 	std::array<Vec3, 3> corner; ///< of a plate, in space
 };
 
-/// How a grain sees its partner in a periodic cell: displaced by a period, and moving with the cell.
+/// How a grain sees its partner in a periodic cell: displaced by a period, and moving with the
+/// cell.
 struct ImageDescription {
 	Vec3 shift = Vec3::Zero();    ///< from the partner to its image, m
 	Vec3 velocity = Vec3::Zero(); ///< of the shift, m/s

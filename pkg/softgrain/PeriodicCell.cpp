@@ -67,12 +67,14 @@ void checkPlane(const Scene& scene)
 	const Matrix3r& H = scene.cell->hSize;
 	const Matrix3r L = comingVelGrad(scene);
 	if (leavesPlane(H)) {
-		message << "O.cell.hSize couples z with x or y, but the soft grains are 2D; its third "
+		message << "O.cell.hSize couples z with x or y, but the soft grains are 2D; its "
+			   "third "
 			   "base vector must be along z, the others in the xy-plane";
 		refuse(message);
 	}
 	if (leavesPlane(L) || L(2, 2) != 0) {
-		message << "O.cell.velGrad has components of z, but the soft grains are 2D; only its "
+		message << "O.cell.velGrad has components of z, but the soft grains are 2D; only "
+			   "its "
 			   "xx, xy, yx and yy may differ from 0";
 		refuse(message);
 	}
@@ -88,7 +90,8 @@ void checkSpan(const Scene& scene, const Body& body, int dim)
 		std::ostringstream message;
 		message << "soft grain #" << body.getId() << " spans " << span
 			<< " m along base vector " << axis
-			<< " of the periodic cell (with the margins of the collider), more than the "
+			<< " of the periodic cell (with the margins of the collider), more than "
+			   "the "
 			   "admissible half of its length "
 			<< size
 			<< " m: it might touch the same grain on two sides. Use a larger cell with "
@@ -108,7 +111,8 @@ void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly)
 		if (g == 0 && grain.contact == "nodes")
 			throw std::runtime_error(
 				"O.periodic = True with contact = 'nodes': the common grid of this "
-				"geometry does not repeat with the cell; use contact = 'surface' or "
+				"geometry does not repeat with the cell; use contact = 'surface' "
+				"or "
 				"'points'");
 		if (g == 0 && grain.dim == 2) checkPlane(scene);
 		checkSpan(scene, body, grain.dim);

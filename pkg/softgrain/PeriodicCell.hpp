@@ -7,8 +7,8 @@
 
 namespace yade {
 
-/// Cell.velGrad as NewtonIntegrator will set it in the step at hand; zero where nothing is periodic,
-/// 1/s.
+/// Cell.velGrad as NewtonIntegrator will set it in the step at hand; zero where nothing is
+/// periodic, 1/s.
 Matrix3r comingVelGrad(const Scene& scene);
 
 /// Place of the image of body #2 of an interaction that body #1 sees, relative to body #2, m.

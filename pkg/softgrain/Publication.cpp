@@ -53,8 +53,8 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 	}
 }
 
-/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt to pos, and
-/// turns ori by angVel dt; it lands on the grain.
+/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt to pos,
+/// and turns ori by angVel dt; it lands on the grain.
 void SoftGrainIntegrator::publishMotions()
 {
 	const Real dt = scene->dt;
@@ -124,8 +124,8 @@ constexpr std::array<const char*, 9> energyNames { "kinetic", "elastic", "fricti
 void SoftGrainIntegrator::publishEnergy()
 {
 	const auto e = assembly_->energy();
-	energies = { e.kinetic, e.elastic, e.friction, e.impact,
-		     e.planes,  e.loads,   e.damping,  e.sleep, e.cell };
+	energies = { e.kinetic, e.elastic, e.friction, e.impact, e.planes,
+		     e.loads,   e.damping, e.sleep,    e.cell };
 	for (std::size_t k = 0; k < energies.size(); ++k) {
 		string name = string("soft") + energyNames[k];
 		name[4] = static_cast<char>(std::toupper(name[4]));
@@ -163,9 +163,8 @@ void SoftGrainIntegrator::saveContinuation()
 	const auto state = assembly_->continuation();
 	lastStep = state.lastStep;
 	assemblySteps = state.steps;
-	workSums = { state.sums.friction, state.sums.impact,  state.sums.planes,
-		     state.sums.loads,    state.sums.damping, state.sums.sleep,
-		     state.sums.cell };
+	workSums = { state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads,
+		     state.sums.damping,  state.sums.sleep,  state.sums.cell };
 }
 
 /// The collider watches State.pos only; outlines that leave their boxes are watched here.

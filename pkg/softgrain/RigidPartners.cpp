@@ -160,8 +160,7 @@ void SoftGrainIntegrator::publishReactions(const Interaction& I, Real kick)
 	const softgrain::SumOfImpulses sum = pair.impulse();
 	if (sum.active == 0) return;
 	const Body& body = rigidBodyOf(I);
-	const Real time =
-		isFree(moverOf(body, *scene), newtonIntegrator()) ? scene->dt : kick;
+	const Real time = isFree(moverOf(body, *scene), newtonIntegrator()) ? scene->dt : kick;
 	scene->forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);
 	scene->forces.addTorque(body.getId(), sum.moment / time);
 }

@@ -46,7 +46,8 @@ std::vector<Body*> softBodies(Scene& scene)
 		if (scene.isPeriodic && isA<Wall>(body->shape))
 			throw std::invalid_argument(
 				name(*body) +
-				" is a Wall, but O.periodic = True: the collider of YADE never ends "
+				" is a Wall, but O.periodic = True: the collider of YADE never "
+				"ends "
 				"with its infinite box in a periodic cell; leave it out");
 		checkBody(*body);
 		if (isA<SoftGrain>(body->shape)) bodies.push_back(body.get());

@@ -182,8 +182,8 @@ class Balance:
     """Relative closure of the energy balance since this object was made; needs ``O.trackEnergy =
     True``.
 
-    The work of walls, loads and a periodic cell must be found again as kinetic and elastic energy and as what
-    friction, impacts and damping dissipated, and grains that fell asleep lost.
+    The work of walls, loads and a periodic cell must be found again as kinetic and elastic energy
+    and as what friction, impacts and damping dissipated, and grains that fell asleep lost.
     """
 
     def __init__(self):

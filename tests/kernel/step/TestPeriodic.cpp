@@ -21,9 +21,9 @@ Scene<dim> meetingDisks(const Vec<dim>& apart)
 	Batch<dim> batch(reference, Law::neoHookean, Condition::planeStrain, { left, right });
 	scene.add(std::move(batch));
 	for (int g : { 0, 1 })
-		scene.system.setOf(g).moveRigidly(
-			g, Mat<dim>::Identity(), Vec<dim>::Zero(),
-			Vec<dim>(g == 0 ? 0.4 : -0.4, 0.1), Mat<dim>::Zero());
+		scene.system.setOf(g).moveRigidly(g, Mat<dim>::Identity(), Vec<dim>::Zero(),
+						  Vec<dim>(g == 0 ? 0.4 : -0.4, 0.1),
+						  Mat<dim>::Zero());
 	scene.system.updateSurfaces(1);
 	scene.addPairs(0.3);
 	scene.lists[0].image.shift = apart;
@@ -67,9 +67,9 @@ TEST_CASE("Periodic: an image that comes nearer does the work that is found in t
 {
 	Scene<dim> scene = meetingDisks(Vec<dim>(0.5, 0));
 	for (int g : { 0, 1 }) // at rest; all that moves is the period
-		scene.system.setOf(g).moveRigidly(
-			g, Mat<dim>::Identity(), Vec<dim>::Zero(),
-			Vec<dim>(g == 0 ? -0.4 : 0.4, -0.1), Mat<dim>::Zero());
+		scene.system.setOf(g).moveRigidly(g, Mat<dim>::Identity(), Vec<dim>::Zero(),
+						  Vec<dim>(g == 0 ? -0.4 : 0.4, -0.1),
+						  Mat<dim>::Zero());
 	const Vec<dim> velocity(-0.5, 0.2);
 	const double dt = 2e-5;
 	const Vec<dim> before = scene.momentum();

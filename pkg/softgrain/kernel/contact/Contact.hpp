@@ -109,7 +109,7 @@ template <int dim> struct ContactList {
 	Plane<dim> plane;
 	std::optional<RigidSide<dim>> rigid; ///< its surface as the image has it
 	PairImage<dim> image;                ///< of a second grain or a rigid body
-	double friction = 0; ///< coefficient mu
+	double friction = 0;                 ///< coefficient mu
 	double deepest =
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
 	std::vector<Contact<dim>> contacts;

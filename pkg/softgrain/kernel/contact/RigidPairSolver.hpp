@@ -36,10 +36,11 @@ public:
 		Vec<dim> normal;  ///< from the rigid body to the grain
 		Vec<dim> impulse; ///< on the grain
 		double bias;      ///< b, m/s
-		Vec<dim> arm; ///< of the place, from the centre of mass of the rigid body's image, m
-		Mat<dim> W;       ///< 1/kg
-		double Wn, Wt;    ///< W_nn and W_t, 1/kg
-		int nodes;        ///< of the grain, on which the impulse acts in shares
+		Vec<dim>
+			arm; ///< of the place, from the centre of mass of the rigid body's image, m
+		Mat<dim> W;  ///< 1/kg
+		double Wn, Wt; ///< W_nn and W_t, 1/kg
+		int nodes;     ///< of the grain, on which the impulse acts in shares
 		std::array<int, mostPartners<dim>> node;
 		std::array<double, mostPartners<dim>> weight;
 		int firstMoved, endMoved; ///< what an impulse moves of the grain: in `moved_`

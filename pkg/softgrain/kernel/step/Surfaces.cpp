@@ -201,15 +201,14 @@ template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) c
 	};
 	if (list.second >= 0) {
 		const double within = reach(list.first, list.second, list.image, dt);
-		return searchWithin(within, areFarApart(list.first, list.second, list.image.shift,
-							within));
+		return searchWithin(within,
+				    areFarApart(list.first, list.second, list.image.shift, within));
 	}
 	auto searchOn = [&](const auto& surface, double within) {
 		return searchWithin(within, isFarFrom(list.first, surface, within));
 	};
-	return list.rigid
-		       ? searchOn(*list.rigid, reach(list.first, *list.rigid, list.image, dt))
-		       : searchOn(list.plane, reach(list.first, list.plane, dt));
+	return list.rigid ? searchOn(*list.rigid, reach(list.first, *list.rigid, list.image, dt))
+			  : searchOn(list.plane, reach(list.first, list.plane, dt));
 }
 
 template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double margin) const

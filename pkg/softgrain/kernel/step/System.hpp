@@ -36,7 +36,7 @@ struct EnergyBalance {
 	double friction = 0; ///< dissipated by friction since the start
 	double impact = 0;   ///< dissipated by normal impulses since the start
 	double planes = 0; ///< work of moving planes and rigid bodies on the grains since the start
-	double cell = 0; ///< work of moving images on the grains since the start
+	double cell = 0;   ///< work of moving images on the grains since the start
 	double loads = 0;  ///< work of body loads since the start
 	double damping = 0; ///< dissipated by damping since the start
 	double sleep = 0;   ///< taken away by grains falling asleep since the start
