@@ -394,18 +394,6 @@ public:
 	Continuation continuation() const override { return system_.continuation(); }
 	void continueFrom(const Continuation& state) override { system_.continueFrom(state); }
 
-	Box<3> box(int g) const override
-	{
-		const Box<dim>& b = system_.body(g).box;
-		Box<3> result { toSpace<dim>(b.low, z_), toSpace<dim>(b.high, z_) };
-		if (dim == 2) { // as thick as the grain is wide, as for a sphere of YADE
-			const double R = parameters(g).radius;
-			result.low[2] -= R;
-			result.high[2] += R;
-		}
-		return result;
-	}
-
 	Box<3> box(int g, const Mat3& map) const override
 	{
 		const ContactBody<dim>& body = system_.body(g);
@@ -419,7 +407,7 @@ public:
 		const Vec3 about = body.nodeRadius * map.rowwise().norm();
 		result.low -= about;
 		result.high += about;
-		if (dim == 2) {
+		if (dim == 2) { // as thick as the grain is wide, as for a sphere of YADE
 			result.low[2] -= parameters(g).radius;
 			result.high[2] += parameters(g).radius;
 		}

@@ -184,12 +184,11 @@ public:
 	virtual Continuation continuation() const = 0;
 	virtual void continueFrom(const Continuation& state) = 0;
 
-	virtual Box<3> box(int g) const = 0;
-	/// The same in coordinates that `map` makes of those of space.
+	/// About the outline, in coordinates that `map` makes of those of space.
 	virtual Box<3> box(int g, const Mat3& map) const = 0;
 	/// Whether the box grown by a margin lies within a box, in the dimensions of the scene.
 	virtual bool isInside(int g, const Box<3>& outer, double margin) const = 0;
-	/// The same in coordinates that `map` makes of those of space.
+	/// The same in such coordinates.
 	virtual bool isInside(int g, const Box<3>& outer, double margin, const Mat3& map) const = 0;
 	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes
 	virtual PointFields points(int g) const = 0;

@@ -51,11 +51,6 @@ Matrix3r toBoxes(const Scene& scene, const Vector3r& cellSize)
 
 namespace {
 
-[[noreturn]] void refuse(const std::ostringstream& message)
-{
-	throw std::runtime_error(message.str());
-}
-
 bool leavesPlane(const Matrix3r& m)
 {
 	return m(0, 2) != 0 || m(1, 2) != 0 || m(2, 0) != 0 || m(2, 1) != 0;
@@ -63,21 +58,15 @@ bool leavesPlane(const Matrix3r& m)
 
 void checkPlane(const Scene& scene)
 {
-	std::ostringstream message;
-	const Matrix3r& H = scene.cell->hSize;
 	const Matrix3r L = comingVelGrad(scene);
-	if (leavesPlane(H)) {
-		message << "O.cell.hSize couples z with x or y, but the soft grains are 2D; its "
-			   "third "
-			   "base vector must be along z, the others in the xy-plane";
-		refuse(message);
-	}
-	if (leavesPlane(L) || L(2, 2) != 0) {
-		message << "O.cell.velGrad has components of z, but the soft grains are 2D; only "
-			   "its "
-			   "xx, xy, yx and yy may differ from 0";
-		refuse(message);
-	}
+	if (leavesPlane(scene.cell->hSize))
+		throw std::runtime_error(
+			"O.cell.hSize couples z with x or y, but the soft grains are 2D; its "
+			"third base vector must be along z, the others in the xy-plane");
+	if (leavesPlane(L) || L(2, 2) != 0)
+		throw std::runtime_error(
+			"O.cell.velGrad has components of z, but the soft grains are 2D; "
+			"only its xx, xy, yx and yy may differ from 0");
 }
 
 /// Two grains have one interaction in YADE, and so may touch on one side only.
@@ -89,14 +78,11 @@ void checkSpan(const Scene& scene, const Body& body, int dim)
 		if (span <= 0.5 * size) continue;
 		std::ostringstream message;
 		message << "soft grain #" << body.getId() << " spans " << span
-			<< " m along base vector " << axis
-			<< " of the periodic cell (with the margins of the collider), more than "
-			   "the "
-			   "admissible half of its length "
-			<< size
-			<< " m: it might touch the same grain on two sides. Use a larger cell with "
-			   "more grains";
-		refuse(message);
+			<< " m along base vector " << axis << " of the periodic cell (with the "
+			<< "margins of the collider), more than the admissible half of its length "
+			<< size << " m: it might touch the same grain on two sides. Use a larger "
+			<< "cell with more grains";
+		throw std::runtime_error(message.str());
 	}
 }
 
@@ -110,10 +96,8 @@ void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly)
 		const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
 		if (g == 0 && grain.contact == "nodes")
 			throw std::runtime_error(
-				"O.periodic = True with contact = 'nodes': the common grid of this "
-				"geometry does not repeat with the cell; use contact = 'surface' "
-				"or "
-				"'points'");
+				"O.periodic = True with contact = 'nodes': the common grid of it "
+				"does not repeat with the cell; use 'surface' or 'points'");
 		if (g == 0 && grain.dim == 2) checkPlane(scene);
 		checkSpan(scene, body, grain.dim);
 	}

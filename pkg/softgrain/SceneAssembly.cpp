@@ -47,8 +47,7 @@ std::vector<Body*> softBodies(Scene& scene)
 			throw std::invalid_argument(
 				name(*body) +
 				" is a Wall, but O.periodic = True: the collider of YADE never "
-				"ends "
-				"with its infinite box in a periodic cell; leave it out");
+				"ends with its infinite box in a periodic cell; leave it out");
 		checkBody(*body);
 		if (isA<SoftGrain>(body->shape)) bodies.push_back(body.get());
 	}

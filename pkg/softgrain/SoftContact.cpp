@@ -175,10 +175,8 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	if (!grain.assembly) return I->isReal();
 	const SearchTimer timer(*this);
 	const auto geom = geometryOf(*I, grain.assembly);
-	const auto image = imageOf(*scene, *I, false);
-	softgrain::WallDescription plane { I->getId1(), state1.pos + image.shift, Vec3::Zero(),
-					   state1.vel + image.velocity };
-	const double side = state2.pos[wall.axis] > plane.point[wall.axis] ? 1 : -1;
+	softgrain::WallDescription plane { I->getId1(), state1.pos, Vec3::Zero(), state1.vel };
+	const double side = state2.pos[wall.axis] > state1.pos[wall.axis] ? 1 : -1;
 	plane.normal[wall.axis] = side;
 	if (wall.sense == 0 || wall.sense == side)
 		grain.assembly->search(*geom->pair, grain.index, plane, searchStep(*scene, grain));
