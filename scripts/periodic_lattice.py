@@ -146,10 +146,10 @@ def main():
     sg.draw_packing(options.out / "packing.png")
     print(
         f"w/D = {displacement[-1]:.4f}, phi = {phi[-1]:.4f}: force within "
-        f"{100 * result['error_max']:.2f} % of finite elements from w/D = 0.01 on, stress of grains "
-        f"within {100 * result['grains_against_contacts_max']:.2f} % of that of contacts, work "
-        f"{100 * result['work_against_stress']:+.2f} % off stress times strain, energy balance "
-        f"{result['balance_error']:.1e}"
+        f"{100 * result['error_max']:.2f} % of finite elements from w/D = 0.01 on, stress by "
+        f"grains within {100 * result['grains_against_contacts_max']:.2f} % of that by contacts, "
+        f"work {100 * result['work_against_stress']:+.2f} % off stress times strain, "
+        f"energy balance {result['balance_error']:.1e}"
     )
 
 
