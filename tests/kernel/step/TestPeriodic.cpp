@@ -44,12 +44,18 @@ TEST_CASE("Periodic: a grain and an image collide as two grains do", "[step][per
 {
 	const Vec<dim> period(0.5, -0.25);
 	Scene<dim> near = meetingDisks(Vec<dim>::Zero()), far = meetingDisks(period);
+	int touching = 0;
+	double apart = 0; // contact points, which are those of the first grain's side
 	for (int n = 0; n < 300; ++n) {
 		near.advance(5e-5);
 		far.advance(5e-5);
+		const PairImpulse<dim>&here = near.lists[0].impulse, &there = far.lists[0].impulse;
+		if (near.lists[0].contacts.empty() || here.active == 0) continue;
+		++touching;
+		apart = std::max(apart, (here.point - there.point).norm());
 	}
-	REQUIRE(near.lists[0].impulse.active > 0);
-	CHECK(far.lists[0].impulse.active == near.lists[0].impulse.active);
+	CHECK(touching > 5);
+	CHECK(apart < 1e-9 * radius);
 	for (int g : { 0, 1 }) {
 		const auto &a = near.system.body(g).position, &b = far.system.body(g).position;
 		for (std::size_t s = 0; s < a.size(); ++s) {
@@ -57,8 +63,6 @@ TEST_CASE("Periodic: a grain and an image collide as two grains do", "[step][per
 			CHECK((seen - a[s]).norm() < 1e-10 * radius);
 		}
 	}
-	// contact points are those of the first grain's side
-	CHECK((far.lists[0].impulse.point - near.lists[0].impulse.point).norm() < 1e-9 * radius);
 	CHECK((far.momentum() - near.momentum()).norm() < 1e-12 * near.whole(0).mass);
 }
 
