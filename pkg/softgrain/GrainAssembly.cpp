@@ -68,6 +68,11 @@ public:
 		list.friction = coefficient;
 	}
 
+	void setImageVelocity(const Vec3& velocity) override
+	{
+		list.image.velocity = toKernel<dim>(velocity);
+	}
+
 	bool hasRigidBody() const override { return list.rigid.has_value(); }
 	void setPartner(int partner) override { list.rigid->partner = partner; }
 
@@ -143,9 +148,10 @@ private:
 	Vec<dim> pointOf(const Contact<dim>& c) const
 	{
 		const bool onFirst = c.key.side == 0;
-		if (onFirst || !list.rigid)
-			return system_->body(onFirst ? list.first : list.second)
-				.contactPoint(c.key.node);
+		if (onFirst) return system_->body(list.first).contactPoint(c.key.node);
+		if (!list.rigid)
+			return system_->body(list.second).contactPoint(c.key.node) +
+			       list.image.shift;
 		Vec<dim> place = Vec<dim>::Zero();
 		for (int i = 0; i < c.partners; ++i)
 			place += c.weight[i] * system_->body(list.first).position[c.partner[i]];
@@ -283,6 +289,7 @@ public:
 	{
 		return parameters(g).radius * system_.setOf(g).reference().pointSpacing();
 	}
+	double kickTime(double dt) const override { return system_.kickTime(dt); }
 	double slowestWave() const override { return slowestWave_; }
 	void updateForces(int threads) override { system_.updateForces(threads); }
 	bool isRigid(int g) const override { return system_.isRigid(g); }
@@ -293,9 +300,11 @@ public:
 		return std::make_unique<PairContactsOf<dim>>(system_, z_);
 	}
 
-	void search(PairContacts& pair, int first, int second, double dt) const override
+	void search(PairContacts& pair, int first, int second, const ImageDescription& image,
+		    double dt) const override
 	{
 		ContactList<dim>& list = listOf(pair);
+		place(list.image, image);
 		list.first = first;
 		list.second = second;
 		if (system_.search(list, dt)) countSearch(list);
@@ -315,15 +324,16 @@ public:
 
 	/// Called where nothing may be thrown.
 	void search(PairContacts& pair, int g, const RigidBodyDescription& body,
-		    double dt) const override
+		    const ImageDescription& image, double dt) const override
 	{
 		ContactList<dim>& list = listOf(pair);
+		place(list.image, image);
 		list.first = g;
 		list.second = -1 - body.id;
 		list.rigid.emplace();
 		std::optional<RigidSurface<dim>> surface;
 		try {
-			surface = surfaceOf(body);
+			surface = surfaceOf(displaced(body, image.shift));
 		} catch (const std::invalid_argument&) {
 			list.contacts.clear();
 			list.deepest = std::numeric_limits<double>::infinity();
@@ -336,7 +346,7 @@ public:
 		}
 		const BallSurface<dim> about = ballAbout<dim>(*surface);
 		list.rigid->surface = *surface;
-		list.rigid->pivot = toKernel<dim>(body.position);
+		list.rigid->pivot = toKernel<dim>(body.position) + list.image.shift;
 		list.rigid->speed =
 			body.velocity.norm() +
 			body.angularVelocity.norm() *
@@ -416,16 +426,43 @@ public:
 	Continuation continuation() const override { return system_.continuation(); }
 	void continueFrom(const Continuation& state) override { system_.continueFrom(state); }
 
-	Box<3> box(int g) const override
+	Box<3> box(int g, const Mat3& map) const override
 	{
-		const Box<dim>& b = system_.body(g).box;
-		Box<3> result { toSpace<dim>(b.low, z_), toSpace<dim>(b.high, z_) };
+		const ContactBody<dim>& body = system_.body(g);
+		Box<3> result;
+		for (int s = 0; s < body.nodes(); ++s) {
+			const Vec3 x = map * toSpace<dim>(body.position[s], z_);
+			if (s == 0) result = { x, x };
+			result.low = result.low.cwiseMin(x);
+			result.high = result.high.cwiseMax(x);
+		}
+		const Vec3 about = body.nodeRadius * map.rowwise().norm();
+		result.low -= about;
+		result.high += about;
 		if (dim == 2) { // as thick as the grain is wide, as for a sphere of YADE
-			const double R = parameters(g).radius;
-			result.low[2] -= R;
-			result.high[2] += R;
+			result.low[2] -= parameters(g).radius;
+			result.high[2] += parameters(g).radius;
 		}
 		return result;
+	}
+
+	bool isInside(int g, const Box<3>& outer, double margin, const Mat3& map) const override
+	{
+		auto holds = [&](const Box<3>& own, double about) {
+			const Vec<dim> room = about * map.rowwise().norm().template head<dim>();
+			return ((own.low - outer.low).template head<dim>().array() >= room.array())
+				       .all() &&
+			       ((outer.high - own.high).template head<dim>().array() >=
+				room.array())
+				       .all();
+		};
+		if (system_.isRigid(g)) {
+			const RigidBounds<dim> bounds =
+				system_.setOf(g).rigidBounds(system_.indexInSet(g));
+			const Vec3 centre = map * toSpace<dim>(bounds.centre, z_);
+			if (holds({ centre, centre }, bounds.radius + margin)) return true;
+		}
+		return holds(box(g, map), margin);
 	}
 
 	bool isInside(int g, const Box<3>& outer, double margin) const override
@@ -500,6 +537,20 @@ private:
 			system_.rigidContacts().push_back(*contact);
 			solvedContacts_.push_back(&d);
 		}
+	}
+
+	static void place(PairImage<dim>& image, const ImageDescription& description)
+	{
+		image.moveTo(toKernel<dim>(description.shift));
+		image.velocity = toKernel<dim>(description.velocity);
+	}
+
+	static RigidBodyDescription displaced(RigidBodyDescription body, const Vec3& shift)
+	{
+		body.position += shift;
+		for (Vec3& corner : body.corner)
+			corner += shift;
+		return body;
 	}
 
 	std::optional<RigidSurface<dim>> surfaceOf(const RigidBodyDescription& body) const

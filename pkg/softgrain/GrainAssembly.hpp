@@ -55,6 +55,13 @@ struct RigidBodyDescription {
 	std::array<Vec3, 3> corner; ///< of a plate, in space
 };
 
+/// How a grain sees its partner in a periodic cell: displaced by a period, and moving with the
+/// cell.
+struct ImageDescription {
+	Vec3 shift = Vec3::Zero();    ///< from the partner to its image, m
+	Vec3 velocity = Vec3::Zero(); ///< of the shift, m/s
+};
+
 /// A rigid body in the contacts of a step: what it weighs and how it moves.
 struct RigidMotionDescription {
 	Vec3 centre;                            ///< of mass, m
@@ -98,8 +105,8 @@ struct ContactRecord {
 /// What the contacts of a pair do to its first grain together.
 struct SumOfImpulses {
 	Vec3 normal = Vec3::Zero(), shear = Vec3::Zero(); ///< N s
-	Vec3 point = Vec3::Zero();                        ///< mean of the contact points, m
-	/// On a rigid body (no wall), about its RigidBodyDescription::position, N m s.
+	Vec3 point = Vec3::Zero(); ///< mean of the contact points, on the first grain's side, m
+	/// On a rigid body (no wall), about the RigidBodyDescription::position of its image, N m s.
 	Vec3 moment = Vec3::Zero();
 	int contacts = 0, active = 0; ///< those with an impulse
 };
@@ -114,6 +121,8 @@ public:
 	virtual bool isKept() const = 0;
 	virtual double deepest() const = 0; ///< largest overlap, in dr
 	virtual void setFriction(double coefficient) = 0;
+	/// In the coming step, of the image of the second body, beyond its own velocity, m/s.
+	virtual void setImageVelocity(const Vec3& velocity) = 0;
 	/// With a rigid body (no wall); `partner` is the number of its motion in the coming step.
 	virtual bool hasRigidBody() const = 0;
 	virtual void setPartner(int partner) = 0;
@@ -157,6 +166,7 @@ public:
 	/// System::setMultirate and System::rate.
 	virtual void setMultirate(bool on) = 0;
 	virtual int rate(int g) const = 0;
+	virtual double kickTime(double dt) const = 0; ///< System::kickTime
 	virtual double slowestWave() const = 0;       ///< smallest speed of pressure waves, m/s
 	virtual double pointSpacing(int g) const = 0; ///< dr, m
 	virtual void updateForces(int threads) = 0;   ///< throws StepError
@@ -164,12 +174,14 @@ public:
 	virtual bool isAsleep(int g) const = 0;       ///< at rest, and left as it is
 
 	virtual std::unique_ptr<PairContacts> newPair() const = 0;
-	virtual void search(PairContacts& pair, int first, int second, double dt) const = 0;
+	/// Of the grain `first` and the image of the other.
+	virtual void search(PairContacts& pair, int first, int second,
+			    const ImageDescription& image, double dt) const = 0;
 	virtual void search(PairContacts& pair, int g, const WallDescription& wall,
 			    double dt) const = 0;
 	/// A body that checkRigidBody refuses counts as an infinite overlap.
 	virtual void search(PairContacts& pair, int g, const RigidBodyDescription& body,
-			    double dt) const = 0;
+			    const ImageDescription& image, double dt) const = 0;
 	/// Throws std::invalid_argument if grains cannot touch the body, saying why.
 	virtual void checkRigidBody(const RigidBodyDescription& body) const = 0;
 	/// `partners`: motions of the rigid bodies in contact, as the pairs number them. Contacts
@@ -193,9 +205,12 @@ public:
 	virtual Continuation continuation() const = 0;
 	virtual void continueFrom(const Continuation& state) = 0;
 
-	virtual Box<3> box(int g) const = 0;
+	/// About the outline, in coordinates that `map` makes of those of space.
+	virtual Box<3> box(int g, const Mat3& map) const = 0;
 	/// Whether the box grown by a margin lies within a box, in the dimensions of the scene.
 	virtual bool isInside(int g, const Box<3>& outer, double margin) const = 0;
+	/// The same in such coordinates.
+	virtual bool isInside(int g, const Box<3>& outer, double margin, const Mat3& map) const = 0;
 	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes
 	virtual PointFields points(int g) const = 0;
 	virtual double undeformedVolume(int g) const = 0; ///< m^2 (m^3)

@@ -1,5 +1,6 @@
 // What SoftGrainIntegrator leaves behind after a step: forces, motions, figures, energies, the
 // state that a save needs, a call for the collider.
+#include "PeriodicCell.hpp"
 #include "PythonContactProblem.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
@@ -29,7 +30,8 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 		const bool firstIsBody2 =
 			assembly_->idOf(geom.pair->firstGrain()) == interactions[k]->getId2();
 		const Real onBody2 = (firstIsBody2 ? 1 : -1) / kick; // forces act on body #2
-		if (sum.contacts > 0) geom.contactPoint = sum.point;
+		if (sum.contacts > 0) geom.contactPoint = sum.point; // on the side of body #1
+		if (firstIsBody2) geom.contactPoint += imageShift(*scene, *interactions[k]);
 		phys.normalForce = onBody2 * sum.normal;
 		phys.shearForce = onBody2 * sum.shear;
 		phys.contacts = sum.contacts;
@@ -51,11 +53,13 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 	}
 }
 
-/// NewtonIntegrator, next, adds vel dt to pos and turns ori by angVel dt; it lands on the grain.
+/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt to pos,
+/// and turns ori by angVel dt; it lands on the grain.
 void SoftGrainIntegrator::publishMotions()
 {
 	const Real dt = scene->dt;
 	const int count = assembly_->grains();
+	const CellFlow flow = cellFlow(*scene, newtonIntegrator());
 #pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads()))
 	for (int g = 0; g < count; ++g) {
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
@@ -66,11 +70,11 @@ void SoftGrainIntegrator::publishMotions()
 		State& state = *body.state;
 		softgrain::GrainMotion& written = grain.written;
 		written = assembly_->motion(g);
-		state.vel = written.velocity;
-		state.angVel = written.angularVelocity;
+		state.angVel = written.angularVelocity - flow.spinChange;
 		state.mass = written.mass;
 		state.inertia = Vector3r::Constant(written.inertia);
 		state.pos = written.position - dt * written.velocity;
+		state.vel = flow.before(state.pos, written.velocity, dt);
 		const Real rate = written.angularVelocity.norm();
 		const Rotation turn = rate * dt > 1e-16
 					      ? Rotation(Eigen::AngleAxisd(
@@ -112,16 +116,17 @@ void SoftGrainIntegrator::publishTimes()
 
 namespace {
 
-constexpr std::array<const char*, 8> energyNames { "kinetic", "elastic", "friction", "impact",
-						   "walls",   "loads",   "damping",  "sleep" };
+constexpr std::array<const char*, 9> energyNames { "kinetic", "elastic", "friction",
+						   "impact",  "walls",   "loads",
+						   "damping", "sleep",   "cell" };
 
 } // namespace
 
 void SoftGrainIntegrator::publishEnergy()
 {
 	const auto e = assembly_->energy();
-	energies = { e.kinetic, e.elastic, e.friction, e.impact,
-		     e.planes,  e.loads,   e.damping,  e.sleep };
+	energies = { e.kinetic, e.elastic, e.friction, e.impact, e.planes,
+		     e.loads,   e.damping, e.sleep,    e.cell };
 	for (std::size_t k = 0; k < energies.size(); ++k) {
 		string name = string("soft") + energyNames[k];
 		name[4] = static_cast<char>(std::toupper(name[4]));
@@ -159,8 +164,8 @@ void SoftGrainIntegrator::saveContinuation()
 	const auto state = assembly_->continuation();
 	lastStep = state.lastStep;
 	assemblySteps = state.steps;
-	workSums = { state.sums.friction, state.sums.impact,  state.sums.planes,
-		     state.sums.loads,    state.sums.damping, state.sums.sleep };
+	workSums = { state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads,
+		     state.sums.damping,  state.sums.sleep,  state.sums.cell };
 }
 
 /// The collider watches State.pos only; outlines that leave their boxes are watched here.
@@ -169,10 +174,14 @@ void SoftGrainIntegrator::callColliderIfNeeded() const
 	for (int g = 0; g < assembly_->grains(); ++g) {
 		if (assembly_->isAsleep(g)) continue; // inside as before
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
+		const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
 		if (!body.bound) continue;
 		const double margin =
 			0.1 * assembly_->pointSpacing(g); // contacts start before touch
-		if (!assembly_->isInside(g, { body.bound->min, body.bound->max }, margin)) {
+		const softgrain::Box<3> box { body.bound->min, body.bound->max };
+		if (scene->isPeriodic
+			    ? !assembly_->isInside(g, box, margin, toBoxes(*scene, grain.boundCell))
+			    : !assembly_->isInside(g, box, margin)) {
 			scene->doSort = true;
 			return;
 		}

@@ -81,6 +81,11 @@ bool SoftGrainIntegrator::listRigidContacts()
 	rigidInteractions_.clear();
 	const LawFunctor* law = nonsmoothLaw(*scene);
 	if (!law) return false;
+	if (scene->isPeriodic)
+		throw std::invalid_argument(
+			"O.periodic = True: contacts of rigid bodies under "
+			"Law2_ScGeom_FrictPhys_Nonsmooth across the borders of a periodic cell "
+			"are not supported; use YADE's own law for rigid pairs");
 	for (const auto& I : *scene->interactions)
 		if (I->isReal() && I->functorCache.constLaw.get() == law)
 			rigidInteractions_.push_back({ std::min(I->getId1(), I->getId2()),

@@ -1,5 +1,6 @@
 // Rigid bodies in the contacts of a step: what NewtonIntegrator will do with them, and the
 // reactions that it is to do it with.
+#include "PeriodicCell.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 #include "SoftGrainIntegrator.hpp"
@@ -16,18 +17,16 @@ string nameOf(const Body& body)
 	       (body.shape ? body.shape->getClassName() : string("no shape")) + ")";
 }
 
-const NewtonIntegrator& newtonIntegrator(const Scene& scene)
+/// Whether NewtonIntegrator moves a body.
+bool isMoved(const Body& body, const NewtonIntegrator& newton)
 {
-	for (const auto& engine : scene.engines)
-		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return *newton;
-	throw std::runtime_error("there is no NewtonIntegrator in O.engines");
+	return newton.mask <= 0 || body.maskCompatible(newton.mask);
 }
 
 /// Whether forces change the motion of a body.
 bool isFree(const Body& body, const NewtonIntegrator& newton)
 {
-	const bool moved = newton.mask <= 0 || body.maskCompatible(newton.mask);
-	return moved && body.state->blockedDOFs != State::DOF_ALL;
+	return isMoved(body, newton) && body.state->blockedDOFs != State::DOF_ALL;
 }
 
 void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
@@ -80,6 +79,11 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 	d.angularVelocity = d.freeAngularVelocity = state.angVel;
 	d.inverseMass.setZero();
 	d.inverseInertia.setZero();
+	const CellFlow flow = cellFlow(scene, newton);
+	if (isMoved(body, newton)) {
+		d.freeVelocity += flow.added(state.pos, state.vel, scene.dt);
+		d.freeAngularVelocity += flow.spinChange;
+	}
 	if (!isFree(body, newton)) return d;
 	requireExactReactions(body, newton);
 
@@ -99,6 +103,7 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 		d.inverseInertia = scaling * axes * state.inertia.cwiseInverse().asDiagonal() *
 				   axes.transpose();
 		torque -= state.angVel.cross(inertia * state.angVel);
+		d.freeAngularVelocity -= flow.spinChange; // Newton's integrator leaves it out here
 	} else // as NewtonIntegrator has it: components of inertia along the axes of space
 		for (int a = 0; a < 3; ++a)
 			if (!(state.blockedDOFs & State::axisDOF(a, true)))
@@ -140,7 +145,7 @@ void SoftGrainIntegrator::describeRigidBodies(const std::vector<Interaction*>& i
 	partners_.clear();
 	movers_.clear();
 	numberOf_.assign(scene->bodies->size(), -1);
-	newton_ = &newtonIntegrator(*scene);
+	newton_ = &newtonIntegrator();
 	for (const Interaction* I : interactions) {
 		softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
 		if (pair.hasRigidBody()) pair.setPartner(numberOf(rigidBodyOf(*I)));

@@ -49,12 +49,14 @@ void checkBody(const Body& body)
 
 std::vector<Body*> softBodies(Scene& scene)
 {
-	if (scene.isPeriodic)
-		throw std::invalid_argument(
-			"O.periodic = True: soft grains in a periodic cell are not supported yet");
 	std::vector<Body*> bodies;
 	for (const shared_ptr<Body>& body : *scene.bodies) {
 		if (!body || !body->shape) continue;
+		if (scene.isPeriodic && isA<Wall>(body->shape))
+			throw std::invalid_argument(
+				name(*body) +
+				" is a Wall, but O.periodic = True: the collider of YADE never "
+				"ends with its infinite box in a periodic cell; leave it out");
 		checkBody(*body);
 		if (isA<SoftGrain>(body->shape)) bodies.push_back(body.get());
 	}
@@ -146,13 +148,14 @@ double defaultTimeStep()
 	return step;
 }
 
-std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene) noexcept
+std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene,
+					    const softgrain::Mat3& map) noexcept
 {
 	try {
 		const std::lock_guard<std::mutex> lock(assemblyMutex);
 		if (!shape.assembly) assembleLocked(scene);
 		if (!shape.assembly) return std::nullopt;
-		return shape.assembly->box(shape.index);
+		return shape.assembly->box(shape.index, map);
 	} catch (...) {
 		return std::nullopt; // assembleScene throws the same again where it can be reported
 	}

@@ -16,10 +16,11 @@ class SoftMat;
 /// Thread-safe.
 std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene);
 
-/// Box about the present outline of a grain, the scene being assembled if need be; none if that
-/// fails. For functors, which run in parallel regions where nothing may be thrown:
-/// SoftGrainIntegrator reports why.
-std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene) noexcept;
+/// Box about the present outline of a grain, in coordinates that `map` makes of those of space, the
+/// scene being assembled if need be; none if that fails. For functors, which run in parallel
+/// regions where nothing may be thrown: SoftGrainIntegrator reports why.
+std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene,
+					    const softgrain::Mat3& map) noexcept;
 
 /// Shape of a body that is a soft grain.
 SoftGrain& grainOf(const Scene& scene, int id);

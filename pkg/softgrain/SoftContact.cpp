@@ -1,4 +1,5 @@
 #include "SoftContact.hpp"
+#include "PeriodicCell.hpp"
 #include "PythonArrays.hpp"
 #include "SceneAssembly.hpp"
 #include "Timing.hpp"
@@ -139,8 +140,8 @@ bool conclude(const shared_ptr<SoftGeom>& geom, bool force, const shared_ptr<Int
 
 bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 					  const shared_ptr<Shape>& shape2, const State& state1,
-					  const State& state2, const Vector3r&, const bool& force,
-					  const shared_ptr<Interaction>& I)
+					  const State& state2, const Vector3r& shift2,
+					  const bool& force, const shared_ptr<Interaction>& I)
 {
 	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
 	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
@@ -150,11 +151,13 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 		return false; // apart when they fell asleep
 	const SearchTimer timer(*this);
 	const auto geom = geometryOf(*I, grain1.assembly);
-	grain1.assembly->search(*geom->pair, std::min(grain1.index, grain2.index),
-				std::max(grain1.index, grain2.index), searchStep(*scene, grain1));
+	const auto [first, second] = std::minmax(grain1.index, grain2.index);
+	grain1.assembly->search(*geom->pair, first, second,
+				imageOf(*scene, *I, second == grain2.index),
+				searchStep(*scene, grain1));
 	geom->refR1 = grain1.radius;
 	geom->refR2 = grain2.radius;
-	geom->normal = (state2.pos - state1.pos).normalized();
+	geom->normal = (state2.pos + shift2 - state1.pos).normalized();
 	return conclude(geom, force, I);
 }
 
@@ -254,11 +257,12 @@ bool searchOnRigid(const IGeomFunctor& functor, const Shape& shape, const SoftGr
 	if (!grain.assembly) return I->isReal();
 	const SearchTimer timer(functor);
 	const auto geom = geometryOf(*I, grain.assembly);
+	const auto image = imageOf(*functor.scene, *I, false);
 	grain.assembly->search(*geom->pair, grain.index,
-			       *describeRigid(shape, rigid, I->getId1(), grain), dt);
+			       *describeRigid(shape, rigid, I->getId1(), grain), image, dt);
 	geom->refR1 = size;
 	geom->refR2 = grain.radius;
-	geom->normal = (soft.pos - rigid.pos).normalized();
+	geom->normal = (soft.pos - rigid.pos - image.shift).normalized();
 	return conclude(geom, force, I);
 }
 

@@ -1,4 +1,5 @@
 #include "SoftGrain.hpp"
+#include "PeriodicCell.hpp"
 #include "PythonArrays.hpp"
 #include "Require.hpp"
 #include "SceneAssembly.hpp"
@@ -204,13 +205,19 @@ void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& b
 {
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
 	if (!bound) bound = shared_ptr<Bound>(new Aabb);
-	const auto outline = outlineBox(grain, *scene);
 	Real extent = grain.aspect.norm();
 	for (const Vector2r& X : grain.vertices)
 		extent = std::max(extent, X.norm());
-	const auto box = outline ? outline->grown(margin * grain.radius)
-				 : softgrain::Box<3> { se3.position, se3.position }.grown(
-					   grain.radius * extent);
+	Matrix3r map = Matrix3r::Identity();
+	if (scene->isPeriodic) {
+		grain.boundCell = scene->cell->getSize();
+		map = toBoxes(*scene, grain.boundCell);
+	}
+	const Vector3r centre = map * se3.position;
+	const auto outline = outlineBox(grain, *scene, map);
+	const auto box =
+		outline ? outline->grown(margin * grain.radius)
+			: softgrain::Box<3> { centre, centre }.grown(grain.radius * extent);
 	bound->min = box.low;
 	bound->max = box.high;
 }

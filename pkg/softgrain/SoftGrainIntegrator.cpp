@@ -1,4 +1,5 @@
 #include "SoftGrainIntegrator.hpp"
+#include "PeriodicCell.hpp"
 #include "Require.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
@@ -71,6 +72,7 @@ void SoftGrainIntegrator::advance()
 		assembly_ = withoutGrains_;
 	}
 	checkEngines();
+	checkCell(*scene, *assembly_);
 	if (loaded_) continueSavedRun();
 	assembly_->setMultirate(multirate);
 	clock_.end("assembleScene");
@@ -84,6 +86,7 @@ void SoftGrainIntegrator::advance()
 	renewContacts(interactions);
 	checkRigidBodies(interactions);
 	stopOnOverlap(interactions);
+	moveImages(interactions);
 	clock_.end("softInteractions");
 	applyLoads();
 	describeRigidBodies(interactions);
@@ -116,7 +119,7 @@ void SoftGrainIntegrator::advance()
 void SoftGrainIntegrator::continueSavedRun()
 {
 	loaded_ = false;
-	if (workSums.size() != 6) return;
+	if (workSums.size() != 7) return;
 	softgrain::Continuation state;
 	state.lastStep = lastStep;
 	state.steps = assemblySteps;
@@ -126,6 +129,7 @@ void SoftGrainIntegrator::continueSavedRun()
 	state.sums.loads = workSums[3];
 	state.sums.damping = workSums[4];
 	state.sums.sleep = workSums[5];
+	state.sums.cell = workSums[6];
 	assembly_->continueFrom(state);
 }
 
@@ -270,28 +274,34 @@ void SoftGrainIntegrator::applyUserMotions()
 	}
 }
 
-Vector3r SoftGrainIntegrator::gravity() const
+const NewtonIntegrator& SoftGrainIntegrator::newtonIntegrator() const
 {
 	for (const auto& engine : scene->engines)
-		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine))
-			return newton->gravity;
-	return Vector3r::Zero();
+		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return *newton;
+	throw std::runtime_error("there is no NewtonIntegrator in O.engines");
 }
 
 void SoftGrainIntegrator::applyLoads()
 {
 	scene->forces.sync();
-	const Vector3r g0 = gravity();
+	const NewtonIntegrator& newton = newtonIntegrator();
+	const CellFlow flow = cellFlow(*scene, newton);
+	const Real dt = scene->dt, kick = assembly_->kickTime(dt);
 	for (int g = 0; g < assembly_->grains(); ++g) {
 		const int id = assembly_->idOf(g);
 		const Vector3r force = scene->forces.getForce(id),
 			       torque = scene->forces.getTorque(id);
 		Vec3 angular = Vec3::Zero();
-		Vec3 acceleration = g0 / materialOf(*scene, id).massScaling;
+		Vec3 acceleration = newton.gravity / materialOf(*scene, id).massScaling;
 		if (!force.isZero(0) || !torque.isZero(0)) {
 			const auto motion = assembly_->motion(g);
 			acceleration += force / motion.mass;
 			angular = torque / motion.inertia;
+		}
+		if (!flow.isZero()) {
+			const State& state = *(*scene->bodies)[id]->state;
+			acceleration += flow.added(state.pos, state.vel, dt) / kick;
+			angular += flow.spinChange / kick;
 		}
 		assembly_->setLoad(g, acceleration, angular);
 	}
@@ -363,7 +373,18 @@ void SoftGrainIntegrator::renewContacts(const std::vector<Interaction*>& interac
 		const shared_ptr<Interaction>& shared =
 			scene->interactions->find(I->getId1(), I->getId2());
 		I->functorCache.geom->go(b1->shape, b2->shape, *b1->state, *b2->state,
-					 Vector3r::Zero(), true, shared);
+					 imageShift(*scene, *I), true, shared);
+	}
+}
+
+/// Engines since the InteractionLoop may have changed the flow of the cell.
+void SoftGrainIntegrator::moveImages(const std::vector<Interaction*>& interactions) const
+{
+	if (!scene->isPeriodic) return;
+	for (const Interaction* I : interactions) {
+		softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
+		const bool firstIsBody1 = assembly_->idOf(pair.firstGrain()) == I->getId1();
+		pair.setImageVelocity(imageOf(*scene, *I, firstIsBody1).velocity);
 	}
 }
 
@@ -392,7 +413,7 @@ softgrain::StepSettings SoftGrainIntegrator::settings()
 		s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
 	s.trackEnergy = scene->trackEnergy;
 	s.rigidMotion = rigidMotion;
-	s.sleep = sleep;
+	s.sleep = sleep && comingVelGrad(*scene).isZero(0);
 	s.threads = threads();
 	s.clock = &clock_;
 	return s;

@@ -20,7 +20,7 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGrainIntegrator, GlobalEngine,
-		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. Contacts of rigid bodies with each other under :yref:`Law2_ScGeom_FrictPhys_Nonsmooth` are solved in the same contact dynamics, also in a scene without soft grains. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies. Free rigid bodies in these contacts take part in the contact dynamics with their mass and inertia, at the velocity that :yref:`NewtonIntegrator` would give them: whatever else puts forces on them stands before this engine, and *damping* must be 0 (or their :yref:`State.isDamped` False); it does not reach soft grains, which have the damping of their :yref:`SoftMat`. Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads (weight: that of the unscaled mass, see :yref:`SoftMat.massScaling`). Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; positions and velocities are then those before the step, readable and savable.",
+		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. Contacts of rigid bodies with each other under :yref:`Law2_ScGeom_FrictPhys_Nonsmooth` are solved in the same contact dynamics, also in a scene without soft grains. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies. Free rigid bodies in these contacts take part in the contact dynamics with their mass and inertia, at the velocity that :yref:`NewtonIntegrator` would give them: whatever else puts forces on them stands before this engine, and *damping* must be 0 (or their :yref:`State.isDamped` False); it does not reach soft grains, which have the damping of their :yref:`SoftMat`. Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. In a periodic cell engines that change :yref:`Cell.velGrad` stand before this one, and :yref:`Cell.homoDeform` acts on soft grains as on other bodies, as a body load. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads (weight: that of the unscaled mass, see :yref:`SoftMat.massScaling`). Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; positions and velocities are then those before the step, readable and savable.",
 		((Real, timeStepFraction, 0.8, Attr::triggerPostLoad, "Fraction of the critical time step that O.dt is kept at or up to 30 % below while grains deform (it changes seldom, by jumps), in (0, 1] [-]. Assigning O.dt by hand ends that: then O.dt is left alone and only refused when too large. An active :yref:`TimeStepper`, which must stand before, is for the rigid bodies: the smaller of both steps is taken."))
 		((Real, tolerance, 1e-2, Attr::triggerPostLoad, "Residual of the contact conditions at which the sweeps of a step end, > 0 [-]. See *residual*."))
 		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on sweeps per step, ≥ 1; below 4 grains at rest may vibrate ever more. Steps that hit it with a *residual* above *tolerance* are counted in *cappedSteps*."))
@@ -56,9 +56,9 @@ public:
 		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
 		((long, assemblySteps, 0, Attr::hidden, "Steps of the assembly so far."))
 		((vector<Real>, energies, , Attr::hidden, "Energy balance of the last step [J]."))
-		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads, damping, sleep [J].")),
+		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads, damping, sleep, cell [J].")),
 		timingDeltas.reset(new TimingDeltas);,
-		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), loads (work of body loads), damping (dissipated by :yref:`SoftMat.massDamping` and :yref:`SoftMat.stiffnessDamping`), sleep (taken away by grains that fell asleep) [J, 2D J/m]. kinetic + elastic + friction + impact + damping + sleep − walls − loads stays constant.")
+		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), cell (work done by a periodic cell that deforms, through contacts across its borders), loads (work of body loads, those of :yref:`Cell.homoDeform` among them), damping (dissipated by :yref:`SoftMat.massDamping` and :yref:`SoftMat.stiffnessDamping`), sleep (taken away by grains that fell asleep) [J, 2D J/m]. kinetic + elastic + friction + impact + damping + sleep − walls − cell − loads stays constant.")
 		.def("rates", &SoftGrainIntegrator::ratesDict, "Grains by their rate: dict of steps from one computation of the forces of a grain to the next : number of grains. {1: all} without :yref:`SoftGrainIntegrator.multirate`; empty before the first step.")
 		.def("contactProblem", &SoftGrainIntegrator::contactProblem, "Contact problem of the last step as a dict of numpy arrays, with n contacts in dim dimensions, ready for ``numpy.savez``. Find impulses r with u = u_free + W r that satisfy 0 ≤ u_n + b ⊥ r_n ≥ 0, \\|r_t\\| ≤ mu r_n, sliding opposite to u_t at the bound. Keys: *normal* (n, dim), unit; *free_velocity* (n, dim), u_free [m/s]; *bias* (n), b [m/s]; *friction* (n), mu; *delassus_offset*, *delassus_column*, *delassus_value*, W [1/kg] in compressed sparse rows, n x n, each entry standing for itself times the identity of dim dimensions; *start* (n, dim), impulses the sweeps started from [N s]; *impulse* (n, dim), those they found [N s]. In 2D everything is per metre of thickness. Empty arrays before the first step.")
 	);
@@ -76,6 +76,7 @@ private:
 	void applyLoads();
 	std::vector<Interaction*> softInteractions() const;
 	void renewContacts(const std::vector<Interaction*>& interactions) const;
+	void moveImages(const std::vector<Interaction*>& interactions) const;
 	void stopOnOverlap(const std::vector<Interaction*>& interactions) const;
 	softgrain::StepSettings settings();
 	const Body& rigidBodyOf(const Interaction& I) const;
@@ -96,7 +97,7 @@ private:
 	void publishEnergy();
 	void publishTimes();
 	void callColliderIfNeeded() const;
-	Vector3r gravity() const;
+	const NewtonIntegrator& newtonIntegrator() const;
 	int threads() const;
 
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
@@ -115,7 +116,7 @@ private:
 	std::vector<std::pair<int, int>> onPlates_; ///< spheres by id, contact on a facet or box
 	softgrain::PhaseClock clock_;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
-	int energyIds_[8] = { -1, -1, -1, -1, -1, -1, -1, -1 };
+	int energyIds_[9] = { -1, -1, -1, -1, -1, -1, -1, -1, -1 };
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);
 

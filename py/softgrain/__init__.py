@@ -33,6 +33,8 @@ from softgrain.hardening import harden  # noqa: E402
 from softgrain.images import ImageGrains, grains_from_image  # noqa: E402
 from softgrain.observe import (  # noqa: E402
     Balance,
+    cell_stress,
+    cell_volume,
     coordination_number,
     grain_area,
     integrator,
@@ -58,6 +60,8 @@ __all__ = sorted(_classes) + [
     "ImageGrains",
     "as_disks",
     "body_forces",
+    "cell_stress",
+    "cell_volume",
     "contact_forces",
     "contact_halfwidth",
     "contact_profile",

@@ -1,5 +1,7 @@
 """Reading soft scenes: areas, stresses, forces, coordination, energy balance."""
 
+import itertools
+
 import numpy as np
 from yade import O, wrapper
 
@@ -28,16 +30,22 @@ def grain_area(body):
     return body.shape.volume()
 
 
-def packing_fraction(box_area, nominal=False):
-    """Packing fraction of all soft grains in a box.
+def packing_fraction(box_area=None, nominal=False):
+    """Packing fraction of all soft grains in a box or a periodic cell.
 
     Args:
-        box_area (float): present area (volume) of the box [m² or m³].
+        box_area (float | None): present area (volume) of the box [m² or m³]; None: of the periodic
+            cell.
         nominal (bool): with the undeformed areas (phi0) instead of the present ones (phi).
 
     Returns:
         float: phi or phi0 [-].
+
+    Raises:
+        ValueError: no area is given, and the scene is not periodic.
     """
+    if box_area is None:
+        box_area = cell_volume()
     if nominal:
         areas = [b.shape.undeformedVolume() for b in soft_bodies()]
     else:
@@ -57,6 +65,102 @@ def von_mises(cauchy):
     mean = np.trace(cauchy, axis1=-2, axis2=-1) / 3
     deviator = cauchy - mean[..., None, None] * np.eye(3)
     return np.sqrt(1.5 * np.sum(deviator**2, axis=(-2, -1)))
+
+
+def cell_volume():
+    """Volume of the periodic cell [m³]; beside 2D grains the area of its face in their plane [m²].
+
+    Raises:
+        ValueError: the scene is not periodic, or has no soft grain.
+    """
+    grains = soft_bodies()
+    if not O.periodic or not grains:
+        raise ValueError(
+            "a periodic cell with soft grains is needed, but "
+            + ("the scene has none" if O.periodic else "O.periodic is False")
+        )
+    size = np.array(O.cell.hSize)
+    return abs(np.linalg.det(size[:2, :2] if grains[0].shape.dim == 2 else size))
+
+
+def cell_stress(source="contacts"):
+    """Mean stress of a periodic cell, tension positive.
+
+    Args:
+        source (str): 'contacts': sum of contact forces times branch vectors between centres of
+            mass, over the volume of the cell, as ``utils.getStress`` has it; 'grains': integral of
+            the Cauchy stress over the grains, over the same volume. Less, in both, the momentum
+            that grains carry relative to the mean flow, m c c with c = v - velGrad x. They agree on
+            the mean over a time that is long beside the vibrations of the grains.
+
+    Returns:
+        array (3, 3): [Pa]. In 2D the out-of-plane stress is that of the grains, 0 with 'contacts'.
+
+    Raises:
+        ValueError: an unknown source, or no periodic cell with soft grains. With rigid bodies
+            present, 'grains' is refused: their stress is not known.
+    """
+    if source not in ("contacts", "grains"):
+        raise ValueError(f"source = {source!r} is unknown; known: 'contacts', 'grains'")
+    volume = cell_volume()
+    rigid = [b for b in O.bodies if b and b.shape and not isinstance(b.shape, wrapper.SoftGrain)]
+    if source == "grains" and rigid:
+        raise ValueError(f"source = 'grains': body #{rigid[0].id} is rigid, its stress unknown")
+    total = _contact_moments() if source == "contacts" else _integral_of_stress()
+    flow = np.array(O.cell.velGrad)
+    for body in O.bodies:
+        if not body or not body.state.mass > 0 or body.isClumpMember:
+            continue
+        relative = np.array(body.state.vel) - flow @ np.array(body.state.pos)
+        total -= body.state.mass * np.outer(relative, relative)
+    return total / volume
+
+
+def _contact_moments():
+    total = np.zeros((3, 3))
+    for i in O.interactions:
+        if not i.isReal:
+            continue
+        force = np.array(i.phys.normalForce + i.phys.shearForce)
+        image = np.array(O.cell.hSize) @ np.array(i.cellDist)
+        branch = np.array(O.bodies[i.id1].state.pos - O.bodies[i.id2].state.pos) - image
+        total += np.outer(force, branch)
+    return total
+
+
+def _integral_of_stress():
+    total = np.zeros((3, 3))
+    for body in soft_bodies():
+        points = body.shape.points()
+        total += np.einsum("p,pij->ij", points["volume"], points["cauchy"])
+    return total
+
+
+def nearest_images(position, half_size):
+    """Displacements of a body to those of its images that reach into the periodic cell.
+
+    Args:
+        position (array (3,)): of its centre [m].
+        half_size (float): radius of a ball about all of it [m].
+
+    Returns:
+        list of ndarray: of shape (3,) [m]; the first one puts the centre into the cell. A single
+        zero if the scene is not periodic.
+    """
+    if not O.periodic:
+        return [np.zeros(3)]
+    cell = np.array(O.cell.hSize)
+    inverse = np.linalg.inv(cell)
+    share = inverse @ np.asarray(position)
+    home = -np.floor(share)
+    share += home
+    reach = half_size * np.linalg.norm(inverse, axis=1)
+    steps = [
+        np.array(step)
+        for step in itertools.product((0, -1, 1), repeat=3)
+        if np.all(share + step + reach >= 0) and np.all(share + step - reach <= 1)
+    ]
+    return [cell @ (home + step) for step in steps]
 
 
 def wall_force(body_id):
@@ -83,8 +187,8 @@ class Balance:
     """Relative closure of the energy balance since this object was made; needs ``O.trackEnergy =
     True``.
 
-    The work of walls and loads must be found again as kinetic and elastic energy and as what
-    friction, impacts and damping dissipated, and grains that fell asleep lost.
+    The work of walls, loads and a periodic cell must be found again as kinetic and elastic energy
+    and as what friction, impacts and damping dissipated, and grains that fell asleep lost.
     """
 
     def __init__(self):
@@ -95,7 +199,7 @@ class Balance:
     def _stored_and_lost(energy):
         stored = energy["kinetic"] + energy["elastic"]
         lost = sum(energy[name] for name in ("friction", "impact", "damping", "sleep"))
-        return stored + lost - energy["walls"] - energy["loads"]
+        return stored + lost - energy["walls"] - energy["cell"] - energy["loads"]
 
     def error(self):
         """|work - change of energy - dissipation| over the largest magnitude so far [-]."""

@@ -6,12 +6,13 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from yade import O, wrapper
 
-from softgrain.observe import soft_bodies, von_mises
+from softgrain.observe import nearest_images, soft_bodies, von_mises
 
 
 def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, title=None, dpi=200):
     """Draw all soft disks with their outlines and a stress field inside, rigid spheres, boxes and
-    facets in grey.
+    facets in grey. In a periodic cell, which is outlined by dashes, all of them where they reach
+    into it, those at its borders with their images.
 
     Args:
         path (str | Path): picture file; the suffix decides the format (png, pdf, svg).
@@ -31,12 +32,13 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
     disks = [b for b in soft_bodies() if b.shape.dim == 2]
     if not disks:
         raise ValueError("draw_packing: the scene has no soft disk")
-    outlines = [_outline(b) for b in disks]
-    rigid = rigid_polygons()
+    images = [(b, shift) for b in disks for shift in _shifts(b.state.pos, _outline(b))]
+    outlines = [_outline(b) + shift for b, shift in images]
+    rigid = [polygon + shift for polygon in rigid_polygons() for shift in _shifts_of(polygon)]
     figure = Figure(figsize=_size(outlines + rigid, box), layout="constrained")
     axes = figure.add_subplot()
     if field:
-        _draw_field(figure, axes, disks, outlines, field, scale, limits)
+        _draw_field(figure, axes, images, outlines, field, scale, limits)
     else:
         axes.add_collection(PolyCollection(outlines, facecolors="0.85", edgecolors="none"))
     axes.add_collection(PolyCollection(rigid, facecolors="0.75", edgecolors="0.35", linewidths=0.5))
@@ -47,12 +49,30 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         axes.plot(
             [left, right, right, left, left], [low, low, high, high, low], color="black", lw=1.4
         )
+    if O.periodic:
+        corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
+        axes.plot(*(np.array(O.cell.hSize)[:2, :2] @ corners.T), color="black", lw=1, ls="--")
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.autoscale_view()
     if title:
         axes.set_title(title)
     figure.savefig(path, dpi=dpi, bbox_inches="tight")
+
+
+def _shifts(centre, polygon):
+    """To the images of a body that reach into a periodic cell, in the plane [m]."""
+    centre = np.array([centre[0], centre[1], 0])
+    size = np.linalg.norm(polygon - centre[:2], axis=1).max()
+    flat = {}
+    for shift in nearest_images(centre, size):
+        flat.setdefault(tuple(np.round(shift[:2], 12)), shift[:2])
+    return list(flat.values())
+
+
+def _shifts_of(polygon):
+    low, high = polygon.min(axis=0), polygon.max(axis=0)
+    return _shifts(0.5 * (low + high), polygon)
 
 
 def _outline(body):
@@ -102,8 +122,8 @@ def _size(outlines, box):
     return (6.5, min(9.0, 6.5 * height / width + 0.4))
 
 
-def _draw_field(figure, axes, disks, outlines, field, scale, limits):
-    fields = [_point_values(b, field) for b in disks]
+def _draw_field(figure, axes, images, outlines, field, scale, limits):
+    fields = [_point_values(b, shift, field) for b, shift in images]
     unit = scale if scale else 1e3
     values = np.concatenate([v for _, v in fields]) / unit
     if limits is None:
@@ -117,11 +137,11 @@ def _draw_field(figure, axes, disks, outlines, field, scale, limits):
     figure.colorbar(mappable, ax=axes, label=label, shrink=0.6, pad=0.02)
 
 
-def _point_values(body, field):
+def _point_values(body, shift, field):
     data = body.shape.points()
     cauchy = data["cauchy"]
     stress = von_mises(cauchy) if field == "von_mises" else -np.trace(cauchy, axis1=1, axis2=2) / 3
-    return data["position"][:, :2], stress
+    return data["position"][:, :2] + shift, stress
 
 
 def _draw_grain(axes, points, stress, outline, limits):

@@ -6,10 +6,12 @@ from yade import (
     InsertionSortCollider,
     O,
     Sphere,
+    Vector3,
     wrapper,
 )
 
 from softgrain.build import soft_material, volume_and_inertia
+from softgrain.observe import nearest_images
 from softgrain.time_loop import check_fraction, set_time_step
 
 #: Overlaps up to this share of the smaller radius are left to be worked off; rigid packings of
@@ -167,19 +169,27 @@ def overlap_factor(bodies, overlap):
 
 def _near_pairs(bodies):
     """Distance, sum of radii, smaller radius and ids of the pairs of spheres (and sphere-wall
-    pairs) that may overlap, by sorting along x."""
+    pairs) that may overlap, by sorting along x. In a periodic cell pairs at its borders may come
+    twice."""
+    largest = max(b.shape.radius for b in bodies)
+    images = [
+        (b.state.pos + Vector3(*shift), b)
+        for b in bodies
+        for shift in nearest_images(b.state.pos, largest)
+    ]
     rows = sorted(
-        ((b.state.pos[0] - b.shape.radius, b.id, b) for b in bodies), key=lambda row: row[:2]
+        ((place[0] - b.shape.radius, b.id, place, b) for place, b in images),
+        key=lambda row: row[:2],
     )
     active = []
-    for low, _, b in rows:
-        active = [a for a in active if a.state.pos[0] + a.shape.radius > low]
-        for a in active:
-            distance = (a.state.pos - b.state.pos).norm()
+    for low, _, place, b in rows:
+        active = [(x, a) for x, a in active if x[0] + a.shape.radius > low]
+        for x, a in active:
+            distance = (x - place).norm()
             reach = a.shape.radius + b.shape.radius
             if distance < reach:
                 yield distance, reach, min(a.shape.radius, b.shape.radius), (a.id, b.id)
-        active.append(b)
+        active.append((place, b))
     walls = [w for w in O.bodies if w and isinstance(w.shape, wrapper.Wall)]
     for w in walls:
         for b in bodies:

@@ -50,7 +50,8 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear",
         list of Engine: for ``O.engines``.
 
     Raises:
-        ValueError: an attribute is out of its range, or there is no grain and no verlet_distance.
+        ValueError: an attribute is out of its range, there is no grain and no verlet_distance, or a
+            wall in a periodic cell.
     """
     if rigid not in _RIGID_LAWS:
         raise ValueError(f"rigid = {rigid!r} is not one of {', '.join(map(repr, _RIGID_LAWS))}")
@@ -60,6 +61,12 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear",
         if not radii:
             raise ValueError("verlet_distance: give it, or add soft grains or spheres first")
         verlet_distance = 0.05 * min(radii)
+    walls = [b.id for b in O.bodies if b and isinstance(b.shape, wrapper.Wall)]
+    if O.periodic and walls:
+        raise ValueError(
+            f"body #{walls[0]} is a Wall, but O.periodic = True: the collider of YADE never ends "
+            "with its infinite box in a periodic cell; leave it out"
+        )
     if label:
         integrator["label"] = label
     if O.dt == _own_step["dt"]:  # set before there was an integrator: it is to keep that fraction
@@ -67,7 +74,10 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear",
         integrator.setdefault("dtSet", O.dt)
     return [
         ForceResetter(),
-        InsertionSortCollider(_bound_functors(nonsmooth), verletDist=verlet_distance),
+        # in a periodic cell the integrator refuses grains that are too big, with a message
+        InsertionSortCollider(
+            _bound_functors(nonsmooth), verletDist=verlet_distance, allowBiggerThanPeriod=True
+        ),
         InteractionLoop(
             _geometry_functors(nonsmooth),
             [

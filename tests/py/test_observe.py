@@ -108,7 +108,7 @@ class Ledger:
 
     def __init__(self, **energy):
         lost = ("friction", "impact", "damping", "sleep")
-        self.values = dict.fromkeys(("kinetic", "elastic", "walls", "loads", *lost), 0.0)
+        self.values = dict.fromkeys(("kinetic", "elastic", "walls", "cell", "loads", *lost), 0.0)
         self.values.update(energy)
 
     def energy(self):

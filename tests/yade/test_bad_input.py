@@ -220,13 +220,6 @@ def test_integrator_of_newton_too_early():
     assert "no NewtonIntegrator after it in O.engines" in message and "sg.engines()" in message
 
 
-def test_periodic_cell():
-    add_disk()
-    O.engines = sg.engines()
-    O.periodic = True
-    assert "O.periodic = True" in message_of_step()
-
-
 def rigid_sphere():
     return utils.sphere((1.5 * RADIUS, 0, 0), RADIUS, material=FrictMat())
 

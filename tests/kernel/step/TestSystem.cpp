@@ -245,11 +245,11 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 
 	// Without motion a twentieth of the smaller point spacing; else twice the way of a step.
 	const double dt = 1e-4;
-	CHECK(std::abs(scene.system.reach(0, 1, dt) - 0.05 * 0.35 * 0.005) < 1e-15);
+	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) - 0.05 * 0.35 * 0.005) < 1e-15);
 	setVelocity<2>(scene.batchOf(0), 0, { 3, 4 });
 	setVelocity<2>(scene.batchOf(1), 1, { 0, -2 });
 	scene.system.updateSurfaces(1);
-	CHECK(std::abs(scene.system.reach(0, 1, dt) - 2 * dt * 7) < 1e-12);
+	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) - 2 * dt * 7) < 1e-12);
 	const Plane<2> plane { { 0, 0 }, { 0, 1 }, { 0, 1 } };
 	CHECK(std::abs(scene.system.reach(0, plane, dt) - 2 * dt * 6) < 1e-12);
 }

@@ -57,6 +57,20 @@ template <int dim> struct RigidSide {
 	bool moves = false;                ///< RigidPartner::moves
 };
 
+/// How the first body of a pair sees the second one in a periodic space: displaced by a period, and
+/// moving as the period changes. All zero for the body itself.
+template <int dim> struct PairImage {
+	Vec<dim> shift = Vec<dim>::Zero();    ///< at t_n, m
+	Vec<dim> velocity = Vec<dim>::Zero(); ///< of the shift in the step at hand, m/s
+	double travelled = 0;                 ///< way of the shift so far, m
+
+	void moveTo(const Vec<dim>& place)
+	{
+		travelled += (place - shift).norm();
+		shift = place;
+	}
+};
+
 /// Nodes that may come into contact while their bodies have moved little since they were found.
 struct ContactCandidates {
 	struct Node {
@@ -93,8 +107,9 @@ template <int dim> struct ContactList {
 	int second =
 		-1; ///< index of the second body; negative: `rigid` or `plane`, the number its name
 	Plane<dim> plane;
-	std::optional<RigidSide<dim>> rigid;
-	double friction = 0; ///< coefficient mu
+	std::optional<RigidSide<dim>> rigid; ///< its surface as the image has it
+	PairImage<dim> image;                ///< of a second grain or a rigid body
+	double friction = 0;                 ///< coefficient mu
 	double deepest =
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
 	std::vector<Contact<dim>> contacts;

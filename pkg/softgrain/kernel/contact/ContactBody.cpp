@@ -107,6 +107,24 @@ template <int dim> void ContactBody<dim>::prepareSolve()
 		velocity.resize(velocity.size() + surfaceMobility->padding(), Vec<dim>::Zero());
 }
 
+template <int dim>
+void ContactBody<dim>::becomeImage(const ContactBody& body, const Vec<dim>& shift, double way)
+{
+	mesh = body.mesh;
+	nodeRadius = body.nodeRadius;
+	pointSpacing = body.pointSpacing;
+	inradius = body.inradius;
+	longestEdge = body.longestEdge;
+	circumradius = body.circumradius;
+	gridSpacing = body.gridSpacing;
+	travelled = body.travelled + way;
+	normal = body.normal;
+	position.resize(body.position.size());
+	for (std::size_t s = 0; s < position.size(); ++s)
+		position[s] = body.position[s] + shift;
+	box = { body.box.low + shift, body.box.high + shift };
+}
+
 template <int dim> double ContactBody<dim>::mobility(int node, int other) const
 {
 	for (int k = delassus->begin(node); k < delassus->end(node); ++k)

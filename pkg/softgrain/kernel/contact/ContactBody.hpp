@@ -95,6 +95,9 @@ template <int dim> struct ContactBody {
 	void prepareSolve();
 	/// Renews normals and box after `position` was set.
 	void updateGeometry();
+	/// Makes this the outline of `body`, displaced: what a search sees of it. The displacement
+	/// has come `way` (m) since the start.
+	void becomeImage(const ContactBody& body, const Vec<dim>& shift, double way);
 	/// W_ss', 1/kg; 0 for nodes that do not feel each other.
 	double mobility(int node, int other) const;
 };

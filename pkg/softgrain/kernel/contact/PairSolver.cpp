@@ -26,7 +26,8 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	list_ = &list;
 	first_ = &bodies[list.first];
 	second_ = list.second < 0 ? nullptr : &bodies[list.second];
-	planeVelocity_ = second_ ? Vec<dim>(Vec<dim>::Zero()) : list.plane.velocity;
+	drift_[1] = second_ ? list.image.velocity : list.plane.velocity;
+	drift_[0] = -drift_[1];
 	friction_ = list.friction;
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
@@ -70,7 +71,7 @@ template <int dim>
 Vec<dim> PairSolver<dim>::relativeVelocity(const Constraint& c,
 					   std::vector<Vec<dim>> ContactBody<dim>::* field) const
 {
-	Vec<dim> u = (own(c)->*field)[c.node] - planeVelocity_;
+	Vec<dim> u = (own(c)->*field)[c.node] - drift_[c.onFirst];
 	for (int i = 0; i < c.partners; ++i)
 		u -= c.weight[i] * (other(c)->*field)[c.partner[i]];
 	return u;
@@ -163,6 +164,7 @@ template <int dim> void PairSolver<dim>::finish()
 		const Constraint& c = constraints_[k];
 		list_->contacts[k].impulse = c.impulse;
 		sum.point += own(c)->contactPoint(c.node);
+		if (!c.onFirst) sum.point += list_->image.shift;
 		if (c.impulse.isZero(0)) continue;
 		++sum.active;
 		const Vec<dim> normal = c.impulse.dot(c.normal) * c.normal;
@@ -188,8 +190,8 @@ template <int dim> ContactWork PairSolver<dim>::work() const
 		work.impact.after -= 0.5 * normal.dot(after);
 		work.friction.before -= 0.5 * (r - normal).dot(before);
 		work.friction.after -= 0.5 * (r - normal).dot(after);
-		work.planes.before += 0.5 * r.dot(planeVelocity_);
-		work.planes.after += 0.5 * r.dot(planeVelocity_);
+		const double driven = 0.5 * r.dot(drift_[c.onFirst]);
+		(second_ ? work.cell : work.planes) += { driven, driven };
 	}
 	return work;
 }

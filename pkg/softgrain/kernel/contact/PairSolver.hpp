@@ -39,12 +39,14 @@ struct ContactWork {
 	Halves impact;   ///< lost by normal impulses (gained where an overlap is pushed out)
 	Halves friction; ///< lost by friction
 	Halves planes;   ///< done by moving planes and rigid bodies on the grains
+	Halves cell;     ///< done on the grains by the motion of their images
 
 	ContactWork& operator+=(const ContactWork& other)
 	{
 		impact += other.impact;
 		friction += other.friction;
 		planes += other.planes;
+		cell += other.cell;
 		return *this;
 	}
 };
@@ -151,7 +153,9 @@ private:
 	ContactBody<dim>* first_ = nullptr;
 	ContactBody<dim>* second_ = nullptr; ///< null for a plane
 	ContactList<dim>* list_ = nullptr;   ///< valid for the step
-	Vec<dim> planeVelocity_;             ///< zero between grains
+	/// Of the plane, or of the image of the other body beyond its own velocity, m/s: for
+	/// impulses on the second body and on the first.
+	std::array<Vec<dim>, 2> drift_;
 	double friction_ = 0;
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;

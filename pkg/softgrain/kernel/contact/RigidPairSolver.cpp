@@ -30,7 +30,7 @@ void RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, Contac
 			c.node[0] = contact.key.node;
 			c.weight[0] = 1;
 		}
-		c.arm = -partner_->centre;
+		c.arm = -imageCentre();
 		for (int i = 0; i < c.nodes; ++i)
 			c.arm += c.weight[i] * grain_->contactPoint(c.node[i]);
 		findMobility(c);
@@ -67,7 +67,8 @@ RigidPairSolver<dim>::grainVelocity(const Constraint& c,
 
 template <int dim> Vec<dim> RigidPairSolver<dim>::velocity(const Constraint& c) const
 {
-	return grainVelocity(c, &ContactBody<dim>::velocity) - partner_->velocityAt(c.arm);
+	return grainVelocity(c, &ContactBody<dim>::velocity) - partner_->velocityAt(c.arm) -
+	       list_->image.velocity;
 }
 
 template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
@@ -101,7 +102,7 @@ template <int dim> void RigidPairSolver<dim>::finish()
 	sum = {};
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
 		const Constraint& c = constraints_[k];
-		const Vec<dim> place = partner_->centre + c.arm;
+		const Vec<dim> place = imageCentre() + c.arm;
 		list_->contacts[k].impulse =
 			list_->contacts[k].key.side == 0 ? c.impulse : Vec<dim>(-c.impulse);
 		sum.point += place;
@@ -123,9 +124,12 @@ template <int dim> ContactWork RigidPairSolver<dim>::work() const
 	auto book = [&](const Constraint& c, const Vec<dim>& grain, const Vec<dim>& rigid,
 			double ContactWork::Halves::* half) {
 		const Vec<dim> normal = c.impulse.dot(c.normal) * c.normal;
-		work.impact.*half -= 0.5 * normal.dot(grain - rigid);
-		work.friction.*half -= 0.5 * (c.impulse - normal).dot(grain - rigid);
+		const Vec<dim> drift = list_->image.velocity;
+		const Vec<dim> relative = grain - rigid - drift;
+		work.impact.*half -= 0.5 * normal.dot(relative);
+		work.friction.*half -= 0.5 * (c.impulse - normal).dot(relative);
 		work.planes.*half += 0.5 * c.impulse.dot(rigid);
+		work.cell.*half += 0.5 * c.impulse.dot(drift);
 	};
 	for (const Constraint& c : constraints_) {
 		if (c.impulse.isZero(0)) continue;

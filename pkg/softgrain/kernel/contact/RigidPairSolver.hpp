@@ -24,8 +24,9 @@ public:
 
 	int contacts() const { return static_cast<int>(constraints_.size()); }
 	struct Constraint : TwoStepContact<dim> { // its impulse acts on the grain
-		Vec<dim> arm; ///< of the place, from the centre of mass of the rigid body, m
-		int nodes;    ///< of the grain, on which the impulse acts in shares
+		Vec<dim>
+			arm; ///< of the place, from the centre of mass of the rigid body's image, m
+		int nodes;   ///< of the grain, on which the impulse acts in shares
 		std::array<int, mostPartners<dim>> node;
 		std::array<double, mostPartners<dim>> weight;
 		int firstMoved, endMoved; ///< what an impulse moves of the grain: in `moved_`
@@ -53,6 +54,8 @@ private:
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
+
+	Vec<dim> imageCentre() const { return partner_->centre + list_->image.shift; }
 
 	ContactBody<dim>* grain_ = nullptr;
 	RigidPartner<dim>* partner_ = nullptr;

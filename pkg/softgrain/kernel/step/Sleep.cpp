@@ -74,7 +74,7 @@ template <int dim> void System<dim>::measureSleepers()
 template <int dim> bool System<dim>::liesStill(const ContactList<dim>& list) const
 {
 	if (!isAsleep(list.first)) return false;
-	if (list.second >= 0) return isAsleep(list.second);
+	if (list.second >= 0) return isAsleep(list.second) && list.image.velocity.isZero(0);
 	if (list.rigid) return false;
 	return list.plane.velocity.isZero(0) && list.plane.point == list.rest.planePoint;
 }
@@ -128,7 +128,8 @@ struct IslandAtRest {
 	int grains = 0;
 	double calmPeriods = 0; ///< for which each of them must be calm
 	bool supported = false; ///< by a plane, which takes what momentum is left
-	/// By a plane that moves, a grain that is not calm, or a rigid body, which may move.
+	/// By a plane or an image that moves, a grain that is not calm, or a rigid body, which may
+	/// move.
 	bool disturbed = false;
 };
 
@@ -155,6 +156,9 @@ void System<dim>::findRestedGrains(const std::vector<ContactList<dim>*>& lists,
 		if (!list->contacts.empty() && list->second >= 0)
 			islands.join(list->first, list->second);
 	std::vector<IslandAtRest> found(grains());
+	for (const ContactList<dim>* list : lists)
+		if (!list->image.velocity.isZero(0))
+			found[islands.of(list->first)].disturbed = true;
 	for (int g : active_)
 		++found[islands.of(g)].grains;
 	for (const ContactList<dim>* list : lists) {

@@ -99,10 +99,12 @@ double reachOf(double speed, double dt, double pointSpacing)
 
 } // namespace
 
-template <int dim> double System<dim>::reach(int first, int second, double dt) const
+template <int dim>
+double System<dim>::reach(int first, int second, const PairImage<dim>& image, double dt) const
 {
 	const ContactBody<dim>&a = bodies_[first], &b = bodies_[second];
-	return reachOf(a.fastest + b.fastest, dt, std::min(a.pointSpacing, b.pointSpacing));
+	return reachOf(a.fastest + b.fastest + image.velocity.norm(), dt,
+		       std::min(a.pointSpacing, b.pointSpacing));
 }
 
 template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, double dt) const
@@ -110,9 +112,12 @@ template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, dou
 	return reachOf(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing);
 }
 
-template <int dim> double System<dim>::reach(int g, const RigidSide<dim>& rigid, double dt) const
+template <int dim>
+double System<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
+			  double dt) const
 {
-	return reachOf(bodies_[g].fastest + rigid.speed, dt, bodies_[g].pointSpacing);
+	return reachOf(bodies_[g].fastest + rigid.speed + image.velocity.norm(), dt,
+		       bodies_[g].pointSpacing);
 }
 
 template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const
@@ -134,12 +139,13 @@ template <int dim> double System<dim>::outsideReach(double reach) const
 	return reach + 2 * gridSpacing_;
 }
 
-template <int dim> bool System<dim>::areFarApart(int first, int second, double reach) const
+template <int dim>
+bool System<dim>::areFarApart(int first, int second, const Vec<dim>& shift, double reach) const
 {
 	if (!isRigid(first) && !isRigid(second)) return false;
 	const Ball a = ballAbout(first), b = ballAbout(second);
 	const double distance = a.radius + b.radius + outsideReach(reach);
-	return (a.centre - b.centre).squaredNorm() > distance * distance;
+	return (a.centre - b.centre - shift).squaredNorm() > distance * distance;
 }
 
 template <int dim> bool System<dim>::isFarFrom(int g, const Plane<dim>& plane, double reach) const
@@ -159,6 +165,20 @@ bool System<dim>::isFarFrom(int g, const RigidSide<dim>& rigid, double reach) co
 	return (own.centre - other.centre).squaredNorm() > distance * distance;
 }
 
+namespace {
+
+/// The body, or its image where that is displaced: valid until the next call of this thread.
+template <int dim>
+const ContactBody<dim>& imageOf(const ContactBody<dim>& body, const PairImage<dim>& image)
+{
+	if (image.shift.isZero(0)) return body;
+	thread_local ContactBody<dim> displaced;
+	displaced.becomeImage(body, image.shift, image.travelled);
+	return displaced;
+}
+
+} // namespace
+
 template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) const
 {
 	if (list.isAsleep()) {
@@ -175,18 +195,20 @@ template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) c
 		} else if (list.second < 0)
 			findContacts(body(list.first), within, list);
 		else
-			findContacts(body(list.first), body(list.second), within, list);
+			findContacts(body(list.first), imageOf(body(list.second), list.image),
+				     within, list);
 		return !isFar;
 	};
 	if (list.second >= 0) {
-		const double within = reach(list.first, list.second, dt);
-		return searchWithin(within, areFarApart(list.first, list.second, within));
+		const double within = reach(list.first, list.second, list.image, dt);
+		return searchWithin(within,
+				    areFarApart(list.first, list.second, list.image.shift, within));
 	}
-	auto searchOn = [&](const auto& surface) {
-		const double within = reach(list.first, surface, dt);
+	auto searchOn = [&](const auto& surface, double within) {
 		return searchWithin(within, isFarFrom(list.first, surface, within));
 	};
-	return list.rigid ? searchOn(*list.rigid) : searchOn(list.plane);
+	return list.rigid ? searchOn(*list.rigid, reach(list.first, *list.rigid, list.image, dt))
+			  : searchOn(list.plane, reach(list.first, list.plane, dt));
 }
 
 template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double margin) const
@@ -208,9 +230,10 @@ template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double
 	template void System<dim>::updateSurface(int);                                             \
 	template void System<dim>::renewSurface(int) const;                                        \
 	template void System<dim>::followMotion(int, double);                                      \
-	template double System<dim>::reach(int, int, double) const;                                \
+	template double System<dim>::reach(int, int, const PairImage<dim>&, double) const;         \
 	template double System<dim>::reach(int, const Plane<dim>&, double) const;                  \
-	template double System<dim>::reach(int, const RigidSide<dim>&, double) const;              \
+	template double System<dim>::reach(int, const RigidSide<dim>&, const PairImage<dim>&,      \
+					   double) const;                                          \
 	template bool System<dim>::search(ContactList<dim>&, double) const;                        \
 	template bool System<dim>::isInside(int, const Box<dim>&, double) const;
 SOFTGRAIN_INSTANTIATE(2)

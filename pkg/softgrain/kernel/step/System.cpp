@@ -238,9 +238,8 @@ template <int dim> double System<dim>::rateStiffening() const
 	return largest;
 }
 
-/// Forces at t_n act from the middle of the last step to the middle of this one. (With the length
-/// of this step alone, a step that follows the deformation would pump energy into the vibration it
-/// follows.)
+/// (With the length of this step alone, a step that follows the deformation would pump energy into
+/// the vibration it follows.)
 template <int dim> double System<dim>::kickTime(double dt) const
 {
 	return continuation_.lastStep > 0 ? 0.5 * (continuation_.lastStep + dt) : dt;
@@ -311,6 +310,7 @@ void System<dim>::balanceEnergy(const ContactWork& work, double kick, double dro
 	book(&EnergyBalance::impact, work.impact);
 	book(&EnergyBalance::friction, work.friction);
 	book(&EnergyBalance::planes, work.planes);
+	book(&EnergyBalance::cell, work.cell);
 	book(&EnergyBalance::loads, loads);
 	book(&EnergyBalance::damping, damping);
 	book(&EnergyBalance::sleep, { dropped, 0 });

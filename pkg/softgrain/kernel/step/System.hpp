@@ -36,6 +36,7 @@ struct EnergyBalance {
 	double friction = 0; ///< dissipated by friction since the start
 	double impact = 0;   ///< dissipated by normal impulses since the start
 	double planes = 0; ///< work of moving planes and rigid bodies on the grains since the start
+	double cell = 0;   ///< work of moving images on the grains since the start
 	double loads = 0;  ///< work of body loads since the start
 	double damping = 0; ///< dissipated by damping since the start
 	double sleep = 0;   ///< taken away by grains falling asleep since the start
@@ -166,13 +167,17 @@ public:
 	double stiffening() const;
 	double rateStiffening() const; ///< largest GrainSet::rateStiffening
 
+	/// Time over which the forces of a step of dt act, s: they act from the middle of the last
+	/// step to the middle of this one.
+	double kickTime(double dt) const;
 	/// Time over which the impulses of the last step acted, s; 0 before the first.
 	double lastKick() const { return lastKick_; }
 
 	/// Distance within which gaps must be handed to `step`: no node travels further in a step.
-	double reach(int first, int second, double dt) const;
+	double reach(int first, int second, const PairImage<dim>& image, double dt) const;
 	double reach(int g, const Plane<dim>& plane, double dt) const;
-	double reach(int g, const RigidSide<dim>& rigid, double dt) const;
+	double reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
+		     double dt) const;
 	/// Renews the contacts of a pair (of a grain and a plane or a rigid body) within reach for
 	/// a step of dt; may be called by several threads at a time. Balls about grains that move
 	/// rigidly come first: false if they are so far apart that no surface was looked at, or
@@ -206,7 +211,7 @@ private:
 	Ball ballAbout(int g) const;
 	/// Whether two bodies, of which one moves rigidly, are so far apart that nothing lies
 	/// within reach. False: the search must tell.
-	bool areFarApart(int first, int second, double reach) const;
+	bool areFarApart(int first, int second, const Vec<dim>& shift, double reach) const;
 	bool isFarFrom(int g, const Plane<dim>& plane, double reach) const;
 	bool isFarFrom(int g, const RigidSide<dim>& rigid, double reach) const;
 	double outsideReach(double reach) const;
@@ -226,7 +231,6 @@ private:
 	double criticalTimeStep(double stiffening, double rateStiffening) const;
 	void renewOutline(int g);
 	void followMotion(int g, double dt);
-	double kickTime(double dt) const;
 	void updateGridNodes(int g) const;
 	void useGridNodes(const std::vector<ContactList<dim>*>& lists);
 	void predictVelocities(const std::vector<char>& touched, const StepSettings& settings);

@@ -1,0 +1,45 @@
+// What O.periodic means for soft grains: how a pair sees its second body, what the flow of the cell
+// does to velocities, boxes for the collider (doc/decisions/0021-periodic-cells.md).
+#pragma once
+
+#include "GrainAssembly.hpp"
+#include "Yade.hpp"
+
+namespace yade {
+
+/// Cell.velGrad as NewtonIntegrator will set it in the step at hand; zero where nothing is
+/// periodic, 1/s.
+Matrix3r comingVelGrad(const Scene& scene);
+
+/// Place of the image of body #2 of an interaction that body #1 sees, relative to body #2, m.
+Vector3r imageShift(const Scene& scene, const Interaction& I);
+
+/// The same as a pair takes it, whose second body is #2 of the interaction or else #1.
+softgrain::ImageDescription imageOf(const Scene& scene, const Interaction& I, bool secondIsBody2);
+
+/// What NewtonIntegrator does to every body in the step at hand for the flow of the cell
+/// (Cell.homoDeform): v += dt convection v + change x, spin += spinChange.
+struct CellFlow {
+	Matrix3r change = Matrix3r::Zero();     ///< 1/s
+	Matrix3r convection = Matrix3r::Zero(); ///< 1/s
+	Vector3r spinChange = Vector3r::Zero(); ///< 1/s
+
+	bool isZero() const { return change.isZero(0) && convection.isZero(0); }
+	/// What is added to the velocity, m/s.
+	Vector3r added(const Vector3r& position, const Vector3r& velocity, Real dt) const
+	{
+		return dt * (convection * velocity) + change * position;
+	}
+	/// The velocity that becomes `after`, m/s.
+	Vector3r before(const Vector3r& position, const Vector3r& after, Real dt) const;
+};
+CellFlow cellFlow(const Scene& scene, const NewtonIntegrator& newton);
+
+/// From space to the coordinates of the collider's boxes, for boxes made when the cell had the
+/// given lengths: places that keep their share of the cell keep their place in these.
+Matrix3r toBoxes(const Scene& scene, const Vector3r& cellSize);
+
+/// Throws std::runtime_error where the periodic cell is one that soft grains cannot be in.
+void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly);
+
+} // namespace yade

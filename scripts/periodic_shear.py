@@ -1,0 +1,174 @@
+"""Simple shear of soft disks in a periodic cell, at constant normal stress.
+
+Run it with YADE: ``scripts/yade -n -x scripts/periodic_shear.py --out DIR``. A cloud of YADE's is
+made soft, compressed with the cell and brought to an isotropic stress by YADE's
+PeriTriaxController; then the cell is sheared while both normal stresses are held.
+``result.json`` has stresses, packing fraction and shear, ``shear.png`` their curves,
+``packing.png`` the packing at the end, with the images of the grains at the borders.
+"""
+
+import argparse
+import math
+from pathlib import Path
+
+import matplotlib.figure
+import numpy as np
+from yade import FrictMat, Matrix3, O, PeriTriaxController, pack
+
+import softgrain as sg
+from softgrain import command_line
+
+RADIUS = 0.01  # m
+YOUNG, DENSITY = 1e6, 1000.0  # Pa, kg/m3
+
+
+def parse_options(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--grains", type=int, default=40, help="number of disks")
+    add("--zeta", type=command_line.resolution, default=0.2, help="relative resolution 2 dr/D [-]")
+    add("--mu", type=command_line.non_negative, default=0.3, help="friction [-]")
+    add("--stress", type=command_line.positive, default=0.03, help="normal stress over E [-]")
+    add("--shear", type=command_line.positive, default=0.4, help="shear at the end [-]")
+    add("--rate", type=command_line.positive, default=1.0, help="of shear [1/s]")
+    add(
+        "--out",
+        type=command_line.output_folder,
+        default=Path("periodic_shear"),
+        help="folder for results",
+    )
+    return parser.parse_args(arguments)
+
+
+def make_scene(options):
+    """A loose packing of soft disks; the cell is 1 m along z, so that what YADE relates to its
+    volume is per metre of thickness."""
+    side = RADIUS * math.sqrt(math.pi * options.grains / 0.55)
+    O.periodic = True
+    O.cell.setBox(side, side, 1)
+    cloud = pack.SpherePack()
+    cloud.makeCloud(
+        (0, 0, 0),
+        (side, side, 0),
+        rMean=RADIUS,
+        rRelFuzz=0.25,
+        num=options.grains,
+        periodic=True,
+        seed=1,
+    )
+    ids = cloud.toSimulation(material=FrictMat())
+    for i in ids:
+        O.bodies[i].state.blockedDOFs = "zXY"
+    material = sg.SoftMat(
+        young=YOUNG,
+        poisson=0.45,
+        density=DENSITY,
+        frictionAngle=math.atan(options.mu),
+        massDamping=400,
+    )
+    sg.soften(ids, material=material, zeta=options.zeta, overlap="refuse")
+    O.engines = sg.engines()
+    return ids
+
+
+def compress(phi):
+    """With the flow of the cell, to a packing fraction."""
+    rate = 2.0
+    O.cell.velGrad = Matrix3(-rate, 0, 0, 0, -rate, 0, 0, 0, 0)
+    while sg.packing_fraction() < phi:
+        O.run(50, True)
+
+
+def hold_stress(stress):
+    """Add the controller of both normal stresses. It moves the cell as a mass of its own."""
+    control = PeriTriaxController(
+        goal=(-stress, -stress, 0),
+        stressMask=3,
+        dynCell=True,
+        mass=DENSITY * O.cell.size[0] ** 2,
+        growDamping=0.5,
+        maxStrainRate=(2, 2, 0),
+    )
+    engines = list(O.engines)
+    O.engines = engines[:3] + [control] + engines[3:]
+    O.cell.velGrad = Matrix3.Zero
+
+
+def rest(stress):
+    """Until the stresses are within 1 % of the target for a while."""
+    calm = 0
+    while calm < 10:
+        O.run(50, True)
+        present = np.diag(sg.cell_stress())[:2]
+        calm = calm + 1 if np.all(np.abs(present + stress) < 0.01 * stress) else 0
+
+
+def shear(options, stress):
+    """Shear the cell; returns rows of shear, stresses xx, yy, xy over `stress`, phi."""
+    diagonal = np.diag(np.array(O.cell.velGrad))
+    O.cell.flipFlippable = True
+    O.cell.velGrad = Matrix3(diagonal[0], options.rate, 0, 0, diagonal[1], 0, 0, 0, 0)
+    rows, start = [], O.time
+    with command_line.progress_bar(total=options.shear) as bar:
+        while (O.time - start) * options.rate < options.shear:
+            O.run(25, True)
+            sigma = sg.cell_stress() / stress
+            gamma = (O.time - start) * options.rate
+            rows.append(
+                [gamma, sigma[0, 0], sigma[1, 1], 0.5 * (sigma[0, 1] + sigma[1, 0])]
+                + [sg.packing_fraction()]
+            )
+            command_line.show_progress(bar, gamma, f"shear {gamma:.3f}")
+    return np.array(rows).T
+
+
+def plot(options, columns):
+    gamma, xx, yy, xy, phi = columns
+    figure = matplotlib.figure.Figure(figsize=(5, 4), layout="constrained")
+    above, below = figure.subplots(2, sharex=True)
+    for values, label in ((-xx, "normal, x"), (-yy, "normal, y"), (xy, "shear")):
+        above.plot(gamma, values, lw=1, label=label)
+    above.set(ylabel="stress / target")
+    above.legend(frameon=False)
+    below.plot(gamma, phi, lw=1, color="black")
+    below.set(xlabel="shear", ylabel="packing fraction")
+    figure.savefig(options.out / "shear.png", dpi=200)
+
+
+def main():
+    options = parse_options()
+    make_scene(options)
+    stress = options.stress * YOUNG
+    compress(0.80)
+    hold_stress(stress)
+    rest(stress)
+    columns = shear(options, stress)
+    gamma, xx, yy, xy, phi = columns
+    late = gamma > 0.5 * gamma[-1]
+    error = np.array([xx, yy]) + 1
+    command_line.write_result(
+        options.out,
+        {
+            "shear": gamma,
+            "stress_xx_over_target": xx,
+            "stress_yy_over_target": yy,
+            "stress_xy_over_target": xy,
+            "phi": phi,
+            "normal_stress_error_rms": float(np.sqrt((error**2).mean())),
+            "largest_overlap": sg.integrator().largestOverlap,
+            "capped_steps": int(sg.integrator().cappedSteps),
+            "steps": int(sg.integrator().steps),
+            "options": {name: str(value) for name, value in vars(options).items()},
+        },
+    )
+    plot(options, columns)
+    sg.draw_packing(options.out / "packing.png")
+    print(
+        f"shear {gamma[-1]:.3f}: stress ratio {xy[late].mean():.3f}, phi {phi[late].mean():.4f}, "
+        f"normal stresses off the target by {100 * np.sqrt((error**2).mean()):.2f} % (rms), "
+        f"{100 * np.abs(error).max():.2f} % at most. Results in {options.out}/"
+    )
+
+
+if __name__ == "__main__":
+    main()

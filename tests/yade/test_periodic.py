@@ -1,0 +1,437 @@
+"""Soft grains in a periodic cell."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from yade import FrictMat, Matrix3, O, pack, utils
+
+import softgrain as sg
+from scenes import (
+    DENSITY,
+    RADIUS,
+    YOUNG,
+    ZETA,
+    add_disk,
+    present_state,
+    ready,
+    run,
+    run_python,
+    soft_material,
+)
+
+DIAMETER = 2 * RADIUS
+
+
+def set_cell(width, height):
+    """One metre along z: what YADE takes per volume of the cell is per metre of thickness then."""
+    O.periodic = True
+    O.cell.setBox(width, height, 1)
+
+
+def flow(xx=0.0, xy=0.0, yx=0.0, yy=0.0):
+    O.cell.velGrad = Matrix3(xx, xy, 0, yx, yy, 0, 0, 0, 0)
+
+
+def irregular_packing(shift=(0, 0), count=3, friction=0.3, gap=0.0, **material):
+    """Touching disks of several sizes on a square lattice with noise, in a square cell."""
+    random = np.random.default_rng(7)
+    spacing = DIAMETER * (1 + gap)
+    set_cell(count * spacing, count * spacing)
+    kind = soft_material(frictionAngle=math.atan(friction), **material)
+    for i in range(count):
+        for j in range(count):
+            noise = random.uniform(-0.01, 0.01, 2) * RADIUS
+            place = (np.array([i, j]) + 0.5) * spacing + noise + shift
+            add_disk((*place, 0), random.uniform(0.95, 0.99) * RADIUS, kind)
+
+
+def compress(phi, rate):
+    flow(xx=-rate, yy=-rate)
+    while sg.packing_fraction() < phi:
+        run(20)
+
+
+def positions():
+    return [b.shape.nodes() for b in sg.soft_bodies()]
+
+
+def total_momentum():
+    return np.sum([b.state.mass * np.array(b.state.vel) for b in sg.soft_bodies()], axis=0)
+
+
+@pytest.mark.parametrize("shear", [0.0, 1.0])
+def test_where_the_border_lies_does_not_matter(shear):
+    """A packing moved across the borders deforms as before, moved with the cell."""
+    results = []
+    for shift in ((0.0, 0.0), (0.37 * 3 * DIAMETER, -0.21 * 3 * DIAMETER)):
+        O.reset()
+        irregular_packing(shift)
+        ready(tolerance=1e-8, maxSweeps=2000)
+        O.dt *= 0.8  # the user's, which stays
+        flow(xx=-5.0, yy=-5.0, xy=shear)
+        run(500)
+        # the cell follows the bodies at the beginning of the next step
+        growth = (np.eye(3) + O.dt * np.array(O.cell.velGrad)) @ np.array(O.cell.trsf)
+        results.append([x - growth[:2, :2] @ shift for x in positions()])
+        borders = [i for i in O.interactions if i.isReal and tuple(i.cellDist) != (0, 0, 0)]
+        assert len(borders) >= 5
+    for here, there in zip(*results):
+        np.testing.assert_allclose(here, there, rtol=0, atol=1e-8 * RADIUS)
+
+
+def test_two_grains_across_the_border_are_as_two_inside():
+    results = []
+    for second in (2.02, 2.02 - 8.0):
+        O.reset()
+        set_cell(8 * RADIUS, 8 * RADIUS)
+        disks = [add_disk((x * RADIUS, 0.2 * RADIUS * k, 0)) for k, x in enumerate((0, second))]
+        disks[0].state.vel = (0.5, 0, 0)
+        ready(tolerance=1e-10, maxSweeps=2000)
+        run(80)
+        results.append([x - x[0] for x in positions()])
+        interaction = O.interactions[0, 1]
+        assert tuple(interaction.cellDist) == ((0, 0, 0) if second > 0 else (1, 0, 0))
+        assert abs(interaction.geom.contactPoint[0] - disks[0].state.pos[0]) < 1.1 * RADIUS
+        point = interaction.geom.contacts()["point"][0]
+        assert abs(point[0] - disks[0].state.pos[0]) < 1.2 * RADIUS
+    for here, there in zip(*results):
+        np.testing.assert_allclose(here, there, rtol=0, atol=1e-9 * RADIUS)
+
+
+def test_momentum_is_kept_where_images_alone_drive():
+    irregular_packing()
+    O.cell.homoDeform = 0
+    ready()
+    flow(xx=-3.0, yy=-3.0, xy=2.0)
+    run(600)
+    moving = max(np.linalg.norm(b.state.vel) for b in sg.soft_bodies())
+    mass = sum(b.state.mass for b in sg.soft_bodies())
+    assert moving > 0.01
+    assert np.linalg.norm(total_momentum()) < 1e-12 * mass * moving
+
+
+@pytest.mark.parametrize("homo", [0, 1, 2])
+def test_work_of_the_cell(homo):
+    """What the cell does is found in the grains, and it is stress times rate times volume."""
+    irregular_packing(massDamping=400.0)
+    O.cell.homoDeform = homo
+    O.trackEnergy = True
+    ready()
+    compress(0.80, 1.0)
+    balance = sg.Balance()
+    energy = sg.integrator().energy()
+    done = energy["cell"] + energy["loads"]
+    expected = 0.0
+    for _ in range(1000):
+        strain = O.dt * np.array(O.cell.velGrad)
+        O.step()
+        expected += np.sum(np.array(utils.getStress()) * strain) * sg.cell_volume()
+    energy = sg.integrator().energy()
+    done = energy["cell"] + energy["loads"] - done
+    assert energy["elastic"] > 0.5  # J/m
+    assert balance.error() < 5e-3
+    assert done == pytest.approx(expected, rel=0.02)
+
+
+def test_stress_of_contacts_and_of_grains_agree():
+    """In the mean over a slow compression; and YADE's own sum is that of the contacts."""
+    irregular_packing(massDamping=400.0)
+    ready()
+    compress(0.84, 1.0)
+    flow(xx=-0.5, yy=-0.3)
+    run(200)
+    contacts, grains = np.zeros((3, 3)), np.zeros((3, 3))
+    for _ in range(200):
+        O.step()
+        contacts += sg.cell_stress("contacts") / 200
+        grains += sg.cell_stress("grains") / 200
+    assert -contacts[0, 0] > 0.01 * YOUNG
+    plane = np.ix_([0, 1], [0, 1])
+    largest = np.abs(contacts).max()
+    np.testing.assert_allclose(contacts[plane], grains[plane], rtol=0, atol=0.02 * largest)
+    assert grains[2, 2] < 0  # plane strain
+    yade = np.array(utils.getStress())
+    np.testing.assert_allclose(yade[plane], contacts[plane], rtol=0, atol=0.1 * largest)
+
+
+def test_simple_shear():
+    """Bodies leave the cell sideways, contacts come and go, and grains turn with the flow."""
+    irregular_packing(massDamping=400.0)
+    ready()
+    compress(0.86, 1.0)
+    O.cell.flipFlippable = True
+    flow(xy=3.0)
+    start = O.cell.trsf[0, 1]
+    seen, stress, count = set(), np.zeros((3, 3)), 0
+    while O.cell.trsf[0, 1] - start < 1.2:
+        run(20)
+        seen |= {(i.id1, i.id2, *i.cellDist) for i in O.interactions if i.isReal}
+        stress += sg.cell_stress()
+        count += 1
+    assert len(seen) > 30
+    assert abs(O.cell.hSize[0, 1]) <= 0.6 * O.cell.hSize[0, 0]  # it was flipped
+    stress /= count
+    assert stress[0, 1] > 0.02 * abs(stress[1, 1])  # it drags back
+    # nothing turns the packing as a whole: the mean stress is symmetric
+    assert stress[0, 1] == pytest.approx(stress[1, 0], abs=0.02 * abs(stress[1, 1]))
+    assert max(abs(b.state.angVel[2]) for b in sg.soft_bodies()) < 100
+    assert sg.integrator().largestOverlap < 0.5
+
+
+def test_grains_at_rest_are_woken_by_the_cell():
+    """Two grains that nothing drives sleep until the cell brings the image of one to the other."""
+    set_cell(6 * RADIUS, 6 * RADIUS)
+    O.cell.homoDeform = 0
+    disks = [add_disk((x * RADIUS, RADIUS, 0)) for x in (1, 4)]
+    ready()
+    run(5)
+    assert all(d.shape.isAsleep() for d in disks)
+    flow(xx=-5.0)
+    run(1)
+    assert not any(d.shape.isAsleep() for d in disks)
+    while O.cell.size[0] > 4.95 * RADIUS:
+        run(10)
+    (contact,) = [i for i in O.interactions if i.isReal]
+    assert tuple(contact.cellDist) == (-1, 0, 0)
+    assert disks[0].state.vel[0] > 0.1 and disks[1].state.vel[0] < -0.1
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (-1.3, 0.6)])
+def test_rigid_disk_across_the_border(place):
+    """Reactions on both sides; Newton's integrator lands where the contact solve did."""
+    cell = 8 * RADIUS
+    set_cell(cell, cell)
+    disk = add_disk((place[0] * RADIUS, place[1] * RADIUS, 0))
+    sphere = utils.sphere(
+        (cell - 2.02 * RADIUS + place[0] * RADIUS, (place[1] + 0.3) * RADIUS, 0),
+        RADIUS,
+        material=FrictMat(density=DENSITY, frictionAngle=0.5),
+    )
+    sphere.state.blockedDOFs = "zXY"
+    O.bodies.append(sphere)
+    sg.as_disks()
+    sphere.state.vel = (1.0, 0, 0)
+    ready()
+    run(150)
+    total = disk.state.mass * disk.state.vel + sphere.state.mass * sphere.state.vel
+    assert disk.state.vel[0] > 0.2
+    assert total[0] == pytest.approx(sphere.state.mass, rel=1e-12)
+    assert abs(total[1]) < 1e-12 * sphere.state.mass
+
+
+def test_rigid_disks_flow_with_the_cell():
+    """A soft and three rigid disks: cell and homoDeform act on both kinds alike."""
+    set_cell(4 * DIAMETER, 4 * DIAMETER)
+    for i in range(4):
+        for j in range(4):
+            centre = ((i + 0.5) * DIAMETER, (j + 0.5) * DIAMETER, 0)
+            if (i + j) % 2:
+                add_disk(centre)
+            else:
+                material = FrictMat(young=1e7, density=DENSITY, frictionAngle=0)
+                body = utils.sphere(centre, RADIUS, material=material)
+                body.state.blockedDOFs = "zXY"
+                O.bodies.append(body)
+    sg.as_disks()
+    ready()
+    flow(xx=-1.0, yy=-1.0)
+    run(400)
+    size = O.cell.size[0]
+    for body in O.bodies:
+        share = np.array(body.state.pos)[:2] / size * 4
+        np.testing.assert_allclose(share, np.floor(share) + 0.5, atol=0.02)
+    assert sg.integrator().largestOverlap < 0.1
+    assert np.array(utils.getStress())[0, 0] < -0.01 * YOUNG
+    with pytest.raises(ValueError, match="is rigid"):
+        sg.cell_stress("grains")
+
+
+def test_stress_control_by_yade():
+    """PeriTriaxController with the mass of the cell holds the target within 1 %."""
+    from yade import PeriTriaxController
+
+    irregular_packing(massDamping=400.0)
+    ready()
+    target = -0.05 * YOUNG
+    control = PeriTriaxController(
+        goal=(target, target, 0),
+        stressMask=3,
+        dynCell=True,
+        mass=3 * DENSITY * (3 * DIAMETER) ** 2,
+        growDamping=0.5,
+        maxStrainRate=(5, 5, 0),
+    )
+    engines = O.engines
+    O.engines = engines[:3] + [control] + engines[3:]
+    run(6000)
+    stresses = []
+    for _ in range(300):
+        O.step()
+        stresses.append(np.diag(np.array(utils.getStress()))[:2])
+    np.testing.assert_allclose(stresses, target, rtol=0.01)
+    assert np.abs(np.array(O.cell.velGrad)).max() < 0.05
+
+
+def test_periodic_cloud_to_soft_disks():
+    """YADE leaves the cell of a flat cloud to the script."""
+    set_cell(0.16, 0.12)
+    cloud = pack.SpherePack()
+    cloud.makeCloud((0, 0, 0), (0.16, 0.12, 0), rMean=0.008, rRelFuzz=0.2, num=25, periodic=True)
+    ids = cloud.toSimulation(material=FrictMat())
+    for i in ids:
+        O.bodies[i].state.blockedDOFs = "zXY"
+    assert O.periodic and len(ids) > 15
+    sg.soften(material=soft_material(), zeta=ZETA, overlap="refuse")
+    O.engines = sg.engines()
+    start = sg.packing_fraction()
+    flow(xx=-10.0, yy=-10.0)
+    run(300)
+    assert sg.packing_fraction() > 1.02 * start
+    assert sg.integrator().largestOverlap < 0.5
+
+
+def test_overlaps_across_the_border_are_seen():
+    set_cell(0.1, 0.1)
+    for x in (0.002, 0.095):
+        body = utils.sphere((x, 0.05, 0), 0.01, material=FrictMat())
+        body.state.blockedDOFs = "zXY"
+        O.bodies.append(body)
+    with pytest.raises(ValueError, match="#1 and #0 overlap by 1.3e\\+02 %"):
+        sg.soften(material=soft_material(), zeta=ZETA)
+
+
+def test_periodic_cloud_to_soft_balls():
+    cloud = pack.SpherePack()
+    cloud.makeCloud((0, 0, 0), (0.1, 0.1, 0.1), rMean=0.0125, num=30, periodic=True, seed=2)
+    cloud.toSimulation(material=FrictMat())
+    assert O.periodic and O.cell.size[0] == 0.1
+    sg.soften(material=soft_material(), zeta=0.5)
+    O.engines = sg.engines()
+    O.cell.velGrad = Matrix3(-20, 0, 0, 0, -20, 0, 0, 0, -20)
+    while sg.packing_fraction() < 0.66:
+        run(10)
+    contacts, grains = sg.cell_stress("contacts"), sg.cell_stress("grains")
+    assert contacts[0, 0] < 0 and contacts[2, 2] < 0
+    assert np.trace(grains) < 0
+    assert any(i.isReal and i.cellDist[2] != 0 for i in O.interactions)
+
+
+def test_dense_periodic_pack_to_soft_balls():
+    """Under load as it comes from randomPeriPack; what it overlaps becomes stress."""
+    pack.randomPeriPack(RADIUS, (0.09, 0.09, 0.09), seed=3, noPrint=True).toSimulation(
+        material=FrictMat()
+    )
+    assert O.periodic and O.cell.size[0] < 0.085
+    before = len(O.bodies)
+    sg.soften(material=soft_material(massDamping=1000.0), zeta=0.5)
+    O.engines = sg.engines()
+    run(60)
+    assert len(sg.soft_bodies()) == before > 20
+    assert np.diag(sg.cell_stress()).max() < 0
+    assert any(i.isReal and i.cellDist[0] != 0 for i in O.interactions)
+
+
+def test_pictures_show_images(tmp_path):
+    irregular_packing(shift=(RADIUS, 0.5 * RADIUS))
+    ready()
+    run(1)
+    sg.draw_packing(tmp_path / "cell.png")
+    assert (tmp_path / "cell.png").stat().st_size > 10000
+
+
+LOADED = """
+    import sys
+    sys.path.insert(0, TESTS)
+    import numpy as np
+    import softgrain as sg
+    from yade import O
+    from scenes import present_state
+    O.load("half.yade.gz")
+    for _ in range(150):
+        O.step()
+    np.savez("loaded.npz", **present_state())
+    print("done")
+"""
+
+
+def test_save_and_load(tmp_path):
+    irregular_packing(stiffnessDamping=2e-5, massDamping=100.0)
+    ready()
+    O.trackEnergy = True
+    flow(xx=-2.0, yy=-2.0, xy=1.0)
+    run(400)
+    O.save(str(tmp_path / "half.yade.gz"))
+    run(150)
+    here = present_state()
+    tests = repr(str(Path(__file__).parent))
+    process = run_python(LOADED.replace("TESTS", tests), tmp_path)
+    assert "done" in process.stdout, process.stdout + process.stderr
+    loaded = np.load(tmp_path / "loaded.npz")
+    for name, value in here.items():
+        np.testing.assert_array_equal(loaded[name], value, err_msg=name)
+
+
+def test_threads_give_the_same_bits():
+    results = []
+    for threads in (1, 2, 3):
+        O.reset()
+        irregular_packing()
+        ready(ompThreads=threads)
+        flow(xx=-2.0, yy=-2.0, xy=1.0)
+        run(300)
+        results.append(present_state())
+    for result in results[1:]:
+        for name, value in result.items():
+            np.testing.assert_array_equal(value, results[0][name], err_msg=name)
+
+
+def complaint():
+    with pytest.raises(RuntimeError) as error:
+        O.step()
+    return str(error.value)
+
+
+def test_wall_in_a_cell():
+    set_cell(0.1, 0.1)
+    add_disk()
+    wall = O.bodies.append(utils.wall(0, axis=1, material=FrictMat()))
+    for make in (sg.engines, sg.set_time_step):
+        with pytest.raises(ValueError, match=f"body #{wall} is a Wall, but O.periodic"):
+            make()
+
+
+def test_cell_too_small():
+    set_cell(3.9 * RADIUS, 8 * RADIUS)
+    add_disk()
+    ready()
+    message = complaint()
+    assert "soft grain #0 spans" in message and "half of its length 0.039 m" in message
+
+
+def test_cell_leaves_the_plane():
+    add_disk()
+    O.periodic = True
+    O.cell.hSize = Matrix3(0.1, 0, 0.01, 0, 0.1, 0, 0, 0, 1)
+    ready()
+    assert "O.cell.hSize couples z" in complaint()
+    set_cell(0.1, 0.1)
+    O.cell.velGrad = Matrix3(0, 0, 0, 0, 0, 0, 0, 0, -1)
+    assert "O.cell.velGrad has components of z" in complaint()
+
+
+def test_common_grid_is_refused():
+    set_cell(0.1, 0.1)
+    add_disk(contact="nodes")
+    ready()
+    assert "contact = 'nodes'" in complaint()
+
+
+def test_reading_without_a_cell():
+    add_disk()
+    with pytest.raises(ValueError, match="O.periodic is False"):
+        sg.packing_fraction()
+    set_cell(0.1, 0.1)
+    with pytest.raises(ValueError, match="known: 'contacts', 'grains'"):
+        sg.cell_stress("walls")
