@@ -182,7 +182,7 @@ double sideOf(const Wall& wall, const State& state, const Vec3& grain)
 void describeFreeWall(const Wall& wall, const State& state, const SoftGrain& grain,
 		      softgrain::RigidBodyDescription& d)
 {
-	const softgrain::Box<3> box = grain.assembly->box(grain.index);
+	const softgrain::Box<3> box = grain.assembly->box(grain.index, softgrain::Mat3::Identity());
 	const double halfSide = 4 * (box.high - box.low).maxCoeff();
 	const Vec3 centre = box.centre();
 	d.form = softgrain::RigidBodyDescription::Form::block;
@@ -210,7 +210,7 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	if (wall.sense != 0 && wall.sense != side)
 		geom->pair->restore({}); // the grain is on the side that does not interact
 	else if (const auto body = describeRigid(wall, state1, I->getId1(), grain))
-		grain.assembly->search(*geom->pair, grain.index, *body, dt);
+		grain.assembly->search(*geom->pair, grain.index, *body, {}, dt);
 	else
 		grain.assembly->search(*geom->pair, grain.index,
 				       { I->getId1(), state1.pos, normal, state1.vel }, dt);
