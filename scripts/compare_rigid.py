@@ -86,6 +86,11 @@ def error_in_cell(cell, exact):
     return 100 * float(np.mean(np.abs(force[inside] / expected - 1)))
 
 
+def jamming(packing):
+    """Nominal packing fraction from which rigid grains bear more than soft ones could, E."""
+    return packing["phi0"][int(np.argmax(np.array(packing["stress"]) > 1))]
+
+
 def table(cells, packings, exact):
     """Markdown: one row a model."""
     rows = [
@@ -95,11 +100,14 @@ def table(cells, packings, exact):
     ]
     for model in packings:
         cell, packing = cells[model], packings[model]
+        deforms = MODELS[model].deforms
         end = f"{packing['stress'][-1]:.3g} at {packing['phi0'][-1]:.3f}"
+        if not deforms:
+            end = f"without bound from {jamming(packing):.3f} on"
         entries = (
             MODELS[model].label,
-            f"{error_in_cell(cell, exact):.2g}",
-            f"{cell['seconds']:.2g}",
+            f"{error_in_cell(cell, exact):.2g}" if deforms else "cannot deform",
+            f"{cell['seconds']:.2g}" if deforms else "",
             end,
             f"{packing['coordination'][-1]:.2f}",
             packing["steps"],

@@ -42,6 +42,7 @@ class Model:
     """Grains of one kind. ``thickness``: of the layer that the forces of a scene are of [m]."""
 
     label = ""
+    deforms = True
     thickness = 1.0
     parts = 1  # particles or material points a grain
 
@@ -127,6 +128,19 @@ class Hertz(Spheres):
             [Law2_ScGeom_MindlinPhys_Mindlin()],
         )
         O.dt = 0.3 * yade.utils.PWaveTimeStep()
+
+
+class Nonsmooth(Spheres):
+    """Rigid disks in contact dynamics: they have no stiffness, and a jammed packing no answer."""
+
+    label = "rigid contact dynamics"
+    deforms = False
+    step = 1e-4  # s: the walls move by a fraction of a percent of a radius in it
+
+    def start(self):
+        sg.as_disks()
+        O.engines = sg.engines(rigid="nonsmooth")
+        O.dt = self.step
 
 
 class Bonded(Spheres):
@@ -228,6 +242,7 @@ class Triangles(Soft):
 MODELS = {
     "linear": Linear,
     "hertz": Hertz,
+    "nonsmooth": Nonsmooth,
     "bonded": Bonded,
     "triangles": Triangles,
     "soft": Soft,

@@ -79,6 +79,8 @@ def window(box, reached):
 
 def cell(model, options):
     """One grain in a square box whose sides all move in."""
+    if not model.deforms:
+        return {"displacement": [], "force": []}
     radius = DIAMETER / 2
     model.add([(0, 0)], [radius])
     box = Box((-radius, -radius), (radius, radius), model.wall_material())
@@ -127,7 +129,12 @@ def packing(model, options):
     columns = {"phi0": [], "stress": [], "coordination": []}
     for k in range(RECORDS):
         end = start + (options.until_phi - start) * (k + 1) / RECORDS
-        force = window(box, lambda: phi() >= end)
+        try:
+            force = window(box, lambda: phi() >= end)
+        except RuntimeError:
+            if model.deforms:
+                raise
+            break  # jammed: the walls press the grains into each other
         columns["phi0"].append(phi())
         columns["stress"].append(force[2] / (model.thickness * YOUNG * width))
         columns["coordination"].append(model.coordination())
