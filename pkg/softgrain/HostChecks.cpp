@@ -96,28 +96,33 @@ void checkEngine(const Engine& engine)
 		checkTriaxial(*controller);
 }
 
-#ifdef YADE_MPI
-void checkSubdomains(const Scene& scene)
+[[noreturn]] void refuseSubdomains()
 {
-	bool divided = scene.subdomain != 0;
-	for (const auto& body : *scene.bodies)
-		divided = divided || (body && (body->subdomain != 0 || body->getIsSubdomain()));
-	if (divided)
-		refuse("MPI subdomains",
-		       "contacts of soft grains are solved together, in one process; use threads "
-		       "(-jN)");
+	refuse("MPI subdomains",
+	       "contacts of soft grains are solved together, in one process; use threads (-jN)");
 }
-#else
-void checkSubdomains(const Scene&) {}
-#endif
 
 } // namespace
+
+#ifdef YADE_MPI
+void checkSubdomain(const Scene& scene)
+{
+	if (scene.subdomain != 0) refuseSubdomains();
+}
+void checkSubdomain(const Body& body)
+{
+	if (body.subdomain != 0 || body.getIsSubdomain()) refuseSubdomains();
+}
+#else
+void checkSubdomain(const Scene&) {}
+void checkSubdomain(const Body&) {}
+#endif
 
 void checkHost(const Scene& scene)
 {
 	for (const auto& engine : scene.engines)
 		if (!engine->dead) checkEngine(*engine);
-	checkSubdomains(scene);
+	checkSubdomain(scene);
 }
 
 } // namespace yade

@@ -2,10 +2,13 @@
 #pragma once
 
 namespace yade {
+class Body;
 class Scene;
 
 /// Throws std::invalid_argument naming the engine or setting of the scene that would act wrongly on
 /// soft grains, or end the process, and what to do instead.
 void checkHost(const Scene& scene);
+/// The same if the body is divided among processes.
+void checkSubdomain(const Body& body);
 
 } // namespace yade

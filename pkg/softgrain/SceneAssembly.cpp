@@ -22,6 +22,7 @@ template <class Soft, class Base> bool isA(const shared_ptr<Base>& object)
 
 void checkBody(const Body& body)
 {
+	checkSubdomain(body);
 	const bool softShape = isA<SoftGrain>(body.shape);
 	const bool softMaterial = isA<SoftMat>(body.material);
 	if (softShape && !softMaterial)

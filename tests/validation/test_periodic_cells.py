@@ -11,7 +11,7 @@ from runs import run_case
 def test_lattice(tmp_path, lattice):
     result = run_case("periodic_lattice", tmp_path, "--lattice", lattice, "--zeta", "0.2")
     assert result["error_max"] < 0.05
-    check_stresses(result)
+    check_stresses(result, isotropy=0.04)
 
 
 @pytest.mark.slow
@@ -19,14 +19,15 @@ def test_lattice(tmp_path, lattice):
 def test_fine_lattice(tmp_path, lattice):
     result = run_case("periodic_lattice", tmp_path, "--lattice", lattice, "--zeta", "0.1")
     assert result["error_max"] < 0.015
-    check_stresses(result)
+    check_stresses(result, isotropy=0.01)
 
 
-def check_stresses(result):
-    """Isotropic, the same by contacts and by grains; the cell does the work of the stress."""
+def check_stresses(result, isotropy):
+    """Isotropic up to where the surface nodes lie, the same by contacts and by grains; the cell does
+    the work of the stress."""
     late = result["wall_displacement_over_D"] >= 0.01
     assert late.sum() > 3 and result["wall_displacement_over_D"][-1] > 0.05
-    np.testing.assert_allclose(result["stress_xx"][late], result["stress_yy"][late], rtol=0.01)
+    np.testing.assert_allclose(result["stress_xx"][late], result["stress_yy"][late], rtol=isotropy)
     np.testing.assert_allclose(result["stress_xy"], 0, atol=1e-3 * abs(result["stress_xx"][-1]))
     assert result["grains_against_contacts_max"] < 0.01
     assert abs(result["work_against_stress"]) < 2e-3

@@ -27,10 +27,6 @@ def without_functor(dispatcher, name):
     part.functors = [f for f in part.functors if type(f).__name__ != name]
 
 
-def periodic():
-    O.periodic = True
-
-
 def other_collider():
     engines = list(O.engines)
     engines[1] = yade.SpatialQuickSortCollider(engines[1].boundDispatcher.functors)
@@ -117,7 +113,6 @@ def stepper_behind():
 
 
 REFUSED = [
-    (periodic, "O.periodic = True"),
     (soft_clump, "soft grain in a clump"),
     (subdomains, "MPI subdomains: .*-jN"),
     (dofs_left_to_newton, "blockedDOFs = '.*'; admissible: 'xyzXYZ'"),
