@@ -23,8 +23,8 @@ def test_fine_lattice(tmp_path, lattice):
 
 
 def check_stresses(result, isotropy):
-    """Isotropic up to where the surface nodes lie, the same by contacts and by grains; the cell does
-    the work of the stress."""
+    """Isotropic up to where the surface nodes lie, the same by contacts and by grains; the cell
+    does the work of the stress."""
     late = result["wall_displacement_over_D"] >= 0.01
     assert late.sum() > 3 and result["wall_displacement_over_D"][-1] > 0.05
     np.testing.assert_allclose(result["stress_xx"][late], result["stress_yy"][late], rtol=isotropy)
