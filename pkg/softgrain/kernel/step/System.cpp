@@ -164,6 +164,7 @@ double System<dim>::criticalTimeStep(double stiffening, double rateStiffening) c
 template <int dim> double System<dim>::presentCriticalTimeStep() const
 {
 	const double ofGrains = criticalTimeStep(stiffening(), rateStiffening());
+	if (continuation_.bondRate == 0) return ofGrains; // infinite without grains
 	return ofGrains / std::sqrt(1 + 0.25 * ofGrains * ofGrains * continuation_.bondRate);
 }
 
