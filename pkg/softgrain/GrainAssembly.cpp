@@ -1,4 +1,5 @@
 #include "GrainAssembly.hpp"
+#include "Require.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -67,6 +68,67 @@ public:
 		if (coefficient != list.friction) list.rest.changed = true;
 		list.friction = coefficient;
 	}
+	void setInterface(const std::optional<InterfaceLaw>& law) override
+	{
+		const bool had = list.interface && !lawUnknown_;
+		const bool same = law ? had && *law == list.interface->law : !list.interface;
+		if (same) return;
+		if (!lawUnknown_) list.rest.changed = true;
+		lawUnknown_ = false;
+		if (!law) {
+			list.interface.reset();
+			return;
+		}
+		if (!list.interface) list.interface.emplace();
+		list.interface->law = *law;
+		list.interface->resize(list.contacts.size());
+	}
+	void checkInterface() const override
+	{
+		if (!list.interface) {
+			require(list.friction >= 0 && std::isfinite(list.friction), "friction",
+				list.friction, "[0, inf)");
+			return;
+		}
+		const InterfaceLaw& law = list.interface->law;
+		law.validate(list.friction);
+		require(law.restitution == 0 || list.second < 0, "restitution", law.restitution,
+			"0 between two soft grains");
+		require(law.range() <= system_->interfaceRange(), "range of the interface",
+			law.range(), "[0, SoftGrainIntegrator.interfaceRange] m");
+		if (!system_->body(list.first).isSurface())
+			throw std::invalid_argument(
+				"interface laws need soft grains with contact = 'surface'");
+	}
+	int bondTouching() override
+	{
+		if (!list.interface) return 0;
+		int bonded = 0;
+		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
+			const Contact<dim>& c = list.contacts[k];
+			const double dr =
+				system_->body(list.second >= 0 && c.key.side == 1 ? list.second
+										  : list.first)
+					.pointSpacing;
+			if (c.gap > touchingGap * dr && c.impulse.isZero(0)) continue;
+			list.interface->bondNow(k, c.gap);
+			++bonded;
+		}
+		if (bonded > 0) list.rest.changed = true;
+		return bonded;
+	}
+	std::vector<double> interfaceHistory() const override
+	{
+		return list.interface ? list.interface->numbers() : std::vector<double>();
+	}
+	void restoreInterface(const std::vector<double>& saved) override
+	{
+		if (saved.empty()) return;
+		list.interface.emplace();
+		list.interface->restore(saved);
+		list.interface->resize(list.contacts.size());
+		lawUnknown_ = true;
+	}
 
 	void setImageVelocity(const Vec3& velocity) override
 	{
@@ -98,16 +160,29 @@ public:
 					   toSpace<dim>(c.normal), toSpace<dim>(c.impulse),
 					   c.gap });
 		}
+		if (!list.interface) return result;
+		for (std::size_t k = 0; k < result.size(); ++k) {
+			const ContactHistory<dim>& h = list.interface->history[k];
+			result[k].pull = toSpace<dim>(h.pull);
+			result[k].bond = h.bond;
+			if (h.bond != Bond::none) result[k].damage = damageOf(h);
+		}
 		return result;
 	}
 
 	std::vector<ContactPressure> pressures() const override
 	{
 		if (list.contacts.empty()) return {};
+		std::vector<Contact<dim>> forces;
+		if (list.interface) {
+			forces = list.contacts;
+			for (std::size_t k = 0; k < forces.size(); ++k)
+				forces[k].impulse += list.interface->history[k].pull;
+		}
 		return contactPressures<dim>(system_->body(list.first),
 					     list.second < 0 ? nullptr
 							     : &system_->body(list.second),
-					     list.contacts, kick());
+					     list.interface ? forces : list.contacts, kick());
 	}
 	double kick() const override
 	{
@@ -117,6 +192,7 @@ public:
 	void restore(const std::vector<ContactRecord>& saved) override
 	{
 		list.contacts.clear();
+		if (list.interface) list.interface->beginSearch();
 		for (const ContactRecord& record : saved) {
 			Contact<dim> c;
 			c.key = record.key;
@@ -158,8 +234,17 @@ private:
 		return place;
 	}
 
+	/// Share of the stiffness that is gone.
+	double damageOf(const ContactHistory<dim>& h) const
+	{
+		const InterfaceLaw& law = list.interface->law;
+		if (h.bond == Bond::broken || !law.hasBond()) return 1;
+		return 1 - law.secantStiffness(h.largest) / law.stiffness();
+	}
+
 	const System<dim>* system_;
 	double z_;
+	bool lawUnknown_ = false; ///< history was restored, the law is still to come
 };
 
 [[noreturn]] void refuse(const RigidBodyDescription& body, const std::string& why)
@@ -290,6 +375,8 @@ public:
 		return parameters(g).radius * system_.setOf(g).reference().pointSpacing();
 	}
 	double kickTime(double dt) const override { return system_.kickTime(dt); }
+	void setInterfaceRange(double range) override { system_.setInterfaceRange(range); }
+	double interfaceRange() const override { return system_.interfaceRange(); }
 	double slowestWave() const override { return slowestWave_; }
 	void updateForces(int threads) override { system_.updateForces(threads); }
 	bool isRigid(int g) const override { return system_.isRigid(g); }
@@ -335,13 +422,12 @@ public:
 		try {
 			surface = surfaceOf(displaced(body, image.shift));
 		} catch (const std::invalid_argument&) {
-			list.contacts.clear();
+			list.clearContacts();
 			list.deepest = std::numeric_limits<double>::infinity();
 			return;
 		}
 		if (!surface) {
-			list.contacts.clear();
-			list.deepest = 0;
+			list.clearContacts();
 			return;
 		}
 		const BallSurface<dim> about = ballAbout<dim>(*surface);

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -100,6 +101,9 @@ struct ContactRecord {
 	ContactKey key;
 	Vec3 point, normal, impulse; ///< normal and impulse act on the node's grain
 	double gap;
+	Vec3 pull = Vec3::Zero(); ///< impulse of the interface's tractions, besides, N s
+	Bond bond = Bond::none;
+	double damage = 0; ///< of the bond, in [0, 1]
 };
 
 /// What the contacts of a pair do to its first grain together.
@@ -123,6 +127,14 @@ public:
 	virtual void setFriction(double coefficient) = 0;
 	/// In the coming step, of the image of the second body, beyond its own velocity, m/s.
 	virtual void setImageVelocity(const Vec3& velocity) = 0;
+	/// What acts besides friction (none: nothing), valid or not.
+	virtual void setInterface(const std::optional<InterfaceLaw>& law) = 0;
+	/// Throws std::invalid_argument if law and friction are not admissible for the pair.
+	virtual void checkInterface() const = 0;
+	/// Bonds the contact points that touch now; returns their number.
+	virtual int bondTouching() = 0;
+	virtual std::vector<double> interfaceHistory() const = 0; ///< for a save; empty: none
+	virtual void restoreInterface(const std::vector<double>& saved) = 0;
 	/// With a rigid body (no wall); `partner` is the number of its motion in the coming step.
 	virtual bool hasRigidBody() const = 0;
 	virtual void setPartner(int partner) = 0;
@@ -167,6 +179,9 @@ public:
 	virtual void setMultirate(bool on) = 0;
 	virtual int rate(int g) const = 0;
 	virtual double kickTime(double dt) const = 0; ///< System::kickTime
+	/// System::setInterfaceRange.
+	virtual void setInterfaceRange(double range) = 0;
+	virtual double interfaceRange() const = 0;
 	virtual double slowestWave() const = 0;       ///< smallest speed of pressure waves, m/s
 	virtual double pointSpacing(int g) const = 0; ///< dr, m
 	virtual void updateForces(int threads) = 0;   ///< throws StepError

@@ -98,6 +98,7 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 	sleepingGrains = report.sleepingGrains;
 	droppedMomentum += report.droppedMomentum;
 	droppedEnergy += report.droppedEnergy;
+	lostBonds = report.lostBonds;
 	totalGrainSteps += activeGrains;
 	steps += 1;
 	totalSweeps += sweeps;
@@ -116,9 +117,9 @@ void SoftGrainIntegrator::publishTimes()
 
 namespace {
 
-constexpr std::array<const char*, 9> energyNames { "kinetic", "elastic", "friction",
-						   "impact",  "walls",   "loads",
-						   "damping", "sleep",   "cell" };
+constexpr std::array<const char*, 10> energyNames { "kinetic", "elastic", "friction", "impact",
+						    "walls",   "loads",   "damping",  "sleep",
+						    "cell",    "cohesion" };
 
 } // namespace
 
@@ -126,7 +127,7 @@ void SoftGrainIntegrator::publishEnergy()
 {
 	const auto e = assembly_->energy();
 	energies = { e.kinetic, e.elastic, e.friction, e.impact, e.planes,
-		     e.loads,   e.damping, e.sleep,    e.cell };
+		     e.loads,   e.damping, e.sleep,    e.cell,   e.cohesion };
 	for (std::size_t k = 0; k < energies.size(); ++k) {
 		string name = string("soft") + energyNames[k];
 		name[4] = static_cast<char>(std::toupper(name[4]));
@@ -164,8 +165,11 @@ void SoftGrainIntegrator::saveContinuation()
 	const auto state = assembly_->continuation();
 	lastStep = state.lastStep;
 	assemblySteps = state.steps;
-	workSums = { state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads,
-		     state.sums.damping,  state.sums.sleep,  state.sums.cell };
+	workSums = {
+		state.sums.friction, state.sums.impact, state.sums.planes, state.sums.loads,
+		state.sums.damping,  state.sums.sleep,  state.sums.cell,   state.sums.cohesion
+	};
+	bondRate = state.bondRate;
 }
 
 /// The collider watches State.pos only; outlines that leave their boxes are watched here.
@@ -176,8 +180,8 @@ void SoftGrainIntegrator::callColliderIfNeeded() const
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
 		const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
 		if (!body.bound) continue;
-		const double margin =
-			0.1 * assembly_->pointSpacing(g); // contacts start before touch
+		const double margin = 0.1 * assembly_->pointSpacing(g) +
+				      interfaceRange; // contacts start before touch
 		const softgrain::Box<3> box { body.bound->min, body.bound->max };
 		if (scene->isPeriodic
 			    ? !assembly_->isInside(g, box, margin, toBoxes(*scene, grain.boundCell))

@@ -1,6 +1,7 @@
 #include "SceneAssembly.hpp"
 #include "HostChecks.hpp"
 #include "SoftGrain.hpp"
+#include "SoftGrainIntegrator.hpp"
 #include "SoftMat.hpp"
 
 #include <mutex>
@@ -108,6 +109,9 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 	if (last) continuation = last->continuation();
 	const auto assembly = softgrain::GrainAssembly::create(grains, last.get());
 	assembly->continueFrom(continuation);
+	for (const auto& engine : scene.engines)
+		if (const auto integrator = YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
+			assembly->setInterfaceRange(integrator->interfaceRange);
 	for (int g = 0; g < assembly->grains(); ++g) {
 		SoftGrain& grain = grainOf(scene, assembly->idOf(g));
 		const Body& body = *(*scene.bodies)[assembly->idOf(g)];

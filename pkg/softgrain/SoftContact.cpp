@@ -9,7 +9,7 @@
 namespace yade {
 
 YADE_PLUGIN((
-	SoftGeom)(SoftPhys)(Ig2_SoftGrain_SoftGrain_SoftGeom)(Ig2_Wall_SoftGrain_SoftGeom)(Ig2_Sphere_SoftGrain_SoftGeom)(Ig2_Facet_SoftGrain_SoftGeom)(Ig2_Box_SoftGrain_SoftGeom)(Ip2_SoftMat_SoftMat_SoftPhys)(Ip2_FrictMat_SoftMat_SoftPhys)(Law2_SoftGeom_SoftPhys_Nonsmooth));
+	SoftGeom)(SoftInterface)(SoftPhys)(Ig2_SoftGrain_SoftGrain_SoftGeom)(Ig2_Wall_SoftGrain_SoftGeom)(Ig2_Sphere_SoftGrain_SoftGeom)(Ig2_Facet_SoftGrain_SoftGeom)(Ig2_Box_SoftGrain_SoftGeom)(Ip2_SoftPhys)(Ip2_SoftMat_SoftMat_SoftPhys)(Ip2_FrictMat_SoftMat_SoftPhys)(Law2_SoftGeom_SoftPhys_Nonsmooth));
 
 using softgrain::ContactRecord;
 using softgrain::Vec3;
@@ -18,6 +18,7 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present)
 {
 	if (pair && assembly == present) return;
 	std::vector<ContactRecord> records;
+	const std::vector<double> history = pair ? pair->interfaceHistory() : savedInterface;
 	if (pair)
 		records = pair->records();
 	else
@@ -27,11 +28,12 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present)
 				  Vec3::Zero(),
 				  Vec3::Zero(),
 				  savedImpulses[k],
-				  0 });
+				  0 }); // history has the rest
 	const bool loaded = !pair;
 	assembly = present;
 	pair = present->newPair();
 	pair->restore(records);
+	pair->restoreInterface(history);
 	if (loaded) pair->restoreRest(savedRest);
 }
 
@@ -41,6 +43,7 @@ void SoftGeom::preSave(SoftGeom&)
 	savedKeys.clear();
 	savedImpulses.clear();
 	savedRest = pair->rest();
+	savedInterface = pair->interfaceHistory();
 	for (const ContactRecord& c : pair->records()) {
 		savedKeys.insert(savedKeys.end(), { c.key.side, c.key.node, c.key.other });
 		savedImpulses.push_back(c.impulse);
@@ -51,15 +54,18 @@ py::dict SoftGeom::contactArrays() const
 {
 	std::vector<Vec3> point, normals, impulse, force, shear;
 	std::vector<double> gap;
-	std::vector<int> side, node;
-	std::vector<double> area, pressure;
+	std::vector<int> side, node, bond;
+	std::vector<double> area, pressure, damage;
 	if (pair) {
 		for (const ContactRecord& c : pair->records()) {
 			point.push_back(c.point);
 			normals.push_back(c.normal);
-			impulse.push_back(c.impulse);
-			force.push_back(pair->kick() > 0 ? Vec3(c.impulse / pair->kick())
+			const Vec3 together = c.impulse + c.pull;
+			impulse.push_back(together);
+			force.push_back(pair->kick() > 0 ? Vec3(together / pair->kick())
 							 : Vec3(Vec3::Zero()));
+			bond.push_back(static_cast<int>(c.bond));
+			damage.push_back(c.damage);
 			gap.push_back(c.gap);
 			side.push_back(c.key.side);
 			node.push_back(c.key.node);
@@ -81,8 +87,12 @@ py::dict SoftGeom::contactArrays() const
 	arrays["pressure"] = softgrain::numpyArray(pressure, py::make_tuple(-1));
 	arrays["side"] = softgrain::numpyArray(side, py::make_tuple(-1));
 	arrays["node"] = softgrain::numpyArray(node, py::make_tuple(-1));
+	arrays["bond"] = softgrain::numpyArray(bond, py::make_tuple(-1));
+	arrays["damage"] = softgrain::numpyArray(damage, py::make_tuple(-1));
 	return arrays;
 }
+
+int SoftGeom::bondTouching() { return pair ? pair->bondTouching() : 0; }
 
 namespace {
 
@@ -312,18 +322,36 @@ SOFTGRAIN_GO_REVERSE(Ig2_Facet_SoftGrain_SoftGeom)
 SOFTGRAIN_GO_REVERSE(Ig2_Box_SoftGrain_SoftGeom)
 #undef SOFTGRAIN_GO_REVERSE
 
-namespace {
-
-void makePhys(const shared_ptr<Interaction>& I, Real frictionAngle1, Real frictionAngle2,
-	      Real stiffness)
+void Ip2_SoftPhys::makePhys(const shared_ptr<Interaction>& I, const Material& m1,
+			    const Material& m2, Real frictionAngle1, Real frictionAngle2,
+			    Real stiffness) const
 {
+	auto matched = [&](const shared_ptr<MatchMaker>& match, Real otherwise) {
+		return match ? (*match)(m1.id, m2.id, otherwise, otherwise) : otherwise;
+	};
 	const auto phys = shared_ptr<SoftPhys>(new SoftPhys);
-	phys->tangensOfFrictionAngle = std::tan(std::min(frictionAngle1, frictionAngle2));
+	const Real angle = frictAngle ? (*frictAngle)(m1.id, m2.id, frictionAngle1, frictionAngle2)
+				      : std::min(frictionAngle1, frictionAngle2);
+	phys->tangensOfFrictionAngle = std::tan(angle);
 	phys->kn = phys->ks = stiffness;
 	I->phys = phys;
-}
 
-} // namespace
+	const auto interface = shared_ptr<SoftInterface>(new SoftInterface);
+	const softgrain::InterfaceLaw none = interface->law();
+	const Real slidingAngle = matched(dynamicFrictAngle, angle);
+	if (slidingAngle != angle)
+		interface->tangensOfDynamicFrictionAngle = std::tan(slidingAngle);
+	interface->cohesion = matched(cohesion, 0);
+	if (interface->cohesion != 0) interface->cohesionRange = matched(cohesionRange, 0);
+	interface->bondStrength = matched(bondStrength, 0);
+	if (interface->bondStrength != 0) {
+		interface->bondEnergy = matched(bondEnergy, 0);
+		interface->bondStiffness = matched(bondStiffness, 0);
+		interface->bondAtTouch = bondAtTouch;
+	}
+	interface->restitution = matched(restitution, 0);
+	if (!(interface->law() == none)) phys->interface = interface;
+}
 
 void Ip2_SoftMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1,
 				      const shared_ptr<Material>& m2,
@@ -331,7 +359,7 @@ void Ip2_SoftMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1,
 {
 	if (I->phys) return;
 	const SoftMat &soft1 = static_cast<SoftMat&>(*m1), &soft2 = static_cast<SoftMat&>(*m2);
-	makePhys(I, soft1.frictionAngle, soft2.frictionAngle,
+	makePhys(I, soft1, soft2, soft1.frictionAngle, soft2.frictionAngle,
 		 2 * soft1.young * soft2.young / (soft1.young + soft2.young));
 }
 
@@ -340,7 +368,7 @@ void Ip2_FrictMat_SoftMat_SoftPhys::go(const shared_ptr<Material>& m1,
 				       const shared_ptr<Interaction>& I)
 {
 	if (I->phys) return;
-	makePhys(I, static_cast<FrictMat&>(*m1).frictionAngle,
+	makePhys(I, *m1, *m2, static_cast<FrictMat&>(*m1).frictionAngle,
 		 static_cast<SoftMat&>(*m2).frictionAngle, 0);
 }
 
@@ -348,7 +376,9 @@ bool Law2_SoftGeom_SoftPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IP
 					  Interaction*)
 {
 	SoftGeom& g = static_cast<SoftGeom&>(*geom);
-	g.pair->setFriction(static_cast<SoftPhys&>(*phys).tangensOfFrictionAngle);
+	const SoftPhys& p = static_cast<SoftPhys&>(*phys);
+	g.pair->setFriction(p.tangensOfFrictionAngle);
+	g.pair->setInterface(p.interface ? std::optional(p.interface->law()) : std::nullopt);
 	return g.pair->hasContact();
 }
 

@@ -22,15 +22,18 @@ public:
 	void bind(const std::shared_ptr<softgrain::GrainAssembly>& present);
 	void preSave(SoftGeom&);
 	py::dict contactArrays() const;
+	int bondTouching();
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGeom, GenericSpheresContact,
 		"Contact points of a pair of bodies of which at least one is a :yref:`SoftGrain`. Of the attributes of the base class, *normal* points from #1 to #2, and *contactPoint* is the mean of the contact points.",
 		((vector<int>, savedKeys, , Attr::hidden, "side, node, other of each contact point when saved."))
 		((vector<Vector3r>, savedImpulses, , Attr::hidden, "Impulses when saved."))
-		((vector<Real>, savedRest, , Attr::hidden, "What a sleeping pair goes on from when saved; else empty.")),
+		((vector<Real>, savedRest, , Attr::hidden, "What a sleeping pair goes on from when saved; else empty."))
+		((vector<Real>, savedInterface, , Attr::hidden, "What an interface law remembers when saved; else empty.")),
 		createIndex();,
-		.def("contacts", &SoftGeom::contactArrays, "Contact points within reach, a dict of arrays: point (n, 3), in a periodic cell on the side of the grain with the lower index [m], normal (n, 3) on the grain that owns the node, gap (n,) [m], impulse (n, 3) of the last step on that grain [N s], force (n, 3) the same over the time it acted [N, 2D N/m], area (n,) share of the node in the outline [m², 2D m], pressure (n,) and shear (n, 3), the tangential traction, on that grain at the node, from all impulses of the pair averaged over about one spacing of background nodes [Pa] (all three 0 unless the geometry is 'surface'; forces of single nodes scatter, see doc/theory.md), side (n,) 0 if the node belongs to the grain with the lower index, 1 otherwise, node (n,).")
+		.def("contacts", &SoftGeom::contactArrays, "Contact points within reach, a dict of arrays: point (n, 3), in a periodic cell on the side of the grain with the lower index [m], normal (n, 3) on the grain that owns the node, gap (n,) [m], impulse (n, 3) of the last step on that grain, reaction and tractions of :yref:`SoftInterface` together [N s], force (n, 3) the same over the time it acted [N, 2D N/m], area (n,) share of the node in the outline [m², 2D m], pressure (n,) and shear (n, 3), the tangential traction, on that grain at the node, from all impulses of the pair averaged over about one spacing of background nodes [Pa] (all three 0 unless the geometry is 'surface'; forces of single nodes scatter, see doc/theory.md), side (n,) 0 if the node belongs to the grain with the lower index, 1 otherwise, node (n,), bond (n,) 0 if there never was one, 1 while it holds, 2 once it is broken, damage (n,) of the bond in [0, 1].")
+		.def("bond", &SoftGeom::bondTouching, "Bond the contact points that touch now (gap below a hundredth of the spacing of material points, or a force in the last step), whatever they were before; returns their number. 0 unless :yref:`SoftPhys.interface` has a bondStrength and a step has been made with it.")
 	);
 	// clang-format on
 	REGISTER_CLASS_INDEX(SoftGeom, GenericSpheresContact);
@@ -43,12 +46,43 @@ REGISTER_SERIALIZABLE(SoftGeom);
 std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
 							     int id, const SoftGrain& grain);
 
+class SoftInterface : public Serializable {
+public:
+	softgrain::InterfaceLaw law() const
+	{
+		return { tangensOfDynamicFrictionAngle,
+			 cohesion,
+			 cohesionRange,
+			 bondStrength,
+			 bondEnergy,
+			 bondStiffness,
+			 bondAtTouch,
+			 restitution };
+	}
+
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(SoftInterface, Serializable,
+		"What the surfaces of a pair do to each other besides unilateral contact with one coefficient of friction: dynamic friction, cohesion, bonds, restitution; those that are 0 do not act. Values are checked in the step, which refuses what is not admissible. Cohesion and bonds need grains with contact = 'surface' and :yref:`SoftGrainIntegrator.interfaceRange`. See doc/theory.md, Interfaces.",
+		((Real, tangensOfDynamicFrictionAngle, -1, , "Coefficient of friction μ_d of contact points that slid in the last step, in [0, μ_s] [-]; those that stuck have μ_s = :yref:`SoftPhys.tangensOfFrictionAngle`. A point that carries less than μ_d times its pressure sticks again. Negative: μ_s for all."))
+		((Real, cohesion, 0, , "Constant traction σ_c by which the surfaces attract each other wherever they are nearer than *cohesionRange*, ≥ 0 [Pa] (Dugdale). Work of separation: σ_c × cohesionRange."))
+		((Real, cohesionRange, 0, , "Gap δ up to which *cohesion* acts, > 0 where it does [m]."))
+		((Real, bondStrength, 0, , "Largest traction of a bond, ≥ 0 [Pa]; 0: there are no bonds."))
+		((Real, bondEnergy, 0, , "Energy to break a bond, in whatever mixture of opening and slip, > 0 where there are bonds [J/m²]; its traction falls to nothing at the opening 2 bondEnergy/bondStrength."))
+		((Real, bondStiffness, 0, , "Traction over opening (and slip) of an undamaged bond, > bondStrength²/(2 bondEnergy) [Pa/m]; 0: such that *bondStrength* is met at a tenth of the final opening. Stiff bonds shorten the critical time step, which knows of them."))
+		((bool, bondAtTouch, true, , "Whether contact points bond as soon as they touch. A broken bond does not form again before its point has been out of reach. False: only by SoftGeom.bond()."))
+		((Real, restitution, 0, , "Coefficient of restitution e, in [0, 1] [-], between a soft grain and a rigid body: what comes into contact in a step leaves with e times the speed at which it came, point by point."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(SoftInterface);
+
 class SoftPhys : public NormShearPhys {
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SoftPhys, NormShearPhys,
 		"Friction of a pair, and the sum of its contact forces. *kn* and *ks* are no parameters of the method, which has none: between soft grains they hold the harmonic mean of the Young's moduli times 1 m, for :yref:`GlobalStiffnessTimeStepper` only; with a free rigid body 0, since contact does not limit its time step; with one that is held or moved the Young's modulus times 1 m (3D: times the grain's diameter), about the stiffness of the grain, for :yref:`TriaxialStressController`.",
-		((Real, tangensOfFrictionAngle, 0, , "Coefficient of Coulomb friction μ, ≥ 0 [-]."))
+		((Real, tangensOfFrictionAngle, 0, , "Coefficient of Coulomb friction μ, ≥ 0 [-]; with an *interface* that has a dynamic one: of contact points that stick."))
+		((shared_ptr<SoftInterface>, interface, , , "What acts besides; None: nothing."))
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
 		((int, activeContacts, 0, Attr::readonly, "Contact points that carry force. |yupdate|")),
 		createIndex();
@@ -149,23 +183,48 @@ public:
 };
 REGISTER_SERIALIZABLE(Ig2_Box_SoftGrain_SoftGeom);
 
-class Ip2_SoftMat_SoftMat_SoftPhys : public IPhysFunctor {
+/// What the functors of both kinds of pairs have in common.
+class Ip2_SoftPhys : public IPhysFunctor {
+public:
+	/// Gives the interaction its SoftPhys. Throws nothing: the step checks the values.
+	void makePhys(const shared_ptr<Interaction>& I, const Material& m1, const Material& m2,
+		      Real frictionAngle1, Real frictionAngle2, Real stiffness) const;
+
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(Ip2_SoftPhys, IPhysFunctor,
+		"Parameters by pair of materials, read when the contact is made; a number stands for all pairs. Where a pair has no match and the algorithm of the MatchMaker is not 'val', the friction angle is computed from those of the materials, and the others are as if they were not given. See :yref:`SoftInterface` for their meaning; sg.engines(interface=) sets both functors.",
+		((shared_ptr<MatchMaker>, frictAngle, , , "Angle of friction φ [rad]; None: min(φ₁, φ₂). μ = tan φ."))
+		((shared_ptr<MatchMaker>, dynamicFrictAngle, , , "Angle of dynamic friction, ≤ φ [rad]; None: φ."))
+		((shared_ptr<MatchMaker>, cohesion, , , ":yref:`SoftInterface.cohesion` [Pa]."))
+		((shared_ptr<MatchMaker>, cohesionRange, , , ":yref:`SoftInterface.cohesionRange` [m]."))
+		((shared_ptr<MatchMaker>, bondStrength, , , ":yref:`SoftInterface.bondStrength` [Pa]."))
+		((shared_ptr<MatchMaker>, bondEnergy, , , ":yref:`SoftInterface.bondEnergy` [J/m²]."))
+		((shared_ptr<MatchMaker>, bondStiffness, , , ":yref:`SoftInterface.bondStiffness` [Pa/m]."))
+		((bool, bondAtTouch, true, , ":yref:`SoftInterface.bondAtTouch`."))
+		((shared_ptr<MatchMaker>, restitution, , , ":yref:`SoftInterface.restitution` [-]; of pairs with a rigid body only."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(Ip2_SoftPhys);
+
+class Ip2_SoftMat_SoftMat_SoftPhys : public Ip2_SoftPhys {
 public:
 	void go(const shared_ptr<Material>&, const shared_ptr<Material>&,
 		const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(SoftMat, SoftMat);
-	YADE_CLASS_BASE_DOC(Ip2_SoftMat_SoftMat_SoftPhys, IPhysFunctor,
-			    "Friction of two soft grains: μ = tan(min(φ₁, φ₂)).");
+	YADE_CLASS_BASE_DOC(Ip2_SoftMat_SoftMat_SoftPhys, Ip2_SoftPhys,
+			    "Friction, cohesion and bonds of two soft grains.");
 };
 REGISTER_SERIALIZABLE(Ip2_SoftMat_SoftMat_SoftPhys);
 
-class Ip2_FrictMat_SoftMat_SoftPhys : public IPhysFunctor {
+class Ip2_FrictMat_SoftMat_SoftPhys : public Ip2_SoftPhys {
 public:
 	void go(const shared_ptr<Material>&, const shared_ptr<Material>&,
 		const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(FrictMat, SoftMat);
-	YADE_CLASS_BASE_DOC(Ip2_FrictMat_SoftMat_SoftPhys, IPhysFunctor,
-			    "Friction of a rigid body and a soft grain: μ = tan(min(φ₁, φ₂)).");
+	YADE_CLASS_BASE_DOC(
+		Ip2_FrictMat_SoftMat_SoftPhys, Ip2_SoftPhys,
+		"Friction, cohesion, bonds and restitution of a rigid body and a soft grain.");
 };
 REGISTER_SERIALIZABLE(Ip2_FrictMat_SoftMat_SoftPhys);
 

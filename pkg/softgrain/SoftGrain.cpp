@@ -216,7 +216,7 @@ void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& b
 	const Vector3r centre = map * se3.position;
 	const auto outline = outlineBox(grain, *scene, map);
 	const auto box =
-		outline ? outline->grown(margin * grain.radius)
+		outline ? outline->grown(margin * grain.radius + grain.assembly->interfaceRange())
 			: softgrain::Box<3> { centre, centre }.grown(grain.radius * extent);
 	bound->min = box.low;
 	bound->max = box.high;

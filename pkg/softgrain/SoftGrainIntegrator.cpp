@@ -34,6 +34,8 @@ void SoftGrainIntegrator::postLoad(SoftGrainIntegrator&)
 	require(overlapRelaxation >= 0 && overlapRelaxation <= 1, "overlapRelaxation",
 		overlapRelaxation, "[0, 1]");
 	require(overlapSpeed >= 0, "overlapSpeed", overlapSpeed, "[0, inf)");
+	require(interfaceRange >= 0 && math::isfinite(interfaceRange), "interfaceRange",
+		interfaceRange, "[0, inf) m");
 	require(maxOverlap > 0, "maxOverlap", maxOverlap, "(0, inf)");
 }
 
@@ -75,6 +77,7 @@ void SoftGrainIntegrator::advance()
 	checkCell(*scene, *assembly_);
 	if (loaded_) continueSavedRun();
 	assembly_->setMultirate(multirate);
+	assembly_->setInterfaceRange(interfaceRange);
 	clock_.end("assembleScene");
 	applyUserMotions();
 	clock_.end("applyUserMotions");
@@ -85,6 +88,7 @@ void SoftGrainIntegrator::advance()
 	const auto interactions = softInteractions();
 	renewContacts(interactions);
 	checkRigidBodies(interactions);
+	checkInterfaces(interactions);
 	stopOnOverlap(interactions);
 	moveImages(interactions);
 	clock_.end("softInteractions");
@@ -119,7 +123,7 @@ void SoftGrainIntegrator::advance()
 void SoftGrainIntegrator::continueSavedRun()
 {
 	loaded_ = false;
-	if (workSums.size() != 7) return;
+	if (workSums.size() != 8) return;
 	softgrain::Continuation state;
 	state.lastStep = lastStep;
 	state.steps = assemblySteps;
@@ -130,6 +134,8 @@ void SoftGrainIntegrator::continueSavedRun()
 	state.sums.damping = workSums[4];
 	state.sums.sleep = workSums[5];
 	state.sums.cell = workSums[6];
+	state.sums.cohesion = workSums[7];
+	state.bondRate = bondRate;
 	assembly_->continueFrom(state);
 }
 
@@ -222,7 +228,8 @@ void SoftGrainIntegrator::chooseTimeStep()
 		message.precision(8); // tells numbers apart that differ by more than rounding
 		message << "O.dt = " << scene->dt << " s is outside the admissible range (0, "
 			<< criticalDt
-			<< "] s for the soft grains as deformed now; assign a smaller O.dt or call "
+			<< "] s for the soft grains as deformed and bonded now; assign a smaller "
+			   "O.dt or call "
 			   "sg.set_time_step()";
 		throw std::runtime_error(message.str());
 	}
@@ -374,6 +381,7 @@ void SoftGrainIntegrator::renewContacts(const std::vector<Interaction*>& interac
 			scene->interactions->find(I->getId1(), I->getId2());
 		I->functorCache.geom->go(b1->shape, b2->shape, *b1->state, *b2->state,
 					 imageShift(*scene, *I), true, shared);
+		I->functorCache.constLaw->go(I->geom, I->phys, I);
 	}
 }
 
@@ -386,6 +394,18 @@ void SoftGrainIntegrator::moveImages(const std::vector<Interaction*>& interactio
 		const bool firstIsBody1 = assembly_->idOf(pair.firstGrain()) == I->getId1();
 		pair.setImageVelocity(imageOf(*scene, *I, firstIsBody1).velocity);
 	}
+}
+
+void SoftGrainIntegrator::checkInterfaces(const std::vector<Interaction*>& interactions) const
+{
+	for (const Interaction* I : interactions)
+		try {
+			static_cast<SoftGeom&>(*I->geom).pair->checkInterface();
+		} catch (const std::invalid_argument& e) {
+			throw std::runtime_error("interaction of bodies #" +
+						 std::to_string(I->getId1()) + " and #" +
+						 std::to_string(I->getId2()) + ": " + e.what());
+		}
 }
 
 void SoftGrainIntegrator::stopOnOverlap(const std::vector<Interaction*>& interactions) const

@@ -30,7 +30,8 @@ public:
 		((bool, rigidMotion, true, , "Whether grains that are undeformed and have no contact point within reach move as rigid bodies, at next to no cost: momentum and angular momentum are kept to rounding, and they are woken in the step in which a contact point comes within reach, before contacts are solved. Their nodes, stress and outline are made when asked for. Grains that spin at their rim with more than a hundredth of their wave speed, and formulation 'updated', are always computed. See doc/decisions/0014-inactive-grains.md."))
 		((bool, multirate, false, , "Whether small or stiff grains take steps of their own: O.dt is that of the grain with the shortest critical step, contacts and motion go by it, and stresses and internal forces of a grain whose critical step, undeformed, is n times as long are computed every n-th step and act until the next time (*rates*). Momentum is kept to rounding, angular momentum over n steps; energies ripple as in a scene of slow grains alone with a time step of their own. Grains with formulation 'updated' or velocityUpdate 'flip' are computed in every step; a scene whose critical steps differ by less than a factor of two runs as without. O.dt should change seldom, as it does by itself. See doc/decisions/0018-multirate.md."))
 		((bool, sleep, true, , "Whether damped grains (:yref:`SoftMat.massDamping`, :yref:`SoftMat.stiffnessDamping`) that came to rest sleep: nodes, stress and contact forces stay as they are, and nothing is searched, solved or moved for them. All grains connected by contact points within reach fall asleep together, once the kinetic energy of each has been below 1e-8 of its elastic energy for four periods of its slowest vibration times the number of grains across, if they lie on a Wall, none of their walls moves, and all are damped. They are woken together, with their impulses, by anything within reach that is not asleep, by a Wall that moves or was moved, and by a change of load, State, friction, material or number of bodies. What they still had of kinetic energy and momentum is dropped and counted. Undeformed grains that touch nothing, do not move and bear no load sleep as well, damped or not. See doc/decisions/0014-inactive-grains.md."))
-		((Real, criticalDt, 0, Attr::readonly, "Critical time step of the grains as deformed now [s]. |yupdate|"))
+		((Real, interfaceRange, 0, Attr::triggerPostLoad, "Largest gap across which an interface acts (:yref:`SoftInterface.cohesionRange`, the final opening of a bond), ≥ 0 [m]: surfaces are searched that far for each other, and a pair with a larger range is refused. sg.engines(interface=) sets it."))
+		((Real, criticalDt, 0, Attr::readonly, "Critical time step of the grains as deformed now, and of the bonds between them [s]. |yupdate|"))
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
 		((int, activeContacts, 0, Attr::readonly, "Contact points that carry force. |yupdate|"))
 		((int, sweeps, 0, Attr::readonly, "Sweeps of the last step. |yupdate|"))
@@ -51,14 +52,16 @@ public:
 		((Real, candidatesTested, 0, Attr::readonly, "Contact nodes that these searches tested against the other body. |yupdate|"))
 		((Real, contactsSwept, 0, Attr::readonly, "Contact points visited by sweeps: their number in each sweep, summed over all sweeps so far. |yupdate|"))
 		((Real, cappedSteps, 0, Attr::readonly, "Steps so far whose *residual* was still above *tolerance* after *maxSweeps* sweeps. |yupdate|"))
+		((Real, lostBonds, 0, Attr::readonly, "Bonds of pairs within reach that were whole when their contact point vanished, so far: whether the surfaces went apart in one step or slid off each other. |yupdate|"))
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
 		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
 		((long, assemblySteps, 0, Attr::hidden, "Steps of the assembly so far."))
+		((Real, bondRate, 0, Attr::hidden, "Largest squared frequency of bonds in the last step [1/s²]."))
 		((vector<Real>, energies, , Attr::hidden, "Energy balance of the last step [J]."))
-		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads, damping, sleep, cell [J].")),
+		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads, damping, sleep, cell, cohesion [J].")),
 		timingDeltas.reset(new TimingDeltas);,
-		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), cell (work done by a periodic cell that deforms, through contacts across its borders), loads (work of body loads, those of :yref:`Cell.homoDeform` among them), damping (dissipated by :yref:`SoftMat.massDamping` and :yref:`SoftMat.stiffnessDamping`), sleep (taken away by grains that fell asleep) [J, 2D J/m]. kinetic + elastic + friction + impact + damping + sleep − walls − cell − loads stays constant.")
+		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), cell (work done by a periodic cell that deforms, through contacts across its borders), loads (work of body loads, those of :yref:`Cell.homoDeform` among them), damping (dissipated by :yref:`SoftMat.massDamping` and :yref:`SoftMat.stiffnessDamping`), sleep (taken away by grains that fell asleep), cohesion (taken by the tractions of interfaces, negative while they have pulled surfaces together) [J, 2D J/m]. kinetic + elastic + friction + impact + damping + sleep + cohesion − walls − cell − loads stays constant.")
 		.def("rates", &SoftGrainIntegrator::ratesDict, "Grains by their rate: dict of steps from one computation of the forces of a grain to the next : number of grains. {1: all} without :yref:`SoftGrainIntegrator.multirate`; empty before the first step.")
 		.def("contactProblem", &SoftGrainIntegrator::contactProblem, "Contact problem of the last step as a dict of numpy arrays, with n contacts in dim dimensions, ready for ``numpy.savez``. Find impulses r with u = u_free + W r that satisfy 0 ≤ u_n + b ⊥ r_n ≥ 0, \\|r_t\\| ≤ mu r_n, sliding opposite to u_t at the bound. Keys: *normal* (n, dim), unit; *free_velocity* (n, dim), u_free [m/s]; *bias* (n), b [m/s]; *friction* (n), mu; *delassus_offset*, *delassus_column*, *delassus_value*, W [1/kg] in compressed sparse rows, n x n, each entry standing for itself times the identity of dim dimensions; *start* (n, dim), impulses the sweeps started from [N s]; *impulse* (n, dim), those they found [N s]. In 2D everything is per metre of thickness. Empty arrays before the first step.")
 	);
@@ -77,6 +80,7 @@ private:
 	std::vector<Interaction*> softInteractions() const;
 	void renewContacts(const std::vector<Interaction*>& interactions) const;
 	void moveImages(const std::vector<Interaction*>& interactions) const;
+	void checkInterfaces(const std::vector<Interaction*>& interactions) const;
 	void stopOnOverlap(const std::vector<Interaction*>& interactions) const;
 	softgrain::StepSettings settings();
 	const Body& rigidBodyOf(const Interaction& I) const;
@@ -116,7 +120,7 @@ private:
 	std::vector<std::pair<int, int>> onPlates_; ///< spheres by id, contact on a facet or box
 	softgrain::PhaseClock clock_;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
-	int energyIds_[9] = { -1, -1, -1, -1, -1, -1, -1, -1, -1 };
+	int energyIds_[10] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, -1 };
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);
 

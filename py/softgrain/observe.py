@@ -198,7 +198,7 @@ class Balance:
     @staticmethod
     def _stored_and_lost(energy):
         stored = energy["kinetic"] + energy["elastic"]
-        lost = sum(energy[name] for name in ("friction", "impact", "damping", "sleep"))
+        lost = sum(energy[name] for name in ("friction", "impact", "damping", "sleep", "cohesion"))
         return stored + lost - energy["walls"] - energy["cell"] - energy["loads"]
 
     def error(self):

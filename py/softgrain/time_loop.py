@@ -14,6 +14,7 @@ from yade import (
     InteractionLoop,
     Ip2_FrictMat_FrictMat_FrictPhys,
     Law2_ScGeom_FrictPhys_CundallStrack,
+    MatchMaker,
     NewtonIntegrator,
     O,
     Sphere,
@@ -30,7 +31,14 @@ _RIGID_LAWS = ("linear", "nonsmooth")
 _AHEAD = 1.05
 
 
-def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear", **integrator):
+def engines(
+    verlet_distance=None,
+    gravity=(0, 0, 0),
+    label=None,
+    interface=None,
+    rigid="linear",
+    **integrator,
+):
     """Ready-made list of engines for soft grains and the rigid bodies they touch: walls, spheres,
     clumps of spheres, facets, boxes.
 
@@ -39,6 +47,10 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear",
             of the smallest radius of the soft grains, or of the spheres if there are none.
         gravity (Vector3): ``NewtonIntegrator.gravity`` [m/s²].
         label (str | None): label of the ``SoftGrainIntegrator``.
+        interface (dict | None): what surfaces do to each other by pair of materials, attributes of
+            ``Ip2_SoftPhys`` (frictAngle, dynamicFrictAngle, cohesion, cohesionRange, bondStrength,
+            bondEnergy, bondStiffness, bondAtTouch, restitution), each a ``MatchMaker`` or a number
+            for all pairs; ``interfaceRange`` of the integrator follows from it unless it is given.
         rigid (str): how rigid bodies touch each other. 'linear': by YADE's linear law with friction
             (``Law2_ScGeom_FrictPhys_CundallStrack``), whose stiffness may ask for a smaller
             ``O.dt`` than soft grains do: assign it by hand then. 'nonsmooth': by the contact
@@ -50,8 +62,8 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear",
         list of Engine: for ``O.engines``.
 
     Raises:
-        ValueError: an attribute is out of its range, there is no grain and no verlet_distance, or a
-            wall in a periodic cell.
+        ValueError: an attribute is out of its range, there is no grain and no verlet_distance, a
+            wall in a periodic cell, or ``interface`` has an unknown attribute.
     """
     if rigid not in _RIGID_LAWS:
         raise ValueError(f"rigid = {rigid!r} is not one of {', '.join(map(repr, _RIGID_LAWS))}")
@@ -67,6 +79,8 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear",
             f"body #{walls[0]} is a Wall, but O.periodic = True: the collider of YADE never ends "
             "with its infinite box in a periodic cell; leave it out"
         )
+    interface = _checked_interface(interface or {})
+    integrator.setdefault("interfaceRange", _longest_range(interface))
     if label:
         integrator["label"] = label
     if O.dt == _own_step["dt"]:  # set before there was an integrator: it is to keep that fraction
@@ -81,8 +95,10 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear",
         InteractionLoop(
             _geometry_functors(nonsmooth),
             [
-                wrapper.Ip2_SoftMat_SoftMat_SoftPhys(),
-                wrapper.Ip2_FrictMat_SoftMat_SoftPhys(),
+                wrapper.Ip2_SoftMat_SoftMat_SoftPhys(
+                    **{k: v for k, v in interface.items() if k != "restitution"}
+                ),
+                wrapper.Ip2_FrictMat_SoftMat_SoftPhys(**interface),
                 Ip2_FrictMat_FrictMat_FrictPhys(),
             ],
             [
@@ -97,6 +113,38 @@ def engines(verlet_distance=None, gravity=(0, 0, 0), label=None, rigid="linear",
         wrapper.SoftGrainIntegrator(**integrator),
         NewtonIntegrator(damping=0, gravity=gravity),
     ]
+
+
+def _checked_interface(interface):
+    """The attributes, numbers as MatchMakers."""
+    known = set(wrapper.Ip2_SoftPhys().dict()) - set(wrapper.IPhysFunctor().dict())
+    unknown = sorted(set(interface) - known)
+    if unknown:
+        raise ValueError(f"interface: unknown {unknown}; known: {sorted(known)}")
+
+    def matcher(name, value):
+        is_ready = name == "bondAtTouch" or isinstance(value, MatchMaker)
+        return value if is_ready else MatchMaker(algo="val", val=value)
+
+    return {name: matcher(name, value) for name, value in interface.items()}
+
+
+def _values(match):
+    """All that a MatchMaker (or None) gives by itself."""
+    values = [value for _, _, value in match.matches] if match else []
+    if match and match.algo == "val":
+        values.append(match.val)
+    return values
+
+
+def _longest_range(interface):
+    """Largest gap [m] across which any pair of materials can attract each other."""
+    ranges = _values(interface.get("cohesionRange"))
+    strengths = [s for s in _values(interface.get("bondStrength")) if s > 0]
+    energies = _values(interface.get("bondEnergy"))
+    if strengths and energies:
+        ranges.append(2 * max(energies) / min(strengths))
+    return max(ranges, default=0)
 
 
 def _radii(shape):

@@ -107,7 +107,7 @@ class Ledger:
     """Stands in for the integrator."""
 
     def __init__(self, **energy):
-        lost = ("friction", "impact", "damping", "sleep")
+        lost = ("friction", "impact", "damping", "sleep", "cohesion")
         self.values = dict.fromkeys(("kinetic", "elastic", "walls", "cell", "loads", *lost), 0.0)
         self.values.update(energy)
 

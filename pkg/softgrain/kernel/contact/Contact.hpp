@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "contact/Interface.hpp"
 #include "contact/RigidPartner.hpp"
 #include "contact/RigidSurface.hpp"
 #include "reference/Outline.hpp"
@@ -107,9 +108,10 @@ template <int dim> struct ContactList {
 	int second =
 		-1; ///< index of the second body; negative: `rigid` or `plane`, the number its name
 	Plane<dim> plane;
-	std::optional<RigidSide<dim>> rigid; ///< its surface as the image has it
-	PairImage<dim> image;                ///< of a second grain or a rigid body
-	double friction = 0;                 ///< coefficient mu
+	std::optional<RigidSide<dim>> rigid;         ///< its surface as the image has it
+	PairImage<dim> image;                        ///< of a second grain or a rigid body
+	double friction = 0;                         ///< coefficient mu
+	std::optional<PairInterface<dim>> interface; ///< what acts besides, if anything does
 	double deepest =
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
 	std::vector<Contact<dim>> contacts;
@@ -119,6 +121,12 @@ template <int dim> struct ContactList {
 	int tested = 0; ///< nodes that the last search measured against the other body
 
 	bool isAsleep() const { return rest.kick > 0 && !rest.changed; }
+	void clearContacts()
+	{
+		contacts.clear();
+		deepest = 0;
+		if (interface) interface->beginSearch();
+	}
 	/// Keeps the deepest; `pointSpacing` is the mean dr of the two grains, m.
 	void noteOverlap(double gap, double pointSpacing)
 	{

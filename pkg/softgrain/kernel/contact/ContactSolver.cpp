@@ -277,7 +277,7 @@ template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
 		problem.freeVelocity.push_back(pair.velocity(c));
 		problem.normal.push_back(c.normal);
 		problem.bias.push_back(c.bias);
-		problem.friction.push_back(pair.friction());
+		problem.friction.push_back(pair.friction(c));
 		problem.impulse.push_back(c.impulse);
 	});
 	for (int k = 0; k < problem.contacts(); ++k) // takes out what the impulses did

@@ -1,6 +1,7 @@
 #include "contact/PairSolver.hpp"
 #include "contact/Bias.hpp"
 #include "contact/CoulombCone.hpp"
+#include "contact/Pressure.hpp"
 
 #include <algorithm>
 
@@ -29,6 +30,7 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	drift_[1] = second_ ? list.image.velocity : list.plane.velocity;
 	drift_[0] = -drift_[1];
 	friction_ = list.friction;
+	interface_ = list.interface ? &*list.interface : nullptr;
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
@@ -51,6 +53,23 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 		c.inverseW = 1 / c.W;
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
+	}
+	if (interface_) engageInterface();
+}
+
+/// Known tractions and what a rebound asks for.
+template <int dim> void PairSolver<dim>::engageInterface()
+{
+	const auto areas = contactAreas<dim>(*first_, second_, list_->contacts);
+	for (std::size_t k = 0; k < constraints_.size(); ++k) {
+		Constraint& c = constraints_[k];
+		const double gap = list_->contacts[k].gap;
+		const Vec<dim>& p = interface_->pullOn(k, { c.normal, gap, areas[k] });
+		if (!p.isZero(0)) applyImpulse(c, p);
+		if (second_ || interface_->law.restitution == 0) continue;
+		const Vec<dim> before = relativeVelocity(c, &ContactBody<dim>::velocityBefore);
+		c.bias =
+			interface_->biasOf(c.bias, gap, before.dot(c.normal), !c.impulse.isZero(0));
 	}
 }
 
@@ -77,10 +96,11 @@ Vec<dim> PairSolver<dim>::relativeVelocity(const Constraint& c,
 	return u;
 }
 
-template <int dim> Vec<dim> PairSolver<dim>::solvedImpulse(const Constraint& c) const
+template <int dim>
+Vec<dim> PairSolver<dim>::solvedImpulse(const Constraint& c, double friction) const
 {
 	return solvedContact<dim>(c.impulse, relativeVelocity(c, &ContactBody<dim>::velocity),
-				  c.normal, c.bias, c.inverseW, friction_);
+				  c.normal, c.bias, c.inverseW, friction);
 }
 
 template <int dim> void PairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
@@ -142,18 +162,34 @@ template <int dim> void PairSolver<dim>::fetchVelocities() const
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweep(SweepOrder order)
 {
-	return sweepOver(
-		constraints_, order, [this](const Constraint& c) { return solvedImpulse(c); },
-		[](const Constraint& c, const Vec<dim>& r) { return c.W * r.squaredNorm(); },
-		[this](const Constraint& c, const Vec<dim>& J) { applyImpulse(c, J); });
+	return withFriction([&](auto&& friction) {
+		return sweepOver(
+			constraints_, order,
+			[&](const Constraint& c) { return solvedImpulse(c, friction(c)); },
+			[](const Constraint& c, const Vec<dim>& r) {
+				return c.W * r.squaredNorm();
+			},
+			[this](const Constraint& c, const Vec<dim>& J) { applyImpulse(c, J); });
+	});
 }
 
 template <int dim> SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS ResidualSum PairSolver<dim>::residual() const
 {
-	ResidualSum sum;
-	for (const Constraint& c : constraints_)
-		sum.add<dim>(c.impulse, solvedImpulse(c), c.W);
-	return sum;
+	return withFriction([&](auto&& friction) {
+		ResidualSum sum;
+		for (const Constraint& c : constraints_)
+			sum.template add<dim>(c.impulse, solvedImpulse(c, friction(c)), c.W);
+		return sum;
+	});
+}
+
+/// Its reaction and traction together; keeps what the interface has to remember.
+template <int dim> Vec<dim> PairSolver<dim>::finishInterface(std::size_t k)
+{
+	const Constraint& c = constraints_[k];
+	interface_->remember(k, c.normal, c.impulse, velocity(c), friction_, list_->contacts[k].gap,
+			     touchingGap * own(c)->pointSpacing);
+	return c.impulse + interface_->history[k].pull;
 }
 
 template <int dim> void PairSolver<dim>::finish()
@@ -165,14 +201,15 @@ template <int dim> void PairSolver<dim>::finish()
 		list_->contacts[k].impulse = c.impulse;
 		sum.point += own(c)->contactPoint(c.node);
 		if (!c.onFirst) sum.point += list_->image.shift;
-		if (c.impulse.isZero(0)) continue;
+		const Vec<dim> r = interface_ ? finishInterface(k) : c.impulse;
+		if (r.isZero(0)) continue;
 		++sum.active;
-		const Vec<dim> normal = c.impulse.dot(c.normal) * c.normal;
+		const Vec<dim> normal = r.dot(c.normal) * c.normal;
 		sum.normal += (c.onFirst ? 1 : -1) * normal;
-		sum.shear += (c.onFirst ? 1 : -1) * (c.impulse - normal);
-		own(c)->impulse[c.node] += c.impulse;
+		sum.shear += (c.onFirst ? 1 : -1) * (r - normal);
+		own(c)->impulse[c.node] += r;
 		for (int i = 0; i < c.partners; ++i)
-			other(c)->impulse[c.partner[i]] -= c.weight[i] * c.impulse;
+			other(c)->impulse[c.partner[i]] -= c.weight[i] * r;
 	}
 	sum.point /= static_cast<double>(constraints_.size());
 }
@@ -182,7 +219,9 @@ template <int dim> ContactWork PairSolver<dim>::work() const
 	ContactWork work;
 	for (const Constraint& c : constraints_) {
 		const Vec<dim>& r = c.impulse;
-		if (r.isZero(0)) continue;
+		const Vec<dim> p = interface_ ? interface_->history[numberOf(c)].pull
+					      : Vec<dim>(Vec<dim>::Zero());
+		if (r.isZero(0) && p.isZero(0)) continue;
 		const Vec<dim> normal = r.dot(c.normal) * c.normal;
 		const Vec<dim> before = relativeVelocity(c, &ContactBody<dim>::velocityBefore);
 		const Vec<dim> after = relativeVelocity(c, &ContactBody<dim>::velocity);
@@ -190,7 +229,9 @@ template <int dim> ContactWork PairSolver<dim>::work() const
 		work.impact.after -= 0.5 * normal.dot(after);
 		work.friction.before -= 0.5 * (r - normal).dot(before);
 		work.friction.after -= 0.5 * (r - normal).dot(after);
-		const double driven = 0.5 * r.dot(drift_[c.onFirst]);
+		work.cohesion.before -= 0.5 * p.dot(before);
+		work.cohesion.after -= 0.5 * p.dot(after);
+		const double driven = 0.5 * (r + p).dot(drift_[c.onFirst]);
 		(second_ ? work.cell : work.planes) += { driven, driven };
 	}
 	return work;

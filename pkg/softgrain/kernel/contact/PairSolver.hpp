@@ -40,6 +40,7 @@ struct ContactWork {
 	Halves friction; ///< lost by friction
 	Halves planes;   ///< done by moving planes and rigid bodies on the grains
 	Halves cell;     ///< done on the grains by the motion of their images
+	Halves cohesion; ///< taken by the tractions of interfaces (given back where they close)
 
 	ContactWork& operator+=(const ContactWork& other)
 	{
@@ -47,6 +48,7 @@ struct ContactWork {
 		friction += other.friction;
 		planes += other.planes;
 		cell += other.cell;
+		cohesion += other.cohesion;
 		return *this;
 	}
 };
@@ -123,7 +125,10 @@ public:
 		bool onFirst;         ///< which body the impulse acts on
 	};
 	const std::vector<Constraint>& constraints() const { return constraints_; }
-	double friction() const { return friction_; }
+	double friction(const Constraint& c) const
+	{
+		return interface_ ? interface_->frictionOf(numberOf(c), friction_) : friction_;
+	}
 	/// Impulses before the first sweep, contact by contact.
 	const std::vector<Vec<dim>>& start() const { return start_; }
 	/// u with the present impulses.
@@ -145,7 +150,17 @@ private:
 	ContactBody<dim>* other(const Constraint& c) const { return c.onFirst ? second_ : first_; }
 	Vec<dim> relativeVelocity(const Constraint& c,
 				  std::vector<Vec<dim>> ContactBody<dim>::* field) const;
-	Vec<dim> solvedImpulse(const Constraint& c) const;
+	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
+	Vec<dim> solvedImpulse(const Constraint& c, double friction) const;
+	/// Calls with a function that tells the friction of a constraint: for most pairs a
+	/// constant.
+	template <class Visit> decltype(auto) withFriction(Visit&& visit) const
+	{
+		if (!interface_) return visit([this](const Constraint&) { return friction_; });
+		return visit([this](const Constraint& c) { return friction(c); });
+	}
+	void engageInterface();
+	Vec<dim> finishInterface(std::size_t k);
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	double partnerMobility(const Constraint& c) const;
 	void pushPartner(const Constraint& c, const Vec<dim>& J);
@@ -156,6 +171,7 @@ private:
 	/// Of the plane, or of the image of the other body beyond its own velocity, m/s: for
 	/// impulses on the second body and on the first.
 	std::array<Vec<dim>, 2> drift_;
+	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
 	double friction_ = 0;
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;

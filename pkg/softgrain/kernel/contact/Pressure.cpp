@@ -1,5 +1,8 @@
 #include "contact/Pressure.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace softgrain {
 
 namespace {
@@ -54,6 +57,44 @@ contactPressures(const ContactBody<dim>& first, const ContactBody<dim>* second,
 	return result;
 }
 
+namespace {
+
+template <int dim>
+ContactArea partOf(const ContactBody<dim>& body, const Contact<dim>& contact, const Vec<dim>& area)
+{
+	const int node = contact.key.node;
+	const double along = -contact.normal.dot(area);
+	if (along <= 0) return {};
+	if (body.isSharp(node)) return { along, 0 };
+	const double length = dim == 2 ? area.norm() : std::sqrt(area.norm());
+	const double cosine = contact.normal.dot(body.normal[node]);
+	return { along, length * std::sqrt(std::max(0., 1 - cosine * cosine)) };
+}
+
+} // namespace
+
+template <int dim>
+std::vector<ContactArea> contactAreas(const ContactBody<dim>& first, const ContactBody<dim>* second,
+				      const std::vector<Contact<dim>>& contacts)
+{
+	std::vector<ContactArea> result(contacts.size());
+	for (int side : { 0, 1 }) {
+		const ContactBody<dim>* body = side == 0 ? &first : second;
+		if (!body || !body->isSurface()) continue;
+		const auto area = body->nodeAreas();
+		for (std::size_t c = 0; c < contacts.size(); ++c) {
+			if (contacts[c].key.side != side) continue;
+			result[c] = partOf<dim>(*body, contacts[c], area[contacts[c].key.node]);
+			if (second) result[c].area *= 0.5;
+		}
+	}
+	return result;
+}
+
+template std::vector<ContactArea> contactAreas<2>(const ContactBody<2>&, const ContactBody<2>*,
+						  const std::vector<Contact<2>>&);
+template std::vector<ContactArea> contactAreas<3>(const ContactBody<3>&, const ContactBody<3>*,
+						  const std::vector<Contact<3>>&);
 template std::vector<ContactPressure> contactPressures<2>(const ContactBody<2>&,
 							  const ContactBody<2>*,
 							  const std::vector<Contact<2>>&, double);

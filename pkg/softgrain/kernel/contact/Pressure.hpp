@@ -35,4 +35,12 @@ std::vector<ContactPressure>
 contactPressures(const ContactBody<dim>& first, const ContactBody<dim>* second,
 		 const std::vector<Contact<dim>>& contacts, double kick);
 
+/// What each contact of a pair stands for: the share of its node in the outline, its area along the
+/// normal of the contact, half of it if the nodes of both bodies are contacts, and the spread of
+/// the gap by the slope of the outline (at a sharp node none). Ends of a rigid body stand for
+/// nothing.
+template <int dim>
+std::vector<ContactArea> contactAreas(const ContactBody<dim>& first, const ContactBody<dim>* second,
+				      const std::vector<Contact<dim>>& contacts);
+
 } // namespace softgrain

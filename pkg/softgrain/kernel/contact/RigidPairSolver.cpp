@@ -1,5 +1,6 @@
 #include "contact/RigidPairSolver.hpp"
 #include "contact/Bias.hpp"
+#include "contact/Pressure.hpp"
 
 namespace softgrain {
 
@@ -12,6 +13,7 @@ void RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, Contac
 	grain_ = &bodies[list.first];
 	partner_ = &partners[list.rigid->partner];
 	friction_ = list.friction;
+	interface_ = list.interface ? &*list.interface : nullptr;
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
 	moved_.clear();
@@ -36,6 +38,24 @@ void RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, Contac
 		findMobility(c);
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
+	}
+	if (interface_) engageInterface();
+}
+
+/// As PairSolver does. Ends of the rigid body stand for no area: the nodes about them do.
+template <int dim> void RigidPairSolver<dim>::engageInterface()
+{
+	const auto areas = contactAreas<dim>(*grain_, nullptr, list_->contacts);
+	for (std::size_t k = 0; k < constraints_.size(); ++k) {
+		Constraint& c = constraints_[k];
+		const double gap = list_->contacts[k].gap;
+		const Vec<dim>& p = interface_->pullOn(k, { c.normal, gap, areas[k] });
+		if (!p.isZero(0)) applyImpulse(c, p);
+		if (interface_->law.restitution == 0) continue;
+		const Vec<dim> before = grainVelocity(c, &ContactBody<dim>::velocityBefore) -
+					partner_->velocityBeforeAt(c.arm) - list_->image.velocity;
+		c.bias =
+			interface_->biasOf(c.bias, gap, before.dot(c.normal), !c.impulse.isZero(0));
 	}
 }
 
@@ -83,7 +103,7 @@ template <int dim> SweepChange RigidPairSolver<dim>::sweep(SweepOrder order)
 {
 	return sweepOver(
 		constraints_, order,
-		[this](const Constraint& c) { return c.solvedAt(velocity(c), friction_); },
+		[this](const Constraint& c) { return c.solvedAt(velocity(c), friction(c)); },
 		[](const Constraint& c, const Vec<dim>& r) { return c.energy(r); },
 		[this](const Constraint& c, const Vec<dim>& J) { applyImpulse(c, J); });
 }
@@ -92,8 +112,16 @@ template <int dim> ResidualSum RigidPairSolver<dim>::residual() const
 {
 	ResidualSum sum;
 	for (const Constraint& c : constraints_)
-		c.addResidual(sum, velocity(c), friction_);
+		c.addResidual(sum, velocity(c), friction(c));
 	return sum;
+}
+
+template <int dim> Vec<dim> RigidPairSolver<dim>::finishInterface(std::size_t k)
+{
+	const Constraint& c = constraints_[k];
+	interface_->remember(k, c.normal, c.impulse, velocity(c), friction_, list_->contacts[k].gap,
+			     touchingGap * grain_->pointSpacing);
+	return c.impulse + interface_->history[k].pull;
 }
 
 template <int dim> void RigidPairSolver<dim>::finish()
@@ -106,14 +134,15 @@ template <int dim> void RigidPairSolver<dim>::finish()
 		list_->contacts[k].impulse =
 			list_->contacts[k].key.side == 0 ? c.impulse : Vec<dim>(-c.impulse);
 		sum.point += place;
-		if (c.impulse.isZero(0)) continue;
+		const Vec<dim> r = interface_ ? finishInterface(k) : c.impulse;
+		if (r.isZero(0)) continue;
 		++sum.active;
-		const Vec<dim> normal = c.impulse.dot(c.normal) * c.normal;
+		const Vec<dim> normal = r.dot(c.normal) * c.normal;
 		sum.normal += normal;
-		sum.shear += c.impulse - normal;
-		sum.moment -= moment<dim>(place - list_->rigid->pivot, c.impulse);
+		sum.shear += r - normal;
+		sum.moment -= moment<dim>(place - list_->rigid->pivot, r);
 		for (int i = 0; i < c.nodes; ++i)
-			grain_->impulse[c.node[i]] += c.weight[i] * c.impulse;
+			grain_->impulse[c.node[i]] += c.weight[i] * r;
 	}
 	sum.point /= static_cast<double>(constraints_.size());
 }
@@ -121,6 +150,10 @@ template <int dim> void RigidPairSolver<dim>::finish()
 template <int dim> ContactWork RigidPairSolver<dim>::work() const
 {
 	ContactWork work;
+	auto pull = [this](const Constraint& c) {
+		return interface_ ? interface_->history[numberOf(c)].pull
+				  : Vec<dim>(Vec<dim>::Zero());
+	};
 	auto book = [&](const Constraint& c, const Vec<dim>& grain, const Vec<dim>& rigid,
 			double ContactWork::Halves::* half) {
 		const Vec<dim> normal = c.impulse.dot(c.normal) * c.normal;
@@ -128,11 +161,13 @@ template <int dim> ContactWork RigidPairSolver<dim>::work() const
 		const Vec<dim> relative = grain - rigid - drift;
 		work.impact.*half -= 0.5 * normal.dot(relative);
 		work.friction.*half -= 0.5 * (c.impulse - normal).dot(relative);
-		work.planes.*half += 0.5 * c.impulse.dot(rigid);
-		work.cell.*half += 0.5 * c.impulse.dot(drift);
+		const Vec<dim> p = pull(c);
+		work.cohesion.*half -= 0.5 * p.dot(relative);
+		work.planes.*half += 0.5 * (c.impulse + p).dot(rigid);
+		work.cell.*half += 0.5 * (c.impulse + p).dot(drift);
 	};
 	for (const Constraint& c : constraints_) {
-		if (c.impulse.isZero(0)) continue;
+		if (c.impulse.isZero(0) && pull(c).isZero(0)) continue;
 		book(c, grainVelocity(c, &ContactBody<dim>::velocityBefore),
 		     partner_->velocityBeforeAt(c.arm), &ContactWork::Halves::before);
 		book(c, grainVelocity(c, &ContactBody<dim>::velocity), partner_->velocityAt(c.arm),

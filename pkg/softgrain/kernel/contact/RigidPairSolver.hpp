@@ -32,7 +32,10 @@ public:
 		int firstMoved, endMoved; ///< what an impulse moves of the grain: in `moved_`
 	};
 	const std::vector<Constraint>& constraints() const { return constraints_; }
-	double friction() const { return friction_; }
+	double friction(const Constraint& c) const
+	{
+		return interface_ ? interface_->frictionOf(numberOf(c), friction_) : friction_;
+	}
 	const std::vector<Vec<dim>>& start() const { return start_; }
 	/// u with the present impulses.
 	Vec<dim> velocity(const Constraint& c) const;
@@ -50,7 +53,10 @@ private:
 		int node;
 		double W; ///< times the scale of the grain, 1/kg
 	};
+	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
 	void findMobility(Constraint& c);
+	void engageInterface();
+	Vec<dim> finishInterface(std::size_t k);
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
@@ -59,7 +65,8 @@ private:
 
 	ContactBody<dim>* grain_ = nullptr;
 	RigidPartner<dim>* partner_ = nullptr;
-	ContactList<dim>* list_ = nullptr; ///< valid for the step
+	ContactList<dim>* list_ = nullptr;        ///< valid for the step
+	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
 	double friction_ = 0;
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;

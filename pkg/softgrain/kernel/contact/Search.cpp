@@ -95,8 +95,7 @@ template <int dim> const std::vector<Contact<dim>>& beginSearch(ContactList<dim>
 {
 	thread_local std::vector<Contact<dim>> last;
 	last.swap(list.contacts);
-	list.contacts.clear();
-	list.deepest = 0;
+	list.clearContacts();
 	list.tested = 0;
 	return last;
 }
@@ -114,17 +113,32 @@ void carryImpulsesByName(const std::vector<Contact<dim>>& last, std::vector<Cont
 	}
 }
 
-/// Impulses of the last step go to the contacts that are still there (both lists are sorted by
-/// key).
-template <int dim>
-void carryImpulses(const std::vector<Contact<dim>>& last, std::vector<Contact<dim>>& present)
+/// Calls with the numbers, then and now, of the contacts that are still there (both lists are
+/// sorted by key).
+template <int dim, class Visit>
+void forEachStillThere(const std::vector<Contact<dim>>& last,
+		       const std::vector<Contact<dim>>& present, Visit&& visit)
 {
-	auto old = last.begin();
-	for (Contact<dim>& contact : present) {
-		while (old != last.end() && old->key < contact.key)
+	std::size_t old = 0;
+	for (std::size_t k = 0; k < present.size(); ++k) {
+		while (old < last.size() && last[old].key < present[k].key)
 			++old;
-		if (old != last.end() && old->key == contact.key) contact.impulse = old->impulse;
+		if (old < last.size() && last[old].key == present[k].key) visit(old, k);
 	}
+}
+
+/// Impulses of the last step, and the history of an interface, go to the contacts that are still
+/// there.
+template <int dim> void carryOver(const std::vector<Contact<dim>>& last, ContactList<dim>& list)
+{
+	forEachStillThere<dim>(last, list.contacts, [&](std::size_t from, std::size_t to) {
+		list.contacts[to].impulse = last[from].impulse;
+	});
+	if (!list.interface) return;
+	list.interface->resize(list.contacts.size());
+	forEachStillThere<dim>(last, list.contacts, [&](std::size_t from, std::size_t to) {
+		list.interface->carry(from, to);
+	});
 }
 
 /// A grain inside another, or two of a size on one another: no node near an outline may tell.
@@ -173,7 +187,7 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 		disksAgainstDisks(first, second, reach, list);
 	if (irregular && list.contacts.empty() && nestedIrregular(first, second))
 		list.deepest = std::numeric_limits<double>::infinity();
-	carryImpulses(last, list.contacts);
+	carryOver(last, list);
 }
 
 template <int dim>
@@ -182,7 +196,7 @@ void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& 
 	auto& last = beginSearch(list);
 	if (list.rigid) {
 		findRigidContacts(body, reach, list);
-		carryImpulses(last, list.contacts);
+		carryOver(last, list);
 		return;
 	}
 	if (body.isOnGrid()) {
@@ -205,7 +219,7 @@ void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& 
 		contact.normal = list.plane.normal;
 		list.contacts.push_back(contact);
 	}
-	carryImpulses(last, list.contacts);
+	carryOver(last, list);
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \

@@ -97,27 +97,35 @@ double reachOf(double speed, double dt, double pointSpacing)
 	return std::max(2 * dt * speed, 0.05 * pointSpacing);
 }
 
+/// The same with interfaces that act across `range`: nodes beyond it stand for places within.
+double withinRange(double speed, double dt, double pointSpacing, double range)
+{
+	const double touch = reachOf(speed, dt, pointSpacing);
+	return range > 0 ? range + std::max(touch, 0.25 * pointSpacing) : touch;
+}
+
 } // namespace
 
 template <int dim>
 double System<dim>::reach(int first, int second, const PairImage<dim>& image, double dt) const
 {
 	const ContactBody<dim>&a = bodies_[first], &b = bodies_[second];
-	return reachOf(a.fastest + b.fastest + image.velocity.norm(), dt,
-		       std::min(a.pointSpacing, b.pointSpacing));
+	return withinRange(a.fastest + b.fastest + image.velocity.norm(), dt,
+			   std::min(a.pointSpacing, b.pointSpacing), interfaceRange_);
 }
 
 template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, double dt) const
 {
-	return reachOf(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing);
+	return withinRange(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing,
+			   interfaceRange_);
 }
 
 template <int dim>
 double System<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
 			  double dt) const
 {
-	return reachOf(bodies_[g].fastest + rigid.speed + image.velocity.norm(), dt,
-		       bodies_[g].pointSpacing);
+	return withinRange(bodies_[g].fastest + rigid.speed + image.velocity.norm(), dt,
+			   bodies_[g].pointSpacing, interfaceRange_);
 }
 
 template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const
@@ -189,10 +197,9 @@ template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) c
 	}
 	list.rest.found = true;
 	auto searchWithin = [&](double within, bool isFar) {
-		if (isFar) {
-			list.contacts.clear();
-			list.deepest = 0;
-		} else if (list.second < 0)
+		if (isFar)
+			list.clearContacts();
+		else if (list.second < 0)
 			findContacts(body(list.first), within, list);
 		else
 			findContacts(body(list.first), imageOf(body(list.second), list.image),

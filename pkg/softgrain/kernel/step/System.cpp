@@ -1,9 +1,11 @@
 #include "step/System.hpp"
+#include "contact/Pressure.hpp"
 #include "grain/CriticalTimeStep.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -161,7 +163,9 @@ double System<dim>::criticalTimeStep(double stiffening, double rateStiffening) c
 
 template <int dim> double System<dim>::presentCriticalTimeStep() const
 {
-	return criticalTimeStep(stiffening(), rateStiffening());
+	const double ofGrains = criticalTimeStep(stiffening(), rateStiffening());
+	if (continuation_.bondRate == 0) return ofGrains; // infinite without grains
+	return ofGrains / std::sqrt(1 + 0.25 * ofGrains * ofGrains * continuation_.bondRate);
 }
 
 /// Grid nodes in contact become the contact nodes of their grains.
@@ -252,7 +256,7 @@ void System<dim>::predictVelocities(const std::vector<char>& touched, const Step
 	const double kick = kickTime(settings.dt);
 	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		set.predictVelocities(k, kick, loads_[g]);
-		if (touched[g]) gatherContacts(g, settings.trackEnergy);
+		if (touched[g]) gatherContacts(g, settings.trackEnergy || rebounds_);
 	});
 }
 
@@ -311,9 +315,81 @@ void System<dim>::balanceEnergy(const ContactWork& work, double kick, double dro
 	book(&EnergyBalance::friction, work.friction);
 	book(&EnergyBalance::planes, work.planes);
 	book(&EnergyBalance::cell, work.cell);
+	book(&EnergyBalance::cohesion, work.cohesion);
 	book(&EnergyBalance::loads, loads);
 	book(&EnergyBalance::damping, damping);
 	book(&EnergyBalance::sleep, { dropped, 0 });
+}
+
+template <int dim>
+void System<dim>::beginInterfaces(const std::vector<ContactList<dim>*>& lists, double kick,
+				  double dt)
+{
+	rebounds_ = false;
+	for (ContactList<dim>* list : lists) {
+		if (!list->interface) continue;
+		list->interface->begin(kick, dt);
+		rebounds_ = rebounds_ || list->interface->law.restitution > 0;
+	}
+}
+
+/// max_s sum_s' |W_ss'| a_s': no velocity that unit tractions on the outline give in unit time is
+/// larger.
+template <int dim> double System<dim>::areaMobility(int g) const
+{
+	const ContactBody<dim>& body = bodies_[g];
+	const SparseRows<double>& W = *body.delassus;
+	const auto area = body.nodeAreas();
+	double largest = 0;
+	for (int s = 0; s < body.nodes(); ++s) {
+		double sum = 0;
+		for (int e = W.begin(s); e < W.end(s); ++e)
+			sum += std::abs(W.value[e]) * area[W.column[e]].norm();
+		largest = std::max(largest, sum);
+	}
+	return body.delassusScale * largest;
+}
+
+/// What tractions on the contacts of a pair do to its rigid body, as above.
+template <int dim> double System<dim>::rigidAreaMobility(const ContactList<dim>& list) const
+{
+	const ContactBody<dim>& body = bodies_[list.first];
+	const RigidPartner<dim>& partner = partners_[list.rigid->partner];
+	const auto area = contactAreas<dim>(body, nullptr, list.contacts);
+	double sum = 0;
+	for (std::size_t k = 0; k < area.size(); ++k)
+		if (list.contacts[k].key.side == 0) {
+			const Vec<dim> arm = body.contactPoint(list.contacts[k].key.node) -
+					     (partner.centre + list.image.shift);
+			sum += area[k].area * partner.mobilityAt(arm).trace();
+		}
+	return sum;
+}
+
+/// With bonds of the stiffness K alone the squared frequencies are eigenvalues of W A K, and no
+/// larger than its largest sum of a row; they add to those of the grains at most (Weyl).
+/// (A free rigid body couples all its contacts.) Sleeping bonds count as when they fell asleep.
+template <int dim> void System<dim>::measureBonds(const std::vector<ContactList<dim>*>& lists)
+{
+	if (!bondsAsleep_) continuation_.bondRate = 0;
+	std::map<int, double> mobility, partnerMobility;
+	for (const ContactList<dim>* list : lists)
+		if (list->rigid && list->interface && list->interface->law.hasBond())
+			partnerMobility[list->rigid->partner] += rigidAreaMobility(*list);
+	auto mobilityOf = [&](int g) {
+		const auto [entry, isNew] = mobility.emplace(g, 0);
+		if (isNew) entry->second = areaMobility(g);
+		return entry->second;
+	};
+	for (const ContactList<dim>* list : lists) {
+		if (!list->interface || !list->interface->law.hasBond()) continue;
+		if (list->contacts.empty()) continue;
+		double W = mobilityOf(list->first);
+		if (list->second >= 0) W += mobilityOf(list->second);
+		if (list->rigid) W += partnerMobility[list->rigid->partner];
+		continuation_.bondRate =
+			std::max(continuation_.bondRate, list->interface->law.stiffness() * W);
+	}
 }
 
 template <int dim>
@@ -335,6 +411,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	std::vector<char> touched(grains(), 0);
 	for (ContactList<dim>* list : lists) {
 		report.deepest = std::max(report.deepest, list->deepest);
+		if (list->interface) report.lostBonds += list->interface->lost;
 		if (list->rigid) list->rigid->moves = partners_[list->rigid->partner].moves();
 		if (list->contacts.empty()) continue;
 		touched[list->first] = 1;
@@ -347,6 +424,9 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	clock.end("sortLists");
 	wakeGrains(lists, report.kick, settings.sleep);
 	chooseRigidGrains(touched, settings);
+	bondsAsleep_ = std::any_of(lists.begin(), lists.end(), [](const ContactList<dim>* list) {
+		return list->isAsleep() && list->interface && list->interface->law.hasBond();
+	});
 	std::erase_if(lists,
 		      [](ContactList<dim>* list) { return list->rest.kept = list->isAsleep(); });
 	findRestedGrains(lists, touched, settings);
@@ -354,7 +434,9 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	report.sleepingGrains = static_cast<int>(asleep_.size());
 	clock.end("chooseInactiveGrains");
 	if (gridSpacing_ > 0) useGridNodes(lists);
+	beginInterfaces(lists, report.kick, settings.dt);
 	predictVelocities(touched, settings);
+	measureBonds(lists);
 	clock.end("predictVelocities");
 	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads, &partners_,
 			&rigidContacts_);

@@ -29,7 +29,7 @@ struct StepError : std::runtime_error {
 };
 
 /// Energies at t_n, J (2D: J/m). kinetic + elastic = initial + work - friction - impact - damping
-/// - sleep up to rounding and the second-order error of the time integration.
+/// - sleep - cohesion up to rounding and the second-order error of the time integration.
 struct EnergyBalance {
 	double kinetic = 0; ///< 1/2 sum mI v(t_n - dt/2) . v(t_n + dt/2)
 	double elastic = 0;
@@ -38,8 +38,9 @@ struct EnergyBalance {
 	double planes = 0; ///< work of moving planes and rigid bodies on the grains since the start
 	double cell = 0;   ///< work of moving images on the grains since the start
 	double loads = 0;  ///< work of body loads since the start
-	double damping = 0; ///< dissipated by damping since the start
-	double sleep = 0;   ///< taken away by grains falling asleep since the start
+	double damping = 0;  ///< dissipated by damping since the start
+	double sleep = 0;    ///< taken away by grains falling asleep since the start
+	double cohesion = 0; ///< taken by the tractions of interfaces since the start
 };
 
 /// Work done since the end of the last step, in counts: a change can be judged by them on a busy
@@ -61,6 +62,7 @@ struct StepReport {
 	int sleepingGrains = 0;
 	double droppedMomentum = 0; ///< sum over the grains that fell asleep, N s
 	double droppedEnergy = 0;   ///< the kinetic energy they had, J
+	long lostBonds = 0; ///< whole bonds of pairs within reach whose contact vanished, so far
 };
 
 struct StepSettings {
@@ -78,6 +80,7 @@ struct Continuation {
 	EnergyBalance sums;  ///< works up to half a step after t_n
 	double lastStep = 0; ///< length of the last step, s; 0 before the first
 	long steps = 0;      ///< so far
+	double bondRate = 0; ///< largest squared frequency of bonds on their own, 1/s^2
 };
 
 /// Whether a surface follows the state; it is renewed when it is asked for. Whoever asks first
@@ -175,6 +178,9 @@ public:
 
 	/// Distance within which gaps must be handed to `step`: no node travels further in a step.
 	double reach(int first, int second, const PairImage<dim>& image, double dt) const;
+	/// Tractions of interfaces act across gaps up to this, m; adds to every reach.
+	void setInterfaceRange(double range) { interfaceRange_ = range; }
+	double interfaceRange() const { return interfaceRange_; }
 	double reach(int g, const Plane<dim>& plane, double dt) const;
 	double reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
 		     double dt) const;
@@ -233,6 +239,10 @@ private:
 	void followMotion(int g, double dt);
 	void updateGridNodes(int g) const;
 	void useGridNodes(const std::vector<ContactList<dim>*>& lists);
+	void beginInterfaces(const std::vector<ContactList<dim>*>& lists, double kick, double dt);
+	void measureBonds(const std::vector<ContactList<dim>*>& lists);
+	double areaMobility(int g) const;
+	double rigidAreaMobility(const ContactList<dim>& list) const;
 	void predictVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void gatherContacts(int g, bool trackEnergy);
 	void correctVelocities(const std::vector<char>& touched, const StepSettings& settings);
@@ -266,6 +276,9 @@ private:
 	Continuation continuation_;
 	double lastKick_ = 0;
 	double gridSpacing_ = 0; ///< ContactGeometry::nodes: the largest h of all grains, m
+	double interfaceRange_ = 0;
+	bool bondsAsleep_ = false;
+	bool rebounds_ = false; ///< a pair of the step at hand has a restitution
 	bool forcesFresh_ = false;
 	long updatedPoints_ = 0; ///< since the end of the last step
 };

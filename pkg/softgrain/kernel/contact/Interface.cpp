@@ -1,0 +1,139 @@
+#include "contact/Interface.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace softgrain {
+
+namespace {
+
+/// A sliding contact is on its cone up to rounding.
+constexpr double coneRounding = 1e-9;
+
+template <int dim> Vec<dim> across(const Vec<dim>& v, const Vec<dim>& n)
+{
+	return v - v.dot(n) * n;
+}
+
+/// Share of a part of an outline in which the gap is below `range`, were it to rise evenly: with
+/// whole nodes the force of a curved contact would go by jumps.
+double shareWithin(double range, double gap, double spread)
+{
+	if (spread <= 0) return gap < range ? 1 : 0;
+	return std::clamp((range - gap) / spread + 0.5, 0., 1.);
+}
+
+} // namespace
+
+template <int dim>
+const Vec<dim>& PairInterface<dim>::pullOn(std::size_t k, const InterfacePlace<dim>& place)
+{
+	ContactHistory<dim>& h = history[k];
+	Vec<dim> traction = Vec<dim>::Zero();
+	if (law.hasCohesion())
+		traction -= law.cohesion *
+			    shareWithin(law.cohesionRange, place.gap, place.part.spread) *
+			    place.normal;
+	if (h.bond == Bond::whole && law.hasBond()) {
+		h.slip = across<dim>(h.slip, place.normal);
+		const Vec<dim> opening = h.slip + std::max(place.gap - h.start, 0.) * place.normal;
+		h.largest = std::max(h.largest, opening.norm());
+		if (h.largest >= law.finalOpening())
+			h.bond = Bond::broken;
+		else
+			traction -= law.secantStiffness(h.largest) * opening;
+	}
+	h.pull = kick_ * place.part.area * traction;
+	return h.pull;
+}
+
+template <int dim>
+double PairInterface<dim>::biasOf(double bias, double gap, double before, bool closed) const
+{
+	const bool closes = !closed && before < 0 && gap + dt_ * before <= 0;
+	return closes && law.restitution > 0 ? std::min(bias, law.restitution * before) : bias;
+}
+
+template <int dim>
+void PairInterface<dim>::remember(std::size_t k, const Vec<dim>& normal, const Vec<dim>& reaction,
+				  const Vec<dim>& u, double friction, double gap, double closed)
+{
+	ContactHistory<dim>& h = history[k];
+	const double pressed = reaction.dot(normal);
+	if (pressed > 0)
+		h.slid = across<dim>(reaction, normal).norm() >=
+			 (1 - coneRounding) * frictionOf(k, friction) * pressed;
+	if (h.bond == Bond::whole)
+		h.slip += dt_ * across<dim>(u, normal);
+	else if (h.bond == Bond::none && law.hasBond() && law.bondAtTouch &&
+		 (pressed > 0 || gap < closed))
+		bondNow(k, gap + dt_ * u.dot(normal));
+}
+
+template <int dim> void PairInterface<dim>::bondNow(std::size_t k, double gap)
+{
+	ContactHistory<dim>& h = history[k];
+	h.bond = Bond::whole;
+	h.start = std::max(gap, 0.);
+	h.largest = 0;
+	h.slip.setZero();
+}
+
+template <int dim> void PairInterface<dim>::beginSearch()
+{
+	last_.swap(history);
+	history.clear();
+	for (const ContactHistory<dim>& h : last_)
+		lost += h.bond == Bond::whole;
+}
+
+template <int dim> void PairInterface<dim>::carry(std::size_t from, std::size_t to)
+{
+	history[to] = last_[from];
+	lost -= history[to].bond == Bond::whole;
+}
+
+namespace {
+
+template <int dim> constexpr int numbersEach = 2 * dim + 4;
+
+} // namespace
+
+template <int dim> std::vector<double> PairInterface<dim>::numbers() const
+{
+	std::vector<double> all { static_cast<double>(lost) };
+	for (const ContactHistory<dim>& h : history) {
+		all.insert(all.end(), h.pull.data(), h.pull.data() + dim);
+		all.insert(all.end(), h.slip.data(), h.slip.data() + dim);
+		all.insert(all.end(),
+			   { h.start, h.largest, static_cast<double>(h.bond), h.slid ? 1. : 0. });
+	}
+	return all;
+}
+
+template <int dim> void PairInterface<dim>::restore(const std::vector<double>& numbers)
+{
+	constexpr int each = numbersEach<dim>;
+	if (numbers.size() % each != 1)
+		throw std::invalid_argument(
+			"saved history of an interface has " + std::to_string(numbers.size()) +
+			" numbers; admissible: 1 + a multiple of " + std::to_string(each));
+	lost = static_cast<long>(numbers[0]);
+	history.resize(numbers.size() / each);
+	for (std::size_t k = 0; k < history.size(); ++k) {
+		ContactHistory<dim>& h = history[k];
+		const double* from = &numbers[1 + k * each];
+		h.pull = Eigen::Map<const Vec<dim>>(from);
+		h.slip = Eigen::Map<const Vec<dim>>(from + dim);
+		h.start = from[2 * dim];
+		h.largest = from[2 * dim + 1];
+		h.bond = static_cast<Bond>(static_cast<int>(from[2 * dim + 2]));
+		h.slid = from[2 * dim + 3] != 0;
+	}
+}
+
+template class PairInterface<2>;
+template class PairInterface<3>;
+
+} // namespace softgrain

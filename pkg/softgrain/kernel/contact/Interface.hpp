@@ -1,0 +1,91 @@
+// An interface law at work in a pair: what its contacts remember, and the tractions that act on
+// them.
+//
+// Tractions are known at t_n: they act as impulses p = kick * area * traction on the nodes (-w_i p
+// on the partners), applied once before the sweeps, which then solve for the reactions r' alone,
+//     0 <= u_n + b  _|_  r'_n >= 0,     |r'_t| <= mu r'_n.
+// The force of the contact is r' + p. Where nodes of both outlines are contacts, each side stands
+// for half of the area.
+#pragma once
+
+#include "Vector.hpp"
+#include "contact/InterfaceLaw.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+/// Gaps below it, in dr, count as closed: contact dynamics leaves touching nodes that near.
+inline constexpr double touchingGap = 0.01;
+
+enum class Bond : int { none, whole, broken };
+
+/// What a contact with an interface law remembers.
+template <int dim> struct ContactHistory {
+	Vec<dim> pull = Vec<dim>::Zero(); ///< p of the last step on the node, N s
+	Vec<dim> slip = Vec<dim>::Zero(); ///< s since the bond formed, m
+	double start = 0;                 ///< g_0: gap at which the bond formed, m
+	double largest = 0;               ///< L, m
+	Bond bond = Bond::none;
+	bool slid = false; ///< in the last step in which it carried force
+};
+
+/// The part of an outline that a contact stands for.
+struct ContactArea {
+	double area = 0;   ///< m (3D: m^2)
+	double spread = 0; ///< from its smallest gap to its largest, m
+};
+
+/// What the law needs to know of a contact at t_n.
+template <int dim> struct InterfacePlace {
+	Vec<dim> normal; ///< to the body on which p acts
+	double gap;      ///< m
+	ContactArea part;
+};
+
+template <int dim> class PairInterface {
+public:
+	InterfaceLaw law;
+	std::vector<ContactHistory<dim>> history; ///< one for each contact of the pair
+	long lost = 0; ///< bonds that were whole when their contact vanished, so far
+
+	/// For the step at hand: time over which impulses act, length, s.
+	void begin(double kick, double dt)
+	{
+		kick_ = kick;
+		dt_ = dt;
+	}
+	/// p of contact k; breaks the bond if it is due.
+	const Vec<dim>& pullOn(std::size_t k, const InterfacePlace<dim>& place);
+	/// Bias of contact k if it closes in this step and has a restitution; `before` is u_n half
+	/// a step before t_n, `closed` whether it carried force in the last step.
+	double biasOf(double bias, double gap, double before, bool closed) const;
+	/// mu of contact k, with mu_s = `friction`.
+	double frictionOf(std::size_t k, double friction) const
+	{
+		return history[k].slid && law.hasDynamicFriction() ? law.dynamicFriction : friction;
+	}
+	/// What became of contact k in the step: reaction r', velocity u after it, with the gap of
+	/// t_n and the one below which it counts as closed, m.
+	void remember(std::size_t k, const Vec<dim>& normal, const Vec<dim>& reaction,
+		      const Vec<dim>& u, double friction, double gap, double closed);
+	/// Contact k is bonded from now on.
+	void bondNow(std::size_t k, double gap);
+
+	/// Before contacts are searched anew, and after that, for each that is there again: its
+	/// number then and now.
+	void beginSearch();
+	void carry(std::size_t from, std::size_t to);
+	/// Sizes the history for the contacts found.
+	void resize(std::size_t contacts) { history.resize(contacts); }
+
+	/// History as numbers, and back.
+	std::vector<double> numbers() const;
+	void restore(const std::vector<double>& numbers);
+
+private:
+	std::vector<ContactHistory<dim>> last_; ///< before the search
+	double kick_ = 0, dt_ = 0;
+};
+
+} // namespace softgrain

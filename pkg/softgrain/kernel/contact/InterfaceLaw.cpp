@@ -1,0 +1,68 @@
+#include "contact/InterfaceLaw.hpp"
+#include "Require.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace softgrain {
+
+namespace {
+
+/// l_0 over l_f where no stiffness is given: a soft onset, which hardly limits the time step.
+constexpr double usualOnset = 0.1;
+
+void requireNonNegative(const char* parameter, double value, const char* range)
+{
+	require(value >= 0 && std::isfinite(value), parameter, value, range);
+}
+
+} // namespace
+
+void InterfaceLaw::validate(double friction) const
+{
+	require(friction >= 0, "friction", friction, "[0, inf)");
+	require(dynamicFriction <= friction, "dynamicFriction", dynamicFriction,
+		"[0, static friction] (negative: as the static one)");
+	requireNonNegative("cohesion", cohesion, "[0, inf) Pa");
+	requireNonNegative("cohesionRange", cohesionRange, "[0, inf) m");
+	require(!hasCohesion() || cohesionRange > 0, "cohesionRange", cohesionRange,
+		"(0, inf) m where cohesion > 0");
+	requireNonNegative("bondStrength", bondStrength, "[0, inf) Pa");
+	requireNonNegative("bondEnergy", bondEnergy, "[0, inf) J/m^2");
+	requireNonNegative("bondStiffness", bondStiffness, "[0, inf) Pa/m");
+	require(restitution >= 0 && restitution <= 1, "restitution", restitution, "[0, 1]");
+	if (!hasBond()) return;
+	require(bondEnergy > 0, "bondEnergy", bondEnergy, "(0, inf) J/m^2 where bondStrength > 0");
+	require(bondStrength / stiffness() < finalOpening(), "bondStiffness", bondStiffness,
+		"(bondStrength^2/(2 bondEnergy), inf) Pa/m, or 0 for the usual one");
+}
+
+double InterfaceLaw::stiffness() const
+{
+	return bondStiffness > 0 ? bondStiffness : bondStrength / (usualOnset * finalOpening());
+}
+
+double InterfaceLaw::secantStiffness(double largest) const
+{
+	const double K = stiffness(), onset = bondStrength / K, end = finalOpening();
+	if (largest <= onset) return K;
+	if (largest >= end) return 0;
+	return bondStrength * (end - largest) / ((end - onset) * largest);
+}
+
+double InterfaceLaw::range() const
+{
+	return std::max(hasCohesion() ? cohesionRange : 0, hasBond() ? finalOpening() : 0);
+}
+
+bool InterfaceLaw::operator==(const InterfaceLaw& o) const
+{
+	auto all = [](const InterfaceLaw& l) {
+		return std::tie(l.dynamicFriction, l.cohesion, l.cohesionRange, l.bondStrength,
+				l.bondEnergy, l.bondStiffness, l.bondAtTouch, l.restitution);
+	};
+	return all(*this) == all(o);
+}
+
+} // namespace softgrain

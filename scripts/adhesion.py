@@ -1,0 +1,144 @@
+"""A soft disk pulled off a plate that attracts it: pull-off force against the theory of adhesive
+line contact.
+
+Traction of Dugdale: sigma_c across gaps up to delta, w = sigma_c delta. Reference: half plane,
+plane strain, E* = E/(1 - nu^2); a contact of half-width a, with tractions up to c (Maugis' model in
+two dimensions, as in Baney & Hui, J. Appl. Phys. 81, 1997; Johnson & Greenwood, 2008), found from
+the singular integral of a contact whose pressure is bounded (`line_contact`). With ever shorter
+ranges its largest force becomes that of Johnson, Kendall and Roberts for cylinders (Barquins,
+J. Adhesion 26, 1988), F = 3 (pi E* w^2 R/16)^(1/3).
+
+    scripts/yade -n -x scripts/adhesion.py --zeta 0.05 0.025 --out adhesion
+"""
+
+import argparse
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+
+import softgrain as sg
+from yade import FrictMat, O, utils
+
+
+def parse_options(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--zeta", type=float, nargs="+", default=[0.05, 0.025])
+    parser.add_argument("--radius", type=float, default=0.01, help="m")
+    parser.add_argument("--young", type=float, default=1e6, help="Pa")
+    parser.add_argument("--poisson", type=float, default=0.45)
+    parser.add_argument("--cohesion", type=float, default=1e5, help="sigma_c, Pa")
+    parser.add_argument("--range", type=float, default=2e-4, help="delta, m")
+    parser.add_argument("--time", type=float, default=0.06, help="of the pull, s")
+    parser.add_argument("--out", type=Path, default=Path("adhesion"))
+    return parser.parse_args(arguments)
+
+
+def jkr_force(E, R, w):
+    """Pull-off force of a cylinder without range of attraction [N/m]; E is E*."""
+    return 3 * (math.pi * E * w**2 * R / 16) ** (1 / 3)
+
+
+def gap_at_end(a, c, E, R, sigma, count=120):
+    """Gap at c of a contact of half-width a with traction sigma out to c [m].
+
+    The pressure is q - sigma within a, with q = 0 at its ends, and the gap opens as
+    g' = x/R - 2/(pi E*) (Phi(x) - sigma ln((c + x)/(c - x))), where
+    Phi(x) = sqrt(x^2 - a^2)/pi int_-a^a f(s)/(sqrt(a^2 - s^2) (x - s)) ds and
+    f(s) = pi E* s/(2 R) + sigma ln((c + s)/(c - s)).
+    """
+    s = a * np.cos((np.arange(count) + 0.5) * math.pi / count)  # Gauss and Chebyshev
+    f = math.pi * E * s / (2 * R) + sigma * np.log((c + s) / (c - s))
+    t, weight = np.polynomial.legendre.leggauss(60)
+    t, weight = (t + 1) / 2, weight / 2
+    x = a + (c - a) * (1 - (1 - t**2) ** 2)  # denser at both ends, where the slope is steep
+    width = (c - a) * 4 * t * (1 - t**2) * weight
+    phi = np.sqrt(x**2 - a**2) / count * (f / (x[:, None] - s)).sum(axis=1)
+    slope = x / R - 2 / (math.pi * E) * (phi - sigma * np.log((c + x) / (c - x)))
+    return (slope * width).sum()
+
+
+def line_contact(a, E, R, sigma, delta):
+    """Pulling force [N/m] of a contact of half-width a: its tractions end where the gap is
+    delta."""
+    low, high = a, a + math.sqrt(8 * R * delta) + 4 * a
+    for _ in range(30):
+        middle = (low + high) / 2
+        if gap_at_end(a, middle, E, R, sigma) < delta:
+            low = middle
+        else:
+            high = middle
+    return 2 * sigma * math.sqrt(low**2 - a**2) - math.pi * E * a**2 / (4 * R)
+
+
+def theory(options):
+    """Largest pulling force of the reference [N/m]."""
+    E = options.young / (1 - options.poisson**2)
+    a = np.linspace(0.01, 0.25, 25) * options.radius
+    forces = [line_contact(x, E, options.radius, options.cohesion, options.range) for x in a]
+    return max(forces)
+
+
+def make_scene(options, zeta):
+    O.reset()
+    R = options.radius
+    material = sg.SoftMat(
+        young=options.young, poisson=options.poisson, density=1000, massDamping=1000
+    )
+    disk = sg.soft_disk((0, R, 0), R, material, zeta=zeta)
+    plate = utils.wall(0, axis=1, sense=1, material=FrictMat(frictionAngle=0))
+    O.bodies.append([disk, plate])
+    O.engines = sg.engines(interface={"cohesion": options.cohesion, "cohesionRange": options.range})
+    O.trackEnergy = True
+    sg.set_time_step()
+    return disk, plate
+
+
+def settle(duration=0.01):
+    """Let the attraction close the contact."""
+    while O.time < duration:
+        O.run(20, True)
+
+
+def pull_off(options, zeta, upper):
+    """Pull with a force that grows to `upper`; what the plate bore at most."""
+    disk, plate = make_scene(options, zeta)
+    settle()
+    start, largest = O.time, 0.0
+    while any(i.isReal for i in O.interactions):
+        load = upper * (O.time - start) / options.time
+        O.forces.setPermF(disk.id, (0, load, 0))
+        O.run(10, True)
+        largest = max(largest, O.forces.f(plate.id)[1])
+        if load > 2 * upper:
+            raise RuntimeError(f"the disk is still held at {load:.4g} N/m")
+    energy = sg.integrator().energy()
+    gained = sum(energy.values()) - 2 * (energy["walls"] + energy["loads"])
+    return {
+        "zeta": zeta,
+        "force": largest,
+        "steps": O.iter,
+        "energy_lost": gained / energy["loads"],
+        "capped_steps": sg.integrator().cappedSteps,
+    }
+
+
+def main():
+    options = parse_options()
+    w = options.cohesion * options.range
+    reference = theory(options)
+    E = options.young / (1 - options.poisson**2)
+    result = {"reference": reference, "jkr": jkr_force(E, options.radius, w), "runs": []}
+    print(f"theory: {reference:.1f} N/m; without range {result['jkr']:.1f} N/m")
+    for zeta in options.zeta:
+        found = pull_off(options, zeta, 1.5 * reference)
+        found["error"] = found["force"] / reference - 1
+        result["runs"].append(found)
+        print(f"zeta {zeta}: {found['force']:.1f} N/m, {100 * found['error']:+.1f} %", found)
+    options.out.mkdir(parents=True, exist_ok=True)
+    (options.out / "result.json").write_text(json.dumps(result, indent=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,26 @@
+"""scripts/interfaces.py and scripts/adhesion.py: laws of interfaces against their parameters and
+against the theory of adhesive line contact."""
+
+import pytest
+from runs import run_case
+
+
+@pytest.mark.slow
+def test_separation_and_sliding(tmp_path):
+    result = run_case("interfaces", tmp_path)
+    for row in result["separation"]:
+        assert row["stress_over_strength"] == pytest.approx(1, abs=0.05)
+        assert row["work_over_energy"] == pytest.approx(1, abs=0.03)
+        assert row["balance_error"] < 0.01
+        assert row["lost_bonds"] == 0
+    for row in result["sliding"]:
+        assert 0.7 < row["static"] < 1.01  # its ends slip first
+        assert row["dynamic"] == pytest.approx(1, abs=0.04)
+
+
+@pytest.mark.slow
+def test_adhesive_disk(tmp_path):
+    result = run_case("adhesion", tmp_path, "--zeta", "0.1", "0.05")
+    for row in result["runs"]:
+        assert abs(row["error"]) < 0.04
+        assert abs(row["energy_lost"]) < 0.01

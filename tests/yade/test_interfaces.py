@@ -1,0 +1,254 @@
+"""Friction, cohesion, bonds and restitution by pair of materials."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import RADIUS, add_disk, add_wall, present_state, ready, run, soft_material
+from yade import FrictMat, MatchMaker, O, utils
+
+import softgrain as sg
+
+SIDE = 2 * RADIUS
+COHESION = dict(cohesion=2e3, cohesionRange=1e-4)
+BOND = dict(bondStrength=2e3, bondEnergy=0.1)
+
+
+def add_block(height, material=None, length=SIDE):
+    """A soft block, its underside at this height; returns its body."""
+    block = sg.soft_block((0, height + RADIUS, 0), (length, SIDE), material or damped(), zeta=0.25)
+    O.bodies.append(block)
+    return block
+
+
+def damped(**attributes):
+    return soft_material(poisson=0.3, massDamping=200, **attributes)
+
+
+def interaction():
+    (found,) = [i for i in O.interactions if i.isReal]
+    return found
+
+
+def test_friction_by_pair_of_materials():
+    """A MatchMaker of material ids; without a match its algorithm, without one the minimum."""
+    angles = (0.1, 0.2, 0.3)
+    first, second, third = (damped(frictionAngle=a, label=f"m{a}") for a in angles)
+    ids = [O.materials.append(m) for m in (first, second, third)]
+    add_block(0, first)
+    add_block(-SIDE, second)
+    add_block(-2 * SIDE, third)
+    match = MatchMaker(matches=((ids[0], ids[1], 0.5),), algo="max")
+    ready(interface={"frictAngle": match, "dynamicFrictAngle": 0.15})
+    run(2)
+    found = {tuple(sorted((i.id1, i.id2))): i.phys for i in O.interactions}
+    assert found[0, 1].tangensOfFrictionAngle == pytest.approx(math.tan(0.5))
+    assert found[1, 2].tangensOfFrictionAngle == pytest.approx(math.tan(0.3))
+    for phys in found.values():
+        assert phys.interface.tangensOfDynamicFrictionAngle == pytest.approx(math.tan(0.15))
+
+
+def test_plain_pairs_have_no_interface():
+    add_block(0, damped(frictionAngle=0.3))
+    add_wall(0, 1, friction=0.1)
+    ready()
+    run(2)
+    assert interaction().phys.interface is None
+    assert interaction().phys.tangensOfFrictionAngle == pytest.approx(0.1)
+    assert sg.integrator().interfaceRange == 0
+
+
+@pytest.mark.parametrize("law", (COHESION, BOND))
+def test_force_momentum_and_energy_of_two_blocks(law):
+    """Pulled apart by less than the interface bears, then by more."""
+    upper, lower = add_block(0), add_block(-SIDE)
+    O.trackEnergy = True
+    ready(interface=law)
+    run(2)
+    balance, force = sg.Balance(), 1.7e3 * SIDE
+    for k in range(1, 1501):
+        for body, sign in ((upper, 1), (lower, -1)):
+            O.forces.setPermF(body.id, (0, sign * force * min(k / 500, 1), 0))
+        run(1)
+    # what holds one block acts on the other
+    i = interaction()
+    assert i.phys.normalForce.norm() == pytest.approx(force, rel=0.01)
+    contacts = i.geom.contacts()
+    side = (1 - 2 * contacts["side"])[:, None]
+    total = (side * contacts["impulse"]).sum(axis=0) / O.dt
+    np.testing.assert_allclose(abs(total[1]), force, rtol=0.01)
+    assert (contacts["bond"] == (1 if "bondEnergy" in law else 0)).all()
+    mean = (contacts["pressure"] * contacts["area"]).sum() / contacts["area"].sum()
+    assert mean == pytest.approx(-1.7e3, rel=0.05)
+    for body, sign in ((upper, 1), (lower, -1)):
+        O.forces.setPermF(body.id, (0, 1.5 * sign * force, 0))
+    while any(i.isReal for i in O.interactions):
+        run(1)
+        assert O.iter < 9000
+    momentum = sum(b.state.mass * np.array(b.state.vel) for b in (upper, lower))
+    assert np.linalg.norm(momentum) < 1e-12 * upper.state.mass
+    energy = sg.integrator().energy()
+    work = 0.2 if "cohesion" in law else 0.1
+    assert energy["cohesion"] / SIDE == pytest.approx(work, rel=0.05)
+    assert balance.error() < 0.01
+    assert sg.integrator().lostBonds == 0
+
+
+def test_cohesion_is_felt_before_touch():
+    """Across its range, with a wall and with a rigid disk; not beyond."""
+    for gap, attracts in ((0.9e-4, True), (1.5e-4, False)):
+        O.reset()
+        block = add_block(gap)
+        add_wall(0, 1)
+        ready(interface=COHESION)
+        run(20)
+        assert (block.state.vel[1] < -1e-4) == attracts
+
+
+def rigid_plate(center, half):
+    body = utils.box(center, half, fixed=True, material=FrictMat(frictionAngle=0.5, density=2000))
+    O.bodies.append(body)
+    return body
+
+
+def test_bond_with_a_rigid_body():
+    """A free box hangs on a soft block, which is bonded to a wall."""
+    block = add_block(0)
+    add_wall(SIDE, 1)
+    box = rigid_plate((0, -0.5 * RADIUS, 0), (RADIUS, 0.5 * RADIUS, RADIUS))
+    box.state.blockedDOFs = "zXY"
+    box.state.mass, box.state.inertia = 0.2, (1e-5, 1e-5, 1e-5)
+    ready(gravity=(0, -10, 0), interface=dict(bondStrength=2e4, bondEnergy=1.0))
+    while O.time < 0.8:
+        run(50)
+    forces = {
+        tuple(sorted((i.id1, i.id2))): (i.phys.normalForce + i.phys.shearForce)[1]
+        for i in O.interactions
+    }
+    assert abs(forces[0, 2]) == pytest.approx(2, rel=0.02)
+    weight = 2 + 10 * block.state.mass
+    assert abs(forces[0, 1]) == pytest.approx(weight, rel=0.02)
+    assert abs(box.state.vel[1]) < 1e-3
+
+
+def test_bonds_on_demand():
+    block = add_block(0)
+    wall = add_wall(0, 1)
+    ready(interface=dict(bondAtTouch=False, **BOND))
+    run(2)
+    geom = interaction().geom
+    assert (geom.contacts()["bond"] == 0).all()
+    assert geom.bond() == len(geom.contacts()["bond"]) > 3
+    O.forces.setPermF(block.id, (0, 1e3 * SIDE, 0))
+    run(300)
+    assert block.state.pos[1] - RADIUS < 2e-5
+    assert (interaction().geom.contacts()["bond"] == 1).all()
+    assert O.forces.f(wall.id)[1] > 0
+
+
+def bonded_disks(threads=1):
+    """Disks that fall on one another, bond, slide and break."""
+    material = damped(frictionAngle=math.atan(0.5))
+    for k in range(4):
+        add_disk((2.02 * RADIUS * k, 0.3 * RADIUS * (k % 2), 0), material=material)
+    add_wall(-1.01 * RADIUS, 1, friction=0.5)
+    law = dict(bondStrength=3e3, bondEnergy=0.3, dynamicFrictAngle=math.atan(0.3), **COHESION)
+    ready(gravity=(3, -50, 0), interface=law, ompThreads=threads)
+    O.trackEnergy = True
+
+
+def test_saved_and_loaded(tmp_path):
+    bonded_disks()
+    run(300)
+    bonds = [b for i in O.interactions if i.isReal for b in i.geom.contacts()["bond"]]
+    assert {1, 2} & set(bonds)
+    O.save(str(tmp_path / "scene.yade.gz"))
+    run(200)
+    after = present_state()
+    O.load(str(tmp_path / "scene.yade.gz"))
+    run(200)
+    found = present_state()
+    for name, value in after.items():
+        np.testing.assert_array_equal(found[name], value, err_msg=name)
+
+
+def test_same_bits_for_any_number_of_threads():
+    states = []
+    for threads in (1, 2):
+        O.reset()
+        bonded_disks(threads)
+        run(300)
+        states.append(present_state())
+    for name, value in states[0].items():
+        np.testing.assert_array_equal(states[1][name], value, err_msg=name)
+
+
+def test_sleeping_pairs_keep_their_forces(tmp_path):
+    """A block hangs asleep on a ceiling, also after loading, and is woken by more weight."""
+    block = add_block(-SIDE, soft_material(poisson=0.3, massDamping=2000))
+    add_wall(0, 1)
+    ready(gravity=(0, -20, 0), interface=dict(bondStrength=2e4, bondEnergy=1.0, **COHESION))
+    while not block.shape.isAsleep():
+        run(20)
+        assert O.iter < 30000
+    weight = 20 * block.state.mass
+    place = block.state.pos[1]
+    run(100)
+    O.save(str(tmp_path / "scene.yade.gz"))
+    O.load(str(tmp_path / "scene.yade.gz"))
+    run(100)
+    (block,) = sg.soft_bodies()
+    assert block.shape.isAsleep() and block.state.pos[1] == place
+    contacts = interaction().geom.contacts()
+    kick = weight / abs(contacts["impulse"][:, 1].sum())
+    assert kick * O.dt == pytest.approx(1, rel=0.01)
+    assert abs(interaction().phys.normalForce[1]) == pytest.approx(weight, rel=0.01)
+    O.forces.setPermF(block.id, (0, -weight, 0))
+    run(3000)
+    assert not math.isnan(block.state.pos[1])
+    assert abs(interaction().phys.normalForce[1]) == pytest.approx(2 * weight, rel=0.02)
+
+
+def test_cohesion_in_3d():
+    """A soft cube hangs on a wall."""
+    cube = sg.soft_block((0, 0, -RADIUS), (SIDE, SIDE, SIDE), damped(), zeta=0.5)
+    O.bodies.append(cube)
+    wall = add_wall(0, 2)
+    ready(gravity=(0, 0, -10), interface=COHESION)
+    run(2000)
+    assert O.forces.f(wall.id)[2] == pytest.approx(-10 * cube.state.mass, rel=0.02)
+    assert abs(cube.state.pos[2] + RADIUS) < 1e-3 * RADIUS
+
+
+def test_bad_input():
+    def stops(message, law, pair="wall", **shape):
+        O.reset()
+        O.bodies.append(sg.soft_disk((0, RADIUS, 0), RADIUS, damped(frictionAngle=0.3), **shape))
+        if pair == "wall":
+            add_wall(0, 1, friction=0.3)
+        else:
+            O.bodies.append(sg.soft_disk((0, -RADIUS, 0), RADIUS, damped(), **shape))
+        ready(interface=law)
+        if pair != "wall":
+            for functor in O.engines[2].physDispatcher.functors:
+                if hasattr(functor, "restitution"):
+                    functor.restitution = MatchMaker(algo="val", val=0.5)
+        with pytest.raises(RuntimeError, match=message):
+            run(2)
+
+    stops("#1 and #0: dynamicFriction = .* outside", {"dynamicFrictAngle": 0.5})
+    stops("cohesion = -1 ", {"cohesion": -1.0})
+    stops("cohesionRange = 0 ", {"cohesion": 1e3})
+    stops("bondEnergy = 0 ", {"bondStrength": 1e3})
+    stops("bondStiffness = 1000 ", {"bondStiffness": 1e3, **BOND})
+    stops("restitution = 2 ", {"restitution": 2.0})
+    stops("restitution = 0.5 .*two soft grains", {}, pair="soft")
+    stops("contact = 'surface'", {"restitution": 0.5}, contact="points")
+    with pytest.raises(ValueError, match="unknown .'stickiness'"):
+        sg.engines(interface={"stickiness": 1})
+    O.reset()
+    add_block(0)
+    add_wall(0, 1)
+    ready(interface=COHESION, interfaceRange=1e-5)
+    with pytest.raises(RuntimeError, match="interfaceRange"):
+        run(2)
