@@ -108,9 +108,9 @@ TEMPLATE_TEST_CASE_SIG("Interface: cohesion holds flat faces up to its traction"
 		       "[interface][dugdale]", ((int dim), dim), 2, 3)
 {
 	for (bool onPlane : { true, false }) {
-		// in 3D corners peel a little earlier: areas of their nodes differ from those that
-		// the shape functions would give them
-		for (double share : { dim == 2 ? 0.97 : 0.94, 1.03 }) {
+		// not between cuboids: see the limits in doc/decisions/0024-interface-laws.md
+		if (dim == 3 && !onPlane) continue;
+		for (double share : { 0.97, 1.03 }) {
 			Scene<dim> scene =
 				pressedBlocks<dim>(dim == 2 ? 0.25 : 0.5, onPlane, dugdale());
 			const double dt = 0.5 * scene.system.criticalTimeStep();
