@@ -106,28 +106,18 @@ class Linear(Spheres):
     """YADE's linear law of Cundall and Strack, kn = E D/2 between equal spheres."""
 
     label = "rigid DEM, linear"
+    physics, law = Ip2_FrictMat_FrictMat_FrictPhys, Law2_ScGeom_FrictPhys_CundallStrack
 
     def start(self):
-        O.engines = self._engines(
-            Ig2_Sphere_Sphere_ScGeom(),
-            [Ip2_FrictMat_FrictMat_FrictPhys()],
-            [Law2_ScGeom_FrictPhys_CundallStrack()],
-        )
+        O.engines = self._engines(Ig2_Sphere_Sphere_ScGeom(), [self.physics()], [self.law()])
         O.dt = 0.3 * yade.utils.PWaveTimeStep()
 
 
-class Hertz(Spheres):
+class Hertz(Linear):
     """Hertz and Mindlin with the material's constants."""
 
     label = "rigid DEM, Hertz"
-
-    def start(self):
-        O.engines = self._engines(
-            Ig2_Sphere_Sphere_ScGeom(),
-            [Ip2_FrictMat_FrictMat_MindlinPhys()],
-            [Law2_ScGeom_MindlinPhys_Mindlin()],
-        )
-        O.dt = 0.3 * yade.utils.PWaveTimeStep()
+    physics, law = Ip2_FrictMat_FrictMat_MindlinPhys, Law2_ScGeom_MindlinPhys_Mindlin
 
 
 class Nonsmooth(Spheres):

@@ -14,6 +14,15 @@ namespace softgrain {
 template <> double UnitBall<2>::volume() const { return std::numbers::pi; }
 template <> double UnitBall<3>::volume() const { return 4 * std::numbers::pi / 3; }
 
+void closeOutline(OutlineMesh<2>& mesh, const std::vector<int>& corners)
+{
+	const int count = static_cast<int>(mesh.vertex.size());
+	for (int s = 0; s < count; ++s)
+		mesh.facet.push_back({ s, (s + 1) % count });
+	for (int s : corners)
+		mesh.sharp[s] = { (s + count - 1) % count, s };
+}
+
 template <> OutlineMesh<2> UnitBall<2>::mesh(double spacing) const
 {
 	const int count =
@@ -22,8 +31,8 @@ template <> OutlineMesh<2> UnitBall<2>::mesh(double spacing) const
 	for (int s = 0; s < count; ++s) {
 		const double angle = 2 * std::numbers::pi * s / count;
 		mesh.vertex.emplace_back(std::cos(angle), std::sin(angle));
-		mesh.facet.push_back({ s, (s + 1) % count });
 	}
+	closeOutline(mesh, {});
 	return mesh;
 }
 
@@ -130,19 +139,15 @@ OutlineMesh<2> meshOfBlock(const Vec<2>& half, double spacing)
 	OutlineMesh<2> mesh;
 	const std::array<Vec<2>, 4> corner { Vec<2>(-half[0], -half[1]), Vec<2>(half[0], -half[1]),
 					     Vec<2>(half[0], half[1]), Vec<2>(-half[0], half[1]) };
-	std::array<int, 4> cornerVertex;
+	std::vector<int> cornerVertex;
 	for (int side = 0; side < 4; ++side) {
 		const Vec<2>&from = corner[side], &to = corner[(side + 1) % 4];
 		const int parts = partsOf((to - from).norm(), spacing, 2);
-		cornerVertex[side] = static_cast<int>(mesh.vertex.size());
+		cornerVertex.push_back(static_cast<int>(mesh.vertex.size()));
 		for (int k = 0; k < parts; ++k)
 			mesh.vertex.push_back(from + double(k) / parts * (to - from));
 	}
-	const int count = static_cast<int>(mesh.vertex.size());
-	for (int s = 0; s < count; ++s)
-		mesh.facet.push_back({ s, (s + 1) % count });
-	for (int s : cornerVertex)
-		mesh.sharp[s] = { (s + count - 1) % count, s };
+	closeOutline(mesh, cornerVertex);
 	return mesh;
 }
 

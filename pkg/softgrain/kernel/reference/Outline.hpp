@@ -38,6 +38,9 @@ template <int dim> struct OutlineMesh {
 	}
 };
 
+/// Joins the vertices of a 2D outline by facets in their order; sharp where two sides meet.
+void closeOutline(OutlineMesh<2>& mesh, const std::vector<int>& corners);
+
 /// Area (2D) or volume (3D) of a piece of a grain, and its first moment.
 template <int dim> struct Moments {
 	double volume = 0;

@@ -264,11 +264,7 @@ OutlineMesh<2> RingOutline::mesh(double spacing) const
 		cornerVertex.push_back(static_cast<int>(mesh.vertex.size()));
 		appendVertices(sectionOf(ring_, ring_.corner[k], end), spacing, mesh.vertex);
 	}
-	const int count = static_cast<int>(mesh.vertex.size());
-	for (int s = 0; s < count; ++s)
-		mesh.facet.push_back({ s, (s + 1) % count });
-	for (int s : cornerVertex)
-		mesh.sharp[s] = { (s + count - 1) % count, s };
+	closeOutline(mesh, cornerVertex);
 	return mesh;
 }
 
