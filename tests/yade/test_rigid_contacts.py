@@ -420,6 +420,16 @@ def test_wrong_use_is_refused():
         run(2)
 
 
+def test_periodic_cell_is_refused():
+    O.periodic = True
+    O.cell.setBox(10 * R, 10 * R, 10 * R)
+    add_sphere((5 * R, 5 * R, 5 * R))
+    O.engines = sg.engines(rigid="nonsmooth")
+    O.dt = 1e-4
+    with pytest.raises(RuntimeError, match="Law2_ScGeom_FrictPhys_Nonsmooth across the borders"):
+        run(1)
+
+
 def test_out_of_plane_is_refused_in_2d():
     add_disk()
     add_sphere((3 * R, 0, 0), blocked="zXY")
