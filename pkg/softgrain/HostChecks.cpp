@@ -1,7 +1,9 @@
 #include "HostChecks.hpp"
+#include "SoftContact.hpp"
 #include "Yade.hpp"
 
 #include <map>
+#include <typeinfo>
 
 namespace yade {
 
@@ -41,26 +43,28 @@ const std::map<string, string>& unfitEngines()
 void checkCollider(const Engine& engine)
 {
 	if (dynamic_cast<const Collider*>(&engine) &&
-	    engine.getClassName() != "InsertionSortCollider")
+	    typeid(engine) != typeid(InsertionSortCollider))
 		refuse(engine.getClassName(),
 		       "it does not follow outlines that deform; soft grains need an "
 		       "InsertionSortCollider");
 }
 
-template <class Functor> bool holds(const vector<shared_ptr<Functor>>& functors, const string& name)
+/// Whether there is one of this very class.
+template <class Wanted, class Functor> bool holds(const vector<shared_ptr<Functor>>& functors)
 {
 	return std::any_of(functors.begin(), functors.end(),
-			   [&](const auto& functor) { return functor->getClassName() == name; });
+			   [](const auto& functor) { return typeid(*functor) == typeid(Wanted); });
 }
 
 /// YADE ends the process over a pair that has geometry, but no physics or law.
 void checkFunctors(const InteractionLoop& loop)
 {
 	const auto& geometries = loop.geomDispatcher->functors;
-	auto finds = [&](const char* other) {
-		return holds(geometries, string("Ig2_") + other + "_SoftGrain_SoftGeom");
-	};
-	const bool rigid = finds("Wall") || finds("Sphere") || finds("Facet") || finds("Box");
+	const bool soft = holds<Ig2_SoftGrain_SoftGrain_SoftGeom>(geometries);
+	const bool rigid = holds<Ig2_Wall_SoftGrain_SoftGeom>(geometries) ||
+			   holds<Ig2_Sphere_SoftGrain_SoftGeom>(geometries) ||
+			   holds<Ig2_Facet_SoftGrain_SoftGeom>(geometries) ||
+			   holds<Ig2_Box_SoftGrain_SoftGeom>(geometries);
 	auto need = [](bool present, const char* name) {
 		if (!present)
 			refuse("InteractionLoop",
@@ -68,14 +72,13 @@ void checkFunctors(const InteractionLoop& loop)
 				       "; add it, or see sg.engines()");
 	};
 	const auto& physics = loop.physDispatcher->functors;
-	if (finds("SoftGrain"))
-		need(holds(physics, "Ip2_SoftMat_SoftMat_SoftPhys"),
-		     "Ip2_SoftMat_SoftMat_SoftPhys");
+	if (soft)
+		need(holds<Ip2_SoftMat_SoftMat_SoftPhys>(physics), "Ip2_SoftMat_SoftMat_SoftPhys");
 	if (rigid)
-		need(holds(physics, "Ip2_FrictMat_SoftMat_SoftPhys"),
+		need(holds<Ip2_FrictMat_SoftMat_SoftPhys>(physics),
 		     "Ip2_FrictMat_SoftMat_SoftPhys");
-	if (rigid || finds("SoftGrain"))
-		need(holds(loop.lawDispatcher->functors, "Law2_SoftGeom_SoftPhys_Nonsmooth"),
+	if (rigid || soft)
+		need(holds<Law2_SoftGeom_SoftPhys_Nonsmooth>(loop.lawDispatcher->functors),
 		     "Law2_SoftGeom_SoftPhys_Nonsmooth");
 }
 

@@ -2,8 +2,8 @@
 // does to velocities, boxes for the collider (doc/decisions/0021-periodic-cells.md).
 #pragma once
 
-#include "GrainAssembly.hpp"
 #include "Yade.hpp"
+#include "assembly/GrainAssembly.hpp"
 
 namespace yade {
 

@@ -2,8 +2,8 @@
 // SoftGrainIntegrator.contactProblem.
 #pragma once
 
-#include "ContactProblemArrays.hpp"
 #include "Yade.hpp"
+#include "assembly/ContactProblemArrays.hpp"
 
 namespace softgrain {
 

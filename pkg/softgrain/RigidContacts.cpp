@@ -15,6 +15,11 @@ using softgrain::Vec3;
 
 namespace {
 
+/// Over `size`: places that near a plane lie in it, up to what overlaps and roundings leave.
+constexpr Real seamTolerance = 1e-4;
+/// Squared angle beyond the rounding of normals.
+constexpr Real leaningNormal = 1e-12;
+
 /// Stands for the spacing of material points where overlaps are measured, over the radius.
 constexpr Real sizeOverRadius = 0.1;
 
@@ -161,7 +166,7 @@ void SoftGrainIntegrator::leaveSeamsOut()
 	std::sort(onPlates_.begin(), onPlates_.end());
 	for (const auto& [sphere, k] : onPlates_) {
 		RigidContactDescription& d = rigidContacts_[k];
-		const Real tolerance = 1e-4 * d.size;
+		const Real tolerance = seamTolerance * d.size;
 		const auto [begin, end] = std::equal_range(
 			onPlates_.begin(), onPlates_.end(), std::make_pair(sphere, 0),
 			[](const auto& a, const auto& b) { return a.first < b.first; });
@@ -169,7 +174,7 @@ void SoftGrainIntegrator::leaveSeamsOut()
 			const RigidContactDescription& o = rigidContacts_[other->second];
 			const Vec3 place = d.point - 0.5 * d.gap * d.normal, // on the surface
 				lies = o.point - 0.5 * o.gap * o.normal;
-			const bool leans = (d.normal - o.normal).squaredNorm() > 1e-12;
+			const bool leans = (d.normal - o.normal).squaredNorm() > leaningNormal;
 			if (leans && d.gap >= o.gap &&
 			    std::abs((place - lies).dot(o.normal)) < tolerance) {
 				d.friction = 0;

@@ -146,6 +146,14 @@ const SoftMat& materialOf(const Scene& scene, int id)
 	return static_cast<const SoftMat&>(*(*scene.bodies)[id]->material);
 }
 
+const NewtonIntegrator* newtonIntegratorOf(const Scene& scene)
+{
+	for (const auto& engine : scene.engines)
+		if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get()))
+			return newton;
+	return nullptr;
+}
+
 double defaultTimeStep()
 {
 	static const double step =

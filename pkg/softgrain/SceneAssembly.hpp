@@ -1,12 +1,13 @@
 // All soft grains of a scene as one system of the kernel, shared by their shapes.
 #pragma once
 
-#include "GrainAssembly.hpp"
+#include "assembly/GrainAssembly.hpp"
 
 #include <memory>
 #include <optional>
 
 namespace yade {
+class NewtonIntegrator;
 class Scene;
 class SoftGrain;
 class SoftMat;
@@ -27,6 +28,9 @@ SoftGrain& grainOf(const Scene& scene, int id);
 
 /// Material of the same.
 const SoftMat& materialOf(const Scene& scene, int id);
+
+/// The first one of O.engines; null if there is none.
+const NewtonIntegrator* newtonIntegratorOf(const Scene& scene);
 
 /// O.dt of a scene in which nobody has set it, s.
 double defaultTimeStep();

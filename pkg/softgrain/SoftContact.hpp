@@ -2,10 +2,10 @@
 // points in one SoftGeom, solved together by SoftGrainIntegrator.
 #pragma once
 
-#include "GrainAssembly.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
 #include "Yade.hpp"
+#include "assembly/GrainAssembly.hpp"
 
 #include <optional>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "GrainAssembly.hpp"
 #include "Yade.hpp"
+#include "assembly/GrainAssembly.hpp"
 
 namespace yade {
 

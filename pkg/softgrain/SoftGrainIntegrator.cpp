@@ -283,8 +283,7 @@ void SoftGrainIntegrator::applyUserMotions()
 
 const NewtonIntegrator& SoftGrainIntegrator::newtonIntegrator() const
 {
-	for (const auto& engine : scene->engines)
-		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine)) return *newton;
+	if (const NewtonIntegrator* newton = newtonIntegratorOf(*scene)) return *newton;
 	throw std::runtime_error("there is no NewtonIntegrator in O.engines");
 }
 

@@ -1,5 +1,6 @@
 #include "WallStressController.hpp"
 #include "Require.hpp"
+#include "SceneAssembly.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
 
@@ -14,26 +15,27 @@ namespace {
 WallStressController::Packing packingOf(const Scene& scene)
 {
 	WallStressController::Packing packing;
+	const Material* last = nullptr; // grains of one material mostly follow one another
 	for (const auto& body : *scene.bodies) {
 		if (!body) continue;
 		const auto grain = YADE_PTR_DYN_CAST<SoftGrain>(body->shape);
 		const auto material = YADE_PTR_DYN_CAST<SoftMat>(body->material);
 		if (!grain || !material) continue;
+		packing.radius = std::min(packing.radius, grain->radius);
+		if (material.get() == last) continue;
+		last = material.get();
 		const auto constants = material->constants();
 		const Real speed = constants.waveSpeed(grain->condition(*material));
 		packing.impedance = std::max(packing.impedance, constants.density * speed);
 		packing.density = std::max(packing.density, constants.density);
-		packing.radius = std::min(packing.radius, grain->radius);
 	}
 	return packing;
 }
 
 Vector3r gravityOf(const Scene& scene)
 {
-	for (const auto& engine : scene.engines)
-		if (const auto newton = YADE_PTR_DYN_CAST<NewtonIntegrator>(engine))
-			return newton->gravity;
-	return Vector3r::Zero();
+	const NewtonIntegrator* newton = newtonIntegratorOf(scene);
+	return newton ? newton->gravity : Vector3r(Vector3r::Zero());
 }
 
 /// Half the thickness of a wall along an axis.

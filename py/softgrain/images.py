@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image
 
 from softgrain.build import soft_polygon
-from softgrain.outlines import label_outlines
+from softgrain.label_outlines import label_outlines
 
 
 @dataclass
@@ -42,9 +42,9 @@ def grains_from_image(
 ):
     """A soft grain for each label of an image, e.g. a segmented section of a real packing.
 
-    The staircase of the pixels is smoothed (see :func:`softgrain.outlines.label_outlines`); corners
-    are rounded by it. Grains that touch in the image touch in the scene, with overlaps far below a
-    pixel, which the first steps work off.
+    The staircase of the pixels is smoothed (``softgrain.label_outlines``); corners are rounded by
+    it. Grains that touch in the image touch in the scene, with overlaps far below a pixel, which
+    the first steps work off.
 
     Args:
         image (str | Path | ndarray): a picture file, or integers of shape (rows, columns), the

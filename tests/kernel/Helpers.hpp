@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
 #include "grain/Batch.hpp"
 #include "reference/GrainTemplate.hpp"
@@ -69,6 +70,15 @@ public:
 private:
 	std::mt19937 generator_;
 };
+
+/// Of the first two bodies, empty.
+template <int dim> ContactList<dim> pairList()
+{
+	ContactList<dim> list;
+	list.first = 0;
+	list.second = 1;
+	return list;
+}
 
 /// Message of the std::invalid_argument that `call` throws, or "" where it throws none.
 inline std::string complaintOf(const std::function<void()>& call)

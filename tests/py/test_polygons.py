@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from softgrain import outlines
+from softgrain.label_outlines import label_outlines
 
 IRON = np.array([(0, 0), (6, 0), (6, 2), (2, 2), (2, 6), (0, 6)], float)
 
@@ -91,7 +92,7 @@ def disk_image(radius, centre=(60.3, 50.7), shape=(110, 120)):
 
 @pytest.mark.parametrize("radius", (10, 20, 40))
 def test_outline_of_a_drawn_disk(radius):
-    (found,), unusable = outlines.label_outlines(disk_image(radius))
+    (found,), unusable = label_outlines(disk_image(radius))
     assert not unusable
     distance = np.linalg.norm(found.vertices - (60.3, 50.7), axis=1)
     assert np.abs(distance - radius).max() < 0.35  # of a pixel; its staircase: 0.7
@@ -105,7 +106,7 @@ def test_touching_labels_share_their_line():
     image = np.zeros((60, 80), int)
     image[10:50, 10:40] = 3
     image[10:50, 40:70] = 7
-    (left, right), _ = outlines.label_outlines(image)
+    (left, right), _ = label_outlines(image)
     assert (left.label, right.label) == (3, 7)
     assert left.vertices[:, 0].max() == pytest.approx(40, abs=1e-6)
     assert right.vertices[:, 0].min() == pytest.approx(40, abs=1e-6)
@@ -120,7 +121,7 @@ def test_unusable_labels_are_named():
     image[50:55, 50:55] = 0
     image[36:37, 2:70] = 5
     image[60:75, 22:37] = 6
-    found, unusable = outlines.label_outlines(image, smoothing=2.0)
+    found, unusable = label_outlines(image, smoothing=2.0)
     assert [outline.label for outline in found] == [6]
     assert "touches the border" in unusable[1]
     assert unusable[2] == "has 16 pixels, fewer than least_pixels = 50"

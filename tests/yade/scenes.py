@@ -72,6 +72,22 @@ def present_state():
     }
 
 
+def assert_same_bits(found, expected):
+    assert set(found) == set(expected)
+    for name in expected:
+        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+
+
+def assert_goes_on_after_loading(path, steps):
+    """Save the scene, run, load it and run again: the same bits."""
+    O.save(str(path))
+    run(steps)
+    expected = present_state()
+    O.load(str(path))
+    run(steps)
+    assert_same_bits(present_state(), expected)
+
+
 def run_python(code, folder, environment=None, command=None):
     """Run code in a new Python (or by another command, to which the file is added) in a folder."""
     script = folder / "script.py"

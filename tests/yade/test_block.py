@@ -5,7 +5,14 @@ import re
 
 import numpy as np
 import pytest
-from scenes import add_disk, add_wall, present_state, ready, run, soft_material
+from scenes import (
+    add_disk,
+    add_wall,
+    assert_goes_on_after_loading,
+    ready,
+    run,
+    soft_material,
+)
 from yade import O, Quaternion
 
 import softgrain as sg
@@ -87,14 +94,7 @@ def test_saved_block_goes_on_with_the_same_bits(tmp_path):
     add_wall(-0.005, 1, friction=0.3)
     ready(gravity=(0, -100, 0))
     run(50)
-    O.save(str(tmp_path / "scene.xml"))
-    run(50)
-    expected = present_state()
-    O.load(str(tmp_path / "scene.xml"))
-    run(50)
-    found = present_state()
-    for name in expected:
-        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+    assert_goes_on_after_loading(tmp_path / "scene.xml", 50)
 
 
 @pytest.mark.parametrize("contact", ("surface", "points", "nodes"))

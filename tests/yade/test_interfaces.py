@@ -4,7 +4,16 @@ import math
 
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, present_state, ready, run, soft_material
+from scenes import (
+    RADIUS,
+    add_disk,
+    add_wall,
+    assert_goes_on_after_loading,
+    present_state,
+    ready,
+    run,
+    soft_material,
+)
 from yade import FrictMat, MatchMaker, O, utils
 
 import softgrain as sg
@@ -162,14 +171,7 @@ def test_saved_and_loaded(tmp_path):
     run(300)
     bonds = [b for i in O.interactions if i.isReal for b in i.geom.contacts()["bond"]]
     assert {1, 2} & set(bonds)
-    O.save(str(tmp_path / "scene.yade.gz"))
-    run(200)
-    after = present_state()
-    O.load(str(tmp_path / "scene.yade.gz"))
-    run(200)
-    found = present_state()
-    for name, value in after.items():
-        np.testing.assert_array_equal(found[name], value, err_msg=name)
+    assert_goes_on_after_loading(tmp_path / "scene.yade.gz", 200)
 
 
 def test_same_bits_for_any_number_of_threads():

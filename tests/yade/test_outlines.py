@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 from PIL import Image
 from scipy import optimize
-from scenes import DENSITY, YOUNG, add_disk, add_wall, present_state, ready, run, soft_material
+from scenes import (
+    DENSITY,
+    YOUNG,
+    add_disk,
+    add_wall,
+    assert_goes_on_after_loading,
+    ready,
+    run,
+    soft_material,
+)
 from yade import O
 
 import softgrain as sg
@@ -305,14 +314,7 @@ def test_saved_polygon_goes_on_with_the_same_bits(tmp_path):
     add_wall(STAR[:, 1].min(), 1, friction=0.3)
     ready(gravity=(0, -100, 0))
     run(50)
-    O.save(str(tmp_path / "scene.xml"))
-    run(50)
-    expected = present_state()
-    O.load(str(tmp_path / "scene.xml"))
-    run(50)
-    found = present_state()
-    for name in expected:
-        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+    assert_goes_on_after_loading(tmp_path / "scene.xml", 50)
 
 
 def drawn_labels():

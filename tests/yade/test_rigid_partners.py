@@ -4,7 +4,16 @@ import math
 
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, present_state, ready, run, soft_material
+from scenes import (
+    RADIUS,
+    add_disk,
+    add_wall,
+    assert_goes_on_after_loading,
+    present_state,
+    ready,
+    run,
+    soft_material,
+)
 from yade import FrictMat, O, Quaternion, Vector3, utils
 
 import softgrain as sg
@@ -411,14 +420,7 @@ def test_saved_run_goes_on(suffix, tmp_path):
     mixed_scene()
     run(120)
     assert sg.integrator().activeContacts > 0
-    O.save(str(tmp_path / f"scene.{suffix}"))
-    run(100)
-    after = present_state()
-    O.load(str(tmp_path / f"scene.{suffix}"))
-    run(100)
-    found = present_state()
-    for name, value in after.items():
-        np.testing.assert_array_equal(found[name], value, err_msg=name)
+    assert_goes_on_after_loading(tmp_path / f"scene.{suffix}", 100)
 
 
 def test_threads_change_nothing():
@@ -467,13 +469,7 @@ def test_soften_when_loaded():
 def test_soften_when_loaded_is_saved(tmp_path):
     late_scene()
     run(250)
-    O.save(str(tmp_path / "scene.xml.gz"))
-    run(400)
-    after = present_state()
-    O.load(str(tmp_path / "scene.xml.gz"))
-    run(400)
-    for name, value in present_state().items():
-        np.testing.assert_array_equal(value, after[name], err_msg=name)
+    assert_goes_on_after_loading(tmp_path / "scene.xml.gz", 400)
 
 
 def test_soften_when_loaded_needs_an_integrator():

@@ -6,7 +6,17 @@ from pathlib import Path
 import compaction
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, assert_done, present_state, ready, run, run_python
+from scenes import (
+    RADIUS,
+    add_disk,
+    add_wall,
+    assert_done,
+    assert_same_bits,
+    present_state,
+    ready,
+    run,
+    run_python,
+)
 from yade import O, Vector3
 
 import softgrain as sg
@@ -39,12 +49,6 @@ def compact_to(phi, folder):
     box.close(options.speed)
     while sg.packing_fraction(box.area) < phi:
         run(20)
-
-
-def assert_same_bits(found, expected):
-    assert set(found) == set(expected)
-    for name in expected:
-        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
 
 
 @pytest.fixture(scope="module")

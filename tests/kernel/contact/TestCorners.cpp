@@ -20,14 +20,6 @@ std::shared_ptr<const GrainTemplate<2>> blockTemplate(double zeta, double surfac
 	return makeGrainTemplate<2>(r);
 }
 
-ContactList<2> pair()
-{
-	ContactList<2> list;
-	list.first = 0;
-	list.second = 1;
-	return list;
-}
-
 } // namespace
 
 TEST_CASE("Corners: blocks side by side touch on their sides alone", "[contact]")
@@ -37,7 +29,7 @@ TEST_CASE("Corners: blocks side by side touch on their sides alone", "[contact]"
 		CAPTURE(overlap);
 		const auto left = contactBody<2>(*reference, 1, { -2 + overlap / 2, 0 });
 		const auto right = contactBody<2>(*reference, 1, { 2 - overlap / 2, 0 });
-		auto list = pair();
+		auto list = pairList<2>();
 		findContacts(left, right, 0.02, list);
 		CHECK(list.contacts.size() == 10); // five nodes a side
 		for (const Contact<2>& c : list.contacts) {
@@ -54,7 +46,7 @@ TEST_CASE("Corners: nodes beyond the end of a side do not touch it", "[contact]"
 	const auto reference = blockTemplate(0.5);
 	const auto lower = contactBody<2>(*reference, 1, { 0, 0 });
 	const auto upper = contactBody<2>(*reference, 1, { 3, 2 - 1e-3 });
-	auto list = pair();
+	auto list = pairList<2>();
 	findContacts(lower, upper, 0.02, list);
 	CHECK(list.contacts.size() == 6);
 	for (const Contact<2>& c : list.contacts) {
@@ -70,7 +62,7 @@ TEST_CASE("Corners: corner against corner touches across the distance", "[contac
 	const auto reference = blockTemplate(0.5);
 	const auto lower = contactBody<2>(*reference, 1, { 0, 0 });
 	const auto upper = contactBody<2>(*reference, 1, { 4.03, 2.04 });
-	auto list = pair();
+	auto list = pairList<2>();
 	findContacts(lower, upper, 0.1, list);
 	REQUIRE(list.contacts.size() == 2);
 	for (const Contact<2>& c : list.contacts) {
@@ -85,7 +77,7 @@ TEST_CASE("Corners: a deep overlap of blocks is still noticed", "[contact]")
 	const auto reference = blockTemplate(0.25);
 	const auto lower = contactBody<2>(*reference, 1, { 0, 0 });
 	const auto upper = contactBody<2>(*reference, 1, { 0.3, 1 });
-	auto list = pair();
+	auto list = pairList<2>();
 	findContacts(lower, upper, 0.02, list);
 	CHECK(list.deepest > 2);
 }
@@ -96,7 +88,7 @@ TEST_CASE("Pressure: uniform forces give a uniform pressure on both sides", "[co
 	const auto coarse = blockTemplate(0.25), fine = blockTemplate(0.15);
 	const auto lower = contactBody<2>(*coarse, 1, { 0, 0 });
 	const auto upper = contactBody<2>(*fine, 1, { 0, 2 });
-	auto list = pair();
+	auto list = pairList<2>();
 	findContacts(lower, upper, 0.01, list);
 	// half of it by the nodes of each side
 	for (Contact<2>& c : list.contacts) {

@@ -53,14 +53,6 @@ template <int dim> Balls<dim> twoBalls(double gap, double spacing, unsigned seed
 	return balls;
 }
 
-template <int dim> ContactList<dim> pairList()
-{
-	ContactList<dim> list;
-	list.first = 0;
-	list.second = 1;
-	return list;
-}
-
 struct Errors {
 	double gap = 0, normal = 0;
 	int contacts = 0;

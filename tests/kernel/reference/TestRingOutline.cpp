@@ -58,14 +58,6 @@ double momentOfInertia(const Quadrature<2>& q)
 	return sum;
 }
 
-ContactList<2> pair()
-{
-	ContactList<2> list;
-	list.first = 0;
-	list.second = 1;
-	return list;
-}
-
 } // namespace
 
 TEST_CASE("Ring: cells cut with an indented polygon hold what is inside", "[reference][ring]")
@@ -202,7 +194,7 @@ TEST_CASE("Ring: a small grain in the notch of another touches neither, nor lies
 	const Vec<2> corner = ring.vertex[3];
 	auto search = [&](const Vec<2>& centre) {
 		const auto small = contactBody<2>(*disk, 0.5, centre);
-		auto list = pair();
+		auto list = pairList<2>();
 		findContacts(big, small, 0.02, list);
 		return list;
 	};
@@ -225,10 +217,10 @@ TEST_CASE("Ring: a small grain in the notch of another touches neither, nor lies
 	CHECK(below);
 	// wholly inside, where no outline is near
 	const auto tiny = contactBody<2>(*disk, 0.1, 0.5 * (ring.vertex[0] + corner));
-	auto list = pair();
+	auto list = pairList<2>();
 	findContacts(big, tiny, 0.02, list);
 	CHECK(list.deepest == std::numeric_limits<double>::infinity());
-	auto same = pair();
+	auto same = pairList<2>();
 	findContacts(big, big, 0.02, same);
 	CHECK(same.deepest == std::numeric_limits<double>::infinity());
 }
@@ -244,7 +236,7 @@ TEST_CASE("Ring: a tip below the corner of a notch is pushed back to it", "[cont
 		const auto left = contactBody<2>(*reference, 1, { 0, 0 });
 		const auto right =
 			contactBody<2>(*reference, 1, tip - notch - Vec<2>(depth, 0) + aside);
-		auto list = pair();
+		auto list = pairList<2>();
 		findContacts(left, right, 0.02, list);
 		bool found = false;
 		for (const Contact<2>& c : list.contacts) {
@@ -276,7 +268,7 @@ TEST_CASE("Ring: nothing touches through a thin tip", "[contact][ring]")
 		const auto below = contactBody<2>(*one, 1, { 0, 0 });
 		const auto above =
 			contactBody<2>(*image, 1, 2 * tip + 0.3 * flank + gap * outwards);
-		auto list = pair();
+		auto list = pairList<2>();
 		findContacts(below, above, 0.1, list);
 		CHECK(list.contacts.size() > 2);
 		for (const Contact<2>& c : list.contacts)

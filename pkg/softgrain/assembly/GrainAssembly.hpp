@@ -2,22 +2,15 @@
 // scene hidden. No YADE header, no physics.
 #pragma once
 
-#include "ContactProblemArrays.hpp"
-#include "contact/Pressure.hpp"
+#include "assembly/ContactProblemArrays.hpp"
+#include "assembly/PairContacts.hpp"
+#include "assembly/RigidDescriptions.hpp"
 #include "step/System.hpp"
 
-#include <Eigen/Geometry>
-#include <array>
 #include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
 namespace softgrain {
-
-using Vec3 = Eigen::Vector3d;
-using Mat3 = Eigen::Matrix3d;
-using Rotation = Eigen::Quaterniond;
 
 /// One grain to be assembled. Throughout, 2D grains lie in the xy-plane.
 struct GrainDescription {
@@ -38,52 +31,6 @@ struct GrainDescription {
 	GrainState state;           ///< to go on from; empty: undeformed
 };
 
-/// A rigid plane wall with prescribed motion.
-struct WallDescription {
-	int id; ///< of the YADE body
-	Vec3 point, normal, velocity;
-};
-
-/// Surface of a rigid body with its motion. In 2D: a disk, the segment in which a triangle cuts the
-/// plane of the grains, a rectangle.
-struct RigidBodyDescription {
-	enum class Form { ball, plate, block };
-	int id; ///< of the YADE body with this surface
-	Form form;
-	Vec3 position, velocity, angularVelocity;
-	Rotation orientation;
-	Vec3 size;                  ///< of a ball: the radius; of a block: half sides, m
-	std::array<Vec3, 3> corner; ///< of a plate, in space
-};
-
-/// How a grain sees its partner in a periodic cell: displaced by a period, and moving with the
-/// cell.
-struct ImageDescription {
-	Vec3 shift = Vec3::Zero();    ///< from the partner to its image, m
-	Vec3 velocity = Vec3::Zero(); ///< of the shift, m/s
-};
-
-/// A rigid body in the contacts of a step: what it weighs and how it moves.
-struct RigidMotionDescription {
-	Vec3 centre;                            ///< of mass, m
-	Vec3 velocity, angularVelocity;         ///< half a step ago
-	Vec3 freeVelocity, freeAngularVelocity; ///< in half a step, without contact
-	Vec3 inverseMass;                       ///< along each axis of space, 1/kg; 0: held
-	Mat3 inverseInertia;                    ///< in the axes of space, 1/(kg m^2); 0: held
-	/// By the step: out of overlaps with other rigid bodies, besides the motion, m and rad.
-	Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();
-};
-
-/// Two rigid bodies where they touch, or may in the coming step.
-struct RigidContactDescription {
-	int first, second;  ///< numbers of their RigidMotionDescription
-	Vec3 point, normal; ///< m; unit, from the first to the second
-	double gap;         ///< m, negative for an overlap
-	double size;        ///< what the spacing of material points is to soft grains, m
-	double friction;    ///< mu
-	Vec3 impulse;       ///< on the second, N s: the last one, after a step the solved one
-};
-
 /// One grain as a rigid body would show.
 struct GrainMotion {
 	double mass, inertia; ///< inertia about z in 2D, mean principal one in 3D
@@ -95,61 +42,6 @@ struct GrainMotion {
 struct GrainEnergy {
 	double kinetic; ///< of the present velocities
 	double elastic; ///< at the beginning of the last step; 0 before the first
-};
-
-struct ContactRecord {
-	ContactKey key;
-	Vec3 point, normal, impulse; ///< normal and impulse act on the node's grain
-	double gap;
-	Vec3 pull = Vec3::Zero(); ///< impulse of the interface's tractions, besides, N s
-	Bond bond = Bond::none;
-	double damage = 0; ///< of the bond, in [0, 1]
-};
-
-/// What the contacts of a pair do to its first grain together.
-struct SumOfImpulses {
-	Vec3 normal = Vec3::Zero(), shear = Vec3::Zero(); ///< N s
-	Vec3 point = Vec3::Zero(); ///< mean of the contact points, on the first grain's side, m
-	/// On a rigid body (no wall), about the RigidBodyDescription::position of its image, N m s.
-	Vec3 moment = Vec3::Zero();
-	int contacts = 0, active = 0; ///< those with an impulse
-};
-
-/// Contacts of one pair; its first grain has the lower index.
-class PairContacts {
-public:
-	virtual ~PairContacts() = default;
-	/// Whether there is a contact point within reach, or an overlap too deep for one.
-	virtual bool hasContact() const = 0;
-	/// The pair is asleep, and its impulses in the last step were those of the step before.
-	virtual bool isKept() const = 0;
-	virtual double deepest() const = 0; ///< largest overlap, in dr
-	virtual void setFriction(double coefficient) = 0;
-	/// In the coming step, of the image of the second body, beyond its own velocity, m/s.
-	virtual void setImageVelocity(const Vec3& velocity) = 0;
-	/// What acts besides friction (none: nothing), valid or not.
-	virtual void setInterface(const std::optional<InterfaceLaw>& law) = 0;
-	/// Throws std::invalid_argument if law and friction are not admissible for the pair.
-	virtual void checkInterface() const = 0;
-	/// Bonds the contact points that touch now; returns their number.
-	virtual int bondTouching() = 0;
-	virtual std::vector<double> interfaceHistory() const = 0; ///< for a save; empty: none
-	virtual void restoreInterface(const std::vector<double>& saved) = 0;
-	/// With a rigid body (no wall); `partner` is the number of its motion in the coming step.
-	virtual bool hasRigidBody() const = 0;
-	virtual void setPartner(int partner) = 0;
-	virtual int firstGrain() const = 0;
-	virtual SumOfImpulses impulse() const = 0;
-	virtual std::vector<ContactRecord> records() const = 0;
-	/// Of the last step, one for each record.
-	virtual std::vector<ContactPressure> pressures() const = 0;
-	virtual double kick() const = 0; ///< time over which the impulses acted, s
-	/// Puts saved impulses back; the next search carries them over to the contacts it finds.
-	virtual void restore(const std::vector<ContactRecord>& saved) = 0;
-	/// What a sleeping pair has to be saved with besides its records; empty if awake.
-	virtual std::vector<double> rest() const = 0;
-	/// After `restore`: the pair sleeps on.
-	virtual void restoreRest(const std::vector<double>& saved) = 0;
 };
 
 /// Fields at the material points of a grain.

@@ -1,4 +1,4 @@
-#include "ContactProblemArrays.hpp"
+#include "assembly/ContactProblemArrays.hpp"
 #include "Require.hpp"
 
 #include <algorithm>

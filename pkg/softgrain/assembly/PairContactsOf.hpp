@@ -1,0 +1,207 @@
+// The contacts of a pair in a system of either dimension.
+#pragma once
+
+#include "Require.hpp"
+#include "assembly/PairContacts.hpp"
+#include "step/System.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace softgrain {
+
+template <int dim> class PairContactsOf : public PairContacts {
+public:
+	PairContactsOf(const System<dim>& system, double z)
+		: system_(&system)
+		, z_(z)
+	{
+	}
+	bool hasContact() const override { return !list.contacts.empty() || list.deepest > 0; }
+	bool isKept() const override { return list.isAsleep() && list.rest.kept; }
+	double deepest() const override { return list.deepest; }
+	void setFriction(double coefficient) override
+	{
+		if (coefficient != list.friction) list.rest.changed = true;
+		list.friction = coefficient;
+	}
+	void setInterface(const std::optional<InterfaceLaw>& law) override
+	{
+		const bool had = list.interface && !lawUnknown_;
+		const bool same = law ? had && *law == list.interface->law : !list.interface;
+		if (same) return;
+		if (!lawUnknown_) list.rest.changed = true;
+		lawUnknown_ = false;
+		if (!law) {
+			list.interface.reset();
+			return;
+		}
+		if (!list.interface) list.interface.emplace();
+		list.interface->law = *law;
+		list.interface->resize(list.contacts.size());
+	}
+	void checkInterface() const override
+	{
+		if (!list.interface) {
+			require(list.friction >= 0 && std::isfinite(list.friction), "friction",
+				list.friction, "[0, inf)");
+			return;
+		}
+		const InterfaceLaw& law = list.interface->law;
+		law.validate(list.friction);
+		require(law.restitution == 0 || list.second < 0, "restitution", law.restitution,
+			"0 between two soft grains");
+		require(law.range() <= system_->interfaceRange(), "range of the interface",
+			law.range(), "[0, SoftGrainIntegrator.interfaceRange] m");
+		if (!system_->body(list.first).isSurface())
+			throw std::invalid_argument(
+				"interface laws need soft grains with contact = 'surface'");
+	}
+	int bondTouching() override
+	{
+		if (!list.interface) return 0;
+		int bonded = 0;
+		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
+			const Contact<dim>& c = list.contacts[k];
+			const double dr =
+				system_->body(list.second >= 0 && c.key.side == 1 ? list.second
+										  : list.first)
+					.pointSpacing;
+			if (c.gap > touchingGap * dr && c.impulse.isZero(0)) continue;
+			list.interface->bondNow(k, c.gap);
+			++bonded;
+		}
+		if (bonded > 0) list.rest.changed = true;
+		return bonded;
+	}
+	std::vector<double> interfaceHistory() const override
+	{
+		return list.interface ? list.interface->numbers() : std::vector<double>();
+	}
+	void restoreInterface(const std::vector<double>& saved) override
+	{
+		if (saved.empty()) return;
+		list.interface.emplace();
+		list.interface->restore(saved);
+		list.interface->resize(list.contacts.size());
+		lawUnknown_ = true;
+	}
+
+	void setImageVelocity(const Vec3& velocity) override
+	{
+		list.image.velocity = toKernel<dim>(velocity);
+	}
+
+	bool hasRigidBody() const override { return list.rigid.has_value(); }
+	void setPartner(int partner) override { list.rigid->partner = partner; }
+
+	int firstGrain() const override { return list.first; }
+	SumOfImpulses impulse() const override
+	{
+		SumOfImpulses sum;
+		sum.contacts = static_cast<int>(list.contacts.size());
+		if (sum.contacts == 0) return sum;
+		sum.active = list.impulse.active;
+		sum.normal = toSpace<dim>(list.impulse.normal);
+		sum.shear = toSpace<dim>(list.impulse.shear);
+		sum.point = toSpace<dim>(list.impulse.point, z_);
+		sum.moment = angularToSpace<dim>(list.impulse.moment);
+		return sum;
+	}
+
+	std::vector<ContactRecord> records() const override
+	{
+		std::vector<ContactRecord> result;
+		for (const Contact<dim>& c : list.contacts) {
+			result.push_back({ c.key, toSpace<dim>(pointOf(c), z_),
+					   toSpace<dim>(c.normal), toSpace<dim>(c.impulse),
+					   c.gap });
+		}
+		if (!list.interface) return result;
+		for (std::size_t k = 0; k < result.size(); ++k) {
+			const ContactHistory<dim>& h = list.interface->history[k];
+			result[k].pull = toSpace<dim>(h.pull);
+			result[k].bond = h.bond;
+			if (h.bond != Bond::none) result[k].damage = damageOf(h);
+		}
+		return result;
+	}
+
+	std::vector<ContactPressure> pressures() const override
+	{
+		if (list.contacts.empty()) return {};
+		std::vector<Contact<dim>> forces;
+		if (list.interface) {
+			forces = list.contacts;
+			for (std::size_t k = 0; k < forces.size(); ++k)
+				forces[k].impulse += list.interface->history[k].pull;
+		}
+		return contactPressures<dim>(system_->body(list.first),
+					     list.second < 0 ? nullptr
+							     : &system_->body(list.second),
+					     list.interface ? forces : list.contacts, kick());
+	}
+	double kick() const override
+	{
+		return list.isAsleep() ? list.rest.kick : system_->lastKick();
+	}
+
+	void restore(const std::vector<ContactRecord>& saved) override
+	{
+		list.contacts.clear();
+		if (list.interface) list.interface->beginSearch();
+		for (const ContactRecord& record : saved) {
+			Contact<dim> c;
+			c.key = record.key;
+			c.impulse = toKernel<dim>(record.impulse);
+			list.contacts.push_back(c);
+		}
+	}
+
+	std::vector<double> rest() const override
+	{
+		if (!list.isAsleep()) return {};
+		const Vec<dim>& point = list.rest.planePoint;
+		std::vector<double> numbers { list.rest.kick, list.friction };
+		numbers.insert(numbers.end(), point.data(), point.data() + dim);
+		return numbers;
+	}
+	void restoreRest(const std::vector<double>& saved) override
+	{
+		if (saved.empty()) return;
+		requireSize("figures of a sleeping pair", saved, 2 + dim);
+		list.friction = saved[1];
+		list.rest = { saved[0], Eigen::Map<const Vec<dim>>(&saved[2]), false, false };
+	}
+
+	ContactList<dim> list;
+
+private:
+	/// A rigid body has no nodes: there it is the place that bears it.
+	Vec<dim> pointOf(const Contact<dim>& c) const
+	{
+		const bool onFirst = c.key.side == 0;
+		if (onFirst) return system_->body(list.first).contactPoint(c.key.node);
+		if (!list.rigid)
+			return system_->body(list.second).contactPoint(c.key.node) +
+			       list.image.shift;
+		Vec<dim> place = Vec<dim>::Zero();
+		for (int i = 0; i < c.partners; ++i)
+			place += c.weight[i] * system_->body(list.first).position[c.partner[i]];
+		return place;
+	}
+
+	/// Share of the stiffness that is gone.
+	double damageOf(const ContactHistory<dim>& h) const
+	{
+		const InterfaceLaw& law = list.interface->law;
+		if (h.bond == Bond::broken || !law.hasBond()) return 1;
+		return 1 - law.secantStiffness(h.largest) / law.stiffness();
+	}
+
+	const System<dim>* system_;
+	double z_;
+	bool lawUnknown_ = false; ///< history was restored, the law is still to come
+};
+
+} // namespace softgrain

@@ -1,0 +1,98 @@
+#include "assembly/RigidInKernel.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace softgrain {
+
+void refuse(const RigidBodyDescription& body, const std::string& why)
+{
+	throw std::invalid_argument("rigid body #" + std::to_string(body.id) + " " + why);
+}
+
+template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescription& body, double z)
+{
+	using Form = RigidBodyDescription::Form;
+	const Vec<2> centre = body.position.head<2>();
+	if (body.form == Form::ball) {
+		if (std::abs(body.position[2] - z) > 1e-6 * body.size[0])
+			refuse(body, "is a Sphere near 2D soft grains with its centre out of their "
+				     "plane z = " +
+					     std::to_string(z) + "; put it into that plane");
+		return BallSurface<2> { centre, body.size[0] };
+	}
+	if (body.form == Form::block) {
+		const Mat3 axes = body.orientation.toRotationMatrix();
+		if (std::abs(axes(2, 2)) < 1 - 1e-12)
+			refuse(body,
+			       "is a Box near 2D soft grains that is turned about x or y; turn "
+			       "it about z only");
+		if (std::abs(body.position[2] - z) > body.size[2]) return std::nullopt;
+		return BlockSurface<2> { centre, axes.topLeftCorner<2, 2>(), body.size.head<2>() };
+	}
+	std::vector<Vec<2>> cut;
+	for (int i = 0; i < 3; ++i) {
+		const Vec3 a = body.corner[i], b = body.corner[(i + 1) % 3];
+		const double ha = a[2] - z, hb = b[2] - z;
+		if ((ha < 0) == (hb < 0)) continue;
+		cut.push_back((a + ha / (ha - hb) * (b - a)).head<2>());
+	}
+	const double size = (body.corner[1] - body.corner[0]).norm();
+	if (cut.size() < 2 || (cut[1] - cut[0]).norm() < 1e-9 * size) return std::nullopt;
+	return PlateSurface<2> { { cut[0], cut[1] } };
+}
+
+template <> std::optional<RigidSurface<3>> surfaceIn<3>(const RigidBodyDescription& body, double)
+{
+	using Form = RigidBodyDescription::Form;
+	if (body.form == Form::ball) return BallSurface<3> { body.position, body.size[0] };
+	if (body.form == Form::block)
+		return BlockSurface<3> { body.position, body.orientation.toRotationMatrix(),
+					 body.size };
+	return PlateSurface<3> { body.corner };
+}
+
+template <int dim> RigidPartner<dim> partnerOf(const RigidMotionDescription& d)
+{
+	RigidPartner<dim> p;
+	p.centre = toKernel<dim>(d.centre);
+	p.velocity = toKernel<dim>(d.freeVelocity);
+	p.spin = angularToKernel<dim>(d.freeAngularVelocity);
+	p.velocityBefore = toKernel<dim>(d.velocity);
+	p.spinBefore = angularToKernel<dim>(d.angularVelocity);
+	p.inverseMass = toKernel<dim>(d.inverseMass);
+	p.inverseInertia = d.inverseInertia.bottomRightCorner<p.spins, p.spins>();
+	return p;
+}
+
+template <int dim> std::optional<RigidContact<dim>> contactOf(const RigidContactDescription& d)
+{
+	constexpr double rounding = 1e-9; // of a unit normal that YADE computed
+	if (dim == 2 && std::abs(d.normal[2]) > rounding) {
+		if (std::abs(d.normal[2]) > 1 - rounding) return std::nullopt;
+		throw std::invalid_argument(
+			"two rigid bodies touch out of the plane of 2D soft grains: put their "
+			"centres into that plane");
+	}
+	return RigidContact<dim> {
+		d.first, d.second,   toKernel<dim>(d.point),  toKernel<dim>(d.normal), d.gap,
+		d.size,  d.friction, toKernel<dim>(d.impulse)
+	};
+}
+
+RigidBodyDescription displaced(RigidBodyDescription body, const Vec3& shift)
+{
+	body.position += shift;
+	for (Vec3& corner : body.corner)
+		corner += shift;
+	return body;
+}
+
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template RigidPartner<dim> partnerOf<dim>(const RigidMotionDescription&);                  \
+	template std::optional<RigidContact<dim>> contactOf<dim>(const RigidContactDescription&);
+SOFTGRAIN_INSTANTIATE(2)
+SOFTGRAIN_INSTANTIATE(3)
+#undef SOFTGRAIN_INSTANTIATE
+
+} // namespace softgrain
