@@ -188,12 +188,14 @@ double sideOf(const Wall& wall, const State& state, const Vec3& grain)
 	return grain[wall.axis] > state.pos[wall.axis] ? 1 : -1;
 }
 
-/// The part of a free wall that a grain may touch.
+/// The part of a free wall that a grain may touch: the face of a block, so wide and deep that the
+/// grain meets none of its edges.
 void describeFreeWall(const Wall& wall, const State& state, const SoftGrain& grain,
 		      softgrain::RigidBodyDescription& d)
 {
 	const softgrain::Box<3> box = grain.assembly->box(grain.index, softgrain::Mat3::Identity());
-	const double halfSide = 4 * (box.high - box.low).maxCoeff();
+	constexpr double farOut = 4; // in sides of the grain
+	const double halfSide = farOut * (box.high - box.low).maxCoeff();
 	const Vec3 centre = box.centre();
 	d.form = softgrain::RigidBodyDescription::Form::block;
 	d.size = Vec3::Constant(halfSide);

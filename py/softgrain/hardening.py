@@ -2,7 +2,7 @@
 
 import math
 
-from yade import FrictMat, InsertionSortCollider, O, Sphere, wrapper
+from yade import FrictMat, O, Sphere, wrapper
 
 from softgrain.observe import soft_bodies
 from softgrain.softening import drop_interactions, overlap_factor
@@ -46,9 +46,6 @@ def harden(ids=None, material=None, overlap="keep"):
         for body in bodies:
             body.shape.radius *= factor
     drop_interactions(bodies)
-    for engine in O.engines:
-        if isinstance(engine, InsertionSortCollider):
-            engine.doSort = True  # look anew at all pairs: those dropped are known to it as seen
     return [b.id for b in bodies]
 
 

@@ -17,6 +17,8 @@ from softgrain.time_loop import check_fraction, set_time_step
 #: Overlaps up to this share of the smaller radius are left to be worked off; rigid packings of
 #: usual stiffness stay below.
 WORKABLE_OVERLAP = 0.05
+#: Members of a clump count as touching, not overlapping, at this share of two radii: rounding.
+TOUCHING = 0.999
 
 
 def soften(
@@ -94,9 +96,6 @@ def soften(
     drop_interactions(bodies)
     for body, grain in zip(bodies, shapes):
         _convert(body, grain, material)
-    for engine in O.engines:
-        if isinstance(engine, InsertionSortCollider):
-            engine.doSort = True  # look anew at all pairs: those dropped are known to it as seen
     set_time_step(time_step_fraction)
     return [b.id for b in bodies]
 
@@ -199,11 +198,14 @@ def _near_pairs(bodies):
 
 
 def drop_interactions(bodies):
-    """Erase all interactions of the bodies."""
+    """Erase all interactions of the bodies; those that are still near are found anew."""
     ids = {b.id for b in bodies}
     for i in list(O.interactions.all()):
         if i.id1 in ids or i.id2 in ids:
             O.interactions.erase(i.id1, i.id2)
+    for engine in O.engines:
+        if isinstance(engine, InsertionSortCollider):
+            engine.doSort = True  # look anew at all pairs: those dropped are known to it as seen
 
 
 def _convert(body, grain, material):
@@ -271,7 +273,7 @@ def _disk_mass_and_inertia(body):
         raise ValueError(f"ids: clump #{body.id} has a member that is no sphere")
     radii = [part.shape.radius for part in parts]
     if max(radii) > (1 + 1e-9) * min(radii) or any(
-        (a.state.pos - b.state.pos).norm() < 1.998 * radii[0]
+        (a.state.pos - b.state.pos).norm() < 2 * TOUCHING * radii[0]
         for k, a in enumerate(parts)
         for b in parts[:k]
     ):

@@ -1,10 +1,9 @@
 #include "contact/OutlineSearch.hpp"
-#include "contact/Facets.hpp"
-#include "contact/OutlineCurve.hpp"
+#include "contact/CandidateSearch.hpp"
+#include "contact/PlaceOnOutline.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace softgrain {
 
@@ -15,94 +14,6 @@ template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactB
 }
 
 namespace {
-
-template <int dim> struct PlaceOnOutline {
-	int facet = -1;
-	std::array<double, dim> weight {};
-	double squaredDistance = std::numeric_limits<double>::infinity();
-};
-
-/// A facet and a ball that holds it.
-template <int dim> struct FacetNear {
-	int facet;
-	Vec<dim> centre;
-	double radius;
-};
-
-/// Nearest place to `x` on those of the facets of `body` that `admissible` lets pass.
-template <int dim, class Admissible>
-PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body,
-				 const std::vector<FacetNear<dim>>& facets, Admissible&& admissible)
-{
-	PlaceOnOutline<dim> best;
-	double distance = std::numeric_limits<double>::infinity();
-	for (const FacetNear<dim>& f : facets) {
-		const double farthest = distance + f.radius;
-		if ((x - f.centre).squaredNorm() > farthest * farthest) continue;
-		if (!admissible(f.facet)) continue;
-		std::array<Vec<dim>, dim> corner;
-		for (int i = 0; i < dim; ++i)
-			corner[i] = body.position[body.mesh->facet[f.facet][i]];
-		const auto weight = nearestOnFacet(x, corner);
-		Vec<dim> nearest = Vec<dim>::Zero();
-		for (int i = 0; i < dim; ++i)
-			nearest += weight[i] * corner[i];
-		const double squared = (x - nearest).squaredNorm();
-		if (squared >= best.squaredDistance) continue;
-		best = { f.facet, weight, squared };
-		distance = std::sqrt(squared);
-	}
-	return best;
-}
-
-/// The nearest place of all is wanted.
-constexpr auto anyFacet = [](int) { return true; };
-
-/// Gap and normal at a place on a 2D outline: of the smooth curve over the facet. What leans on the
-/// curve moves and pushes its nodes with the curve's own weights.
-void measureGap(const Vec<2>& x, const OutlineCurve& curve, const PlaceOnOutline<2>& place,
-		Contact<2>& contact)
-{
-	const OutlineCurve::Place foot = curve.nearest(x, place.weight[1]);
-	contact.partners = mostPartners<2>;
-	contact.facet = place.facet;
-	contact.partner = curve.nodes();
-	contact.weight = curve.weights(foot.t);
-	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
-	contact.gap = (x - foot.position).dot(contact.normal);
-}
-
-void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
-		Contact<2>& contact)
-{
-	measureGap(x, OutlineCurve(body, place.facet), place, contact);
-}
-
-/// The same in 3D: between its vertices the outline bulges over the flat facet by
-/// 1/2 sum_(i<j) w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second
-/// order.
-void measureGap(const Vec<3>& x, const ContactBody<3>& body, const PlaceOnOutline<3>& place,
-		Contact<3>& contact)
-{
-	const auto& vertex = body.mesh->facet[place.facet];
-	Vec<3> foot = Vec<3>::Zero(), normal = Vec<3>::Zero();
-	double bulge = 0;
-	for (int i = 0; i < 3; ++i) {
-		foot += place.weight[i] * body.position[vertex[i]];
-		normal += place.weight[i] * body.normalAt(place.facet, vertex[i]);
-		for (int j = 0; j < i; ++j)
-			bulge += 0.5 * place.weight[i] * place.weight[j] *
-				 (body.normalAt(place.facet, vertex[j]) -
-				  body.normalAt(place.facet, vertex[i]))
-					 .dot(body.position[vertex[j]] - body.position[vertex[i]]);
-	}
-	contact.partners = mostPartners<3>;
-	contact.facet = place.facet;
-	contact.partner = vertex;
-	contact.weight = place.weight;
-	contact.normal = normal.normalized();
-	contact.gap = (x - foot).dot(contact.normal) - bulge;
-}
 
 /// The facet over which the curve is nearest to a far place: it may be next to the nearest facet.
 int facetBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
@@ -188,81 +99,6 @@ bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOn
 	return true;
 }
 
-/// Facets that may reach into a region, in their order.
-template <int dim>
-std::vector<FacetNear<dim>> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
-{
-	const Box<dim> around = region.grown(body.longestEdge);
-	std::vector<FacetNear<dim>> found;
-	for (std::size_t f = 0; f < body.mesh->facet.size(); ++f) {
-		const auto& vertex = body.mesh->facet[f];
-		if (!around.contains(body.position[vertex[0]])) continue;
-		FacetNear<dim> near { static_cast<int>(f), Vec<dim>::Zero(), 0 };
-		for (int i : vertex)
-			near.centre += body.position[i] / dim;
-		for (int i : vertex)
-			near.radius =
-				std::max(near.radius, (body.position[i] - near.centre).norm());
-		found.push_back(near);
-	}
-	return found;
-}
-
-/// Nodes of `body` that may be inside `other` or within reach of it.
-template <int dim>
-std::vector<int> nodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other,
-			   double reach, double margin)
-{
-	std::vector<int> found = body.nodesIn(other.box.grown(margin));
-	// The ball is the tighter of the two for round grains. The outline bulges out of its facets
-	// by less than an eighth of the longest edge (3D: 0.29 of it).
-	const double radius = other.circumradius + reach + 0.3 * other.longestEdge;
-	const Vec<dim> centre = other.box.centre();
-	std::erase_if(found, [&](int s) {
-		return (body.position[s] - centre).squaredNorm() > radius * radius;
-	});
-	return found;
-}
-
-/// A contact; what lies deeper is none, but is known by its depth.
-template <int dim>
-void append(const ContactKey& key, Contact<dim>& contact, const ContactBody<dim>& body,
-	    const ContactBody<dim>& other, ContactList<dim>& list)
-{
-	list.noteOverlap(contact.gap, 0.5 * (body.pointSpacing + other.pointSpacing));
-	if (contact.gap < -contactDepth(body, other)) return;
-	contact.key = key;
-	list.contacts.push_back(contact);
-}
-
-/// The contact of a node with a place on an outline, but for its key.
-template <int dim>
-Contact<dim> contactAt(const Vec<dim>& x, const ContactBody<dim>& other,
-		       const PlaceOnOutline<dim>& place)
-{
-	Contact<dim> contact;
-	measureGap(x, other, place, contact);
-	return contact;
-}
-
-/// Calls `use(node, facets)` for the nodes of `body` that may be within reach of the outline of
-/// `other`, with the facets that may be the nearest.
-template <int dim, class Use>
-void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach,
-		  ContactList<dim>& list, Use&& use)
-{
-	// The outline bulges out of the box of its vertices, and the facet nearest to a node that
-	// overlaps may lie outside the common region: both by less than a contact depth.
-	const double margin = std::max(reach, contactDepth(body, other));
-	const auto nodes = nodesNear(body, other, reach, margin);
-	if (nodes.empty()) return;
-	const auto facets = facetsIn(other, body.box.grown(margin));
-	if (facets.empty()) return;
-	list.tested += static_cast<int>(nodes.size());
-	for (int s : nodes)
-		use(s, facets);
-}
-
 /// Whether a place outside of a grain lies before a facet, not behind it on the far side of a thin
 /// arm.
 bool isBefore(const Vec<2>& x, const ContactBody<2>& body, int facet)
@@ -315,121 +151,6 @@ void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& o
 	});
 }
 
-/// Candidates are looked for this far beyond the reach, in dr: much less makes them short-lived,
-/// much more makes too many.
-constexpr double candidateMargin = 0.3;
-
-/// How far a node and a place on the other outline may have come towards each other: such a place
-/// moves by no more than 1.25 times the most that a node does (sum of the sizes of the weights of
-/// OutlineCurve).
-double approached(double travelled) { return 1.25 * travelled; }
-
-template <int dim>
-void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
-		    ContactList<dim>& list)
-{
-	ContactCandidates& candidates = list.candidates;
-	forNodesNear(body, other, candidates.covered, list, [&](int s, const auto& facets) {
-		const Vec<dim>& x = body.position[s];
-		const auto place = nearestPlace(x, other, facets, anyFacet);
-		const double gap = contactAt(x, other, place).gap;
-		if (gap < candidates.covered)
-			candidates.nodes.push_back(
-				{ side, s, place.facet, gap + approached(candidates.travelled) });
-	});
-}
-
-template <int dim>
-void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
-		     ContactList<dim>& list)
-{
-	ContactCandidates& candidates = list.candidates;
-	const double travelled = first.travelled + second.travelled;
-	const double since = travelled - candidates.travelled; // negative: of other bodies
-	if (since >= 0 && reach + approached(since) <= candidates.covered) return;
-	candidates.nodes.clear();
-	candidates.covered =
-		reach + candidateMargin * std::min(first.pointSpacing, second.pointSpacing);
-	candidates.travelled = travelled;
-	findCandidates(first, second, 0, list);
-	findCandidates(second, first, 1, list);
-}
-
-PlaceOnOutline<2> placeOnFacet(const Vec<2>& x, const ContactBody<2>& body, int facet)
-{
-	const auto& [begin, end] = body.mesh->facet[facet];
-	const auto weight = nearestOnFacet(x, { body.position[begin], body.position[end] });
-	const Vec<2> nearest = weight[0] * body.position[begin] + weight[1] * body.position[end];
-	return { facet, weight, (x - nearest).squaredNorm() };
-}
-
-/// Whether of both facets beside this one no place but the common end is near to `x`.
-bool isBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
-{
-	const auto& [before, begin, end, after] = body.mesh->carriers(facet);
-	const auto isBehind = [&](int node, int next) {
-		const Vec<2>& corner = body.position[node];
-		return (x - corner).dot(body.position[next] - corner) <= 0;
-	};
-	return isBehind(begin, before) && isBehind(end, after);
-}
-
-/// Nearest place to `x`, from facet to facet as long as the next is nearer (of two as near, as at a
-/// common end, the first in order).
-PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int facet)
-{
-	const int count = static_cast<int>(body.mesh->facet.size());
-	PlaceOnOutline<2> best = placeOnFacet(x, body, facet);
-	if (best.weight[0] > 0 && best.weight[1] > 0 && isBelow(x, body, facet)) return best;
-	for (int step : { 1, count - 1 })
-		while (true) {
-			const auto next = placeOnFacet(x, body, (best.facet + step) % count);
-			const bool nearer = next.squaredDistance < best.squaredDistance;
-			const bool first = next.squaredDistance == best.squaredDistance &&
-					   next.facet < best.facet;
-			if (!nearer && !first) break;
-			best = next;
-		}
-	return best;
-}
-
-/// A bound of the gap of a node from below that is cheaper than the gap; nothing that would help
-/// for nodes inside. (The curve bulges out of its facet, and at the end of a facet the gap may be a
-/// little less than the distance.)
-double leastGap(const Vec<2>& x, const ContactBody<2>& body, const OutlineCurve& curve,
-		const PlaceOnOutline<2>& place)
-{
-	const Vec<2>& start = body.position[body.mesh->facet[place.facet][0]];
-	if ((x - start).dot(body.areaOfFacet(place.facet)) <= 0)
-		return -std::numeric_limits<double>::infinity();
-	return (std::sqrt(place.squaredDistance) - curve.bulge()) / 1.5;
-}
-
-void contactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
-			  ContactList<2>& list)
-{
-	const double way = approached(first.travelled + second.travelled);
-	for (ContactCandidates::Node& node : list.candidates.nodes) {
-		if (node.clearance - way >= reach) continue;
-		++list.tested;
-		const ContactBody<2>& body = node.side == 0 ? first : second;
-		const ContactBody<2>& other = node.side == 0 ? second : first;
-		const Vec<2>& x = body.position[node.node];
-		const auto place = followOutline(x, other, node.facet);
-		node.facet = place.facet;
-		const OutlineCurve curve(other, place.facet);
-		double gap = leastGap(x, other, curve, place);
-		if (gap < reach) {
-			Contact<2> contact;
-			measureGap(x, curve, place, contact);
-			gap = contact.gap;
-			if (gap < reach)
-				append({ node.side, node.node, -1 }, contact, body, other, list);
-		}
-		node.clearance = gap + way;
-	}
-}
-
 } // namespace
 
 template <int dim>
@@ -442,8 +163,7 @@ void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& 
 		nodesFacingOutline(first, second, 0, reach, list);
 		nodesFacingOutline(second, first, 1, reach, list);
 	} else if constexpr (dim == 2) {
-		renewCandidates(first, second, reach, list);
-		contactsOfCandidates(first, second, reach, list);
+		findContactsOfCandidates(first, second, reach, list);
 	} else {
 		nodesAgainstOutline(first, second, 0, reach, list);
 		nodesAgainstOutline(second, first, 1, reach, list);

@@ -1,0 +1,15 @@
+// The search that serves for several steps: nodes that may come into contact soon are found once
+// (ContactCandidates), and in each step only these are measured, from the facet that they had. For
+// 2D outlines without corners or indentations.
+#pragma once
+
+#include "contact/Contact.hpp"
+#include "contact/ContactBody.hpp"
+
+namespace softgrain {
+
+/// As findOutlineContacts; renews the candidates of the list when the bodies have moved too far.
+void findContactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second,
+			      double reach, ContactList<2>& list);
+
+} // namespace softgrain

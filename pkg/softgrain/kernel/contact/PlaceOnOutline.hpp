@@ -1,0 +1,178 @@
+// The place of an outline that a node lies against: what the searches of outlines have in common.
+#pragma once
+
+#include "contact/ContactBody.hpp"
+#include "contact/Facets.hpp"
+#include "contact/OutlineCurve.hpp"
+#include "contact/OutlineSearch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace softgrain {
+
+template <int dim> struct PlaceOnOutline {
+	int facet = -1;
+	std::array<double, dim> weight {};
+	double squaredDistance = std::numeric_limits<double>::infinity();
+};
+
+/// A facet and a ball that holds it.
+template <int dim> struct FacetNear {
+	int facet;
+	Vec<dim> centre;
+	double radius;
+};
+
+/// Nearest place to `x` on those of the facets of `body` that `admissible` lets pass.
+template <int dim, class Admissible>
+PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body,
+				 const std::vector<FacetNear<dim>>& facets, Admissible&& admissible)
+{
+	PlaceOnOutline<dim> best;
+	double distance = std::numeric_limits<double>::infinity();
+	for (const FacetNear<dim>& f : facets) {
+		const double farthest = distance + f.radius;
+		if ((x - f.centre).squaredNorm() > farthest * farthest) continue;
+		if (!admissible(f.facet)) continue;
+		std::array<Vec<dim>, dim> corner;
+		for (int i = 0; i < dim; ++i)
+			corner[i] = body.position[body.mesh->facet[f.facet][i]];
+		const auto weight = nearestOnFacet(x, corner);
+		Vec<dim> nearest = Vec<dim>::Zero();
+		for (int i = 0; i < dim; ++i)
+			nearest += weight[i] * corner[i];
+		const double squared = (x - nearest).squaredNorm();
+		if (squared >= best.squaredDistance) continue;
+		best = { f.facet, weight, squared };
+		distance = std::sqrt(squared);
+	}
+	return best;
+}
+
+/// The nearest place of all is wanted.
+constexpr auto anyFacet = [](int) { return true; };
+
+/// Gap and normal at a place on a 2D outline: of the smooth curve over the facet. What leans on the
+/// curve moves and pushes its nodes with the curve's own weights.
+inline void measureGap(const Vec<2>& x, const OutlineCurve& curve, const PlaceOnOutline<2>& place,
+		       Contact<2>& contact)
+{
+	const OutlineCurve::Place foot = curve.nearest(x, place.weight[1]);
+	contact.partners = mostPartners<2>;
+	contact.facet = place.facet;
+	contact.partner = curve.nodes();
+	contact.weight = curve.weights(foot.t);
+	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
+	contact.gap = (x - foot.position).dot(contact.normal);
+}
+
+inline void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
+		       Contact<2>& contact)
+{
+	measureGap(x, OutlineCurve(body, place.facet), place, contact);
+}
+
+/// The same in 3D: between its vertices the outline bulges over the flat facet by
+/// 1/2 sum_(i<j) w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second
+/// order.
+inline void measureGap(const Vec<3>& x, const ContactBody<3>& body, const PlaceOnOutline<3>& place,
+		       Contact<3>& contact)
+{
+	const auto& vertex = body.mesh->facet[place.facet];
+	Vec<3> foot = Vec<3>::Zero(), normal = Vec<3>::Zero();
+	double bulge = 0;
+	for (int i = 0; i < 3; ++i) {
+		foot += place.weight[i] * body.position[vertex[i]];
+		normal += place.weight[i] * body.normalAt(place.facet, vertex[i]);
+		for (int j = 0; j < i; ++j)
+			bulge += 0.5 * place.weight[i] * place.weight[j] *
+				 (body.normalAt(place.facet, vertex[j]) -
+				  body.normalAt(place.facet, vertex[i]))
+					 .dot(body.position[vertex[j]] - body.position[vertex[i]]);
+	}
+	contact.partners = mostPartners<3>;
+	contact.facet = place.facet;
+	contact.partner = vertex;
+	contact.weight = place.weight;
+	contact.normal = normal.normalized();
+	contact.gap = (x - foot).dot(contact.normal) - bulge;
+}
+
+/// Facets that may reach into a region, in their order.
+template <int dim>
+std::vector<FacetNear<dim>> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
+{
+	const Box<dim> around = region.grown(body.longestEdge);
+	std::vector<FacetNear<dim>> found;
+	for (std::size_t f = 0; f < body.mesh->facet.size(); ++f) {
+		const auto& vertex = body.mesh->facet[f];
+		if (!around.contains(body.position[vertex[0]])) continue;
+		FacetNear<dim> near { static_cast<int>(f), Vec<dim>::Zero(), 0 };
+		for (int i : vertex)
+			near.centre += body.position[i] / dim;
+		for (int i : vertex)
+			near.radius =
+				std::max(near.radius, (body.position[i] - near.centre).norm());
+		found.push_back(near);
+	}
+	return found;
+}
+
+/// Nodes of `body` that may be inside `other` or within reach of it.
+template <int dim>
+std::vector<int> nodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other,
+			   double reach, double margin)
+{
+	std::vector<int> found = body.nodesIn(other.box.grown(margin));
+	// The ball is the tighter of the two for round grains. The outline bulges out of its facets
+	// by less than an eighth of the longest edge (3D: 0.29 of it).
+	const double radius = other.circumradius + reach + 0.3 * other.longestEdge;
+	const Vec<dim> centre = other.box.centre();
+	std::erase_if(found, [&](int s) {
+		return (body.position[s] - centre).squaredNorm() > radius * radius;
+	});
+	return found;
+}
+
+/// A contact; what lies deeper is none, but is known by its depth.
+template <int dim>
+void append(const ContactKey& key, Contact<dim>& contact, const ContactBody<dim>& body,
+	    const ContactBody<dim>& other, ContactList<dim>& list)
+{
+	list.noteOverlap(contact.gap, 0.5 * (body.pointSpacing + other.pointSpacing));
+	if (contact.gap < -contactDepth(body, other)) return;
+	contact.key = key;
+	list.contacts.push_back(contact);
+}
+
+/// The contact of a node with a place on an outline, but for its key.
+template <int dim>
+Contact<dim> contactAt(const Vec<dim>& x, const ContactBody<dim>& other,
+		       const PlaceOnOutline<dim>& place)
+{
+	Contact<dim> contact;
+	measureGap(x, other, place, contact);
+	return contact;
+}
+
+/// Calls `use(node, facets)` for the nodes of `body` that may be within reach of the outline of
+/// `other`, with the facets that may be the nearest.
+template <int dim, class Use>
+void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach,
+		  ContactList<dim>& list, Use&& use)
+{
+	// The outline bulges out of the box of its vertices, and the facet nearest to a node that
+	// overlaps may lie outside the common region: both by less than a contact depth.
+	const double margin = std::max(reach, contactDepth(body, other));
+	const auto nodes = nodesNear(body, other, reach, margin);
+	if (nodes.empty()) return;
+	const auto facets = facetsIn(other, body.box.grown(margin));
+	if (facets.empty()) return;
+	list.tested += static_cast<int>(nodes.size());
+	for (int s : nodes)
+		use(s, facets);
+}
+
+} // namespace softgrain
