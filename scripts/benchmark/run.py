@@ -31,7 +31,7 @@ YADE_ENGINES = ("ForceResetter", "InsertionSortCollider", "InteractionLoop", "Ne
 
 
 class Case:
-    """A column of the table: a scene with its settings, those of ``--quick`` on top."""
+    """A column of the tables: a scene with its settings, those of ``--quick`` on top."""
 
     def __init__(self, name, scene, quick=None, **settings):
         self.name, self.scene = name, scene
@@ -233,12 +233,22 @@ def number(value):
     return f"{value:.0f}" if value == int(value) or abs(value) >= 1000 else f"{value:.3g}"
 
 
+def tables(columns):
+    """Lines of the Markdown tables, one for the cases of each scene."""
+    scene_of = {case.name: case.scene for case in cases()}
+    for scene in dict.fromkeys(scene_of[name] for name, _ in columns):
+        cells = {key: c for key, c in columns.items() if scene_of[key[0]] == scene}
+        yield from ("", f"## {scene}", "", *table(cells))
+
+
 def table(columns):
-    """Lines of the Markdown table: a row for each quantity, a column for each case."""
+    """Lines of a Markdown table: a row for each quantity, a column for each case."""
     names = [f"{name} ({threads})" for name, threads in columns]
     lines = ["| | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
     for section in ("case", "figures", "phases, ms a step", "work a step"):
         rows = dict.fromkeys(row for c in columns.values() for row in c.get(section, {}))
+        if not rows:
+            continue
         lines.append(f"| **{section}** |" + " |" * len(names))
         for row in rows:
             cells = [number(c.get(section, {}).get(row)) for c in columns.values()]
@@ -261,7 +271,7 @@ def write_markdown(path, columns, machine):
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     lines += ["", "| compared | |", "|---|---|"]
     lines += [f"| {what} | {number(value)} |" for what, value in compare(columns)]
-    lines += ["", *table(columns)]
+    lines += tables(columns)
     path.write_text("\n".join(lines) + "\n")
 
 
