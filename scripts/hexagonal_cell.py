@@ -162,10 +162,8 @@ class MeanHalfwidth:
 
 def halfwidth(interaction):
     """Half-width of the contact of two disks [m], along the tangent."""
-    contacts = interaction.geom.contacts()
-    x, y, _ = interaction.geom.normal
-    along = contacts["point"] @ np.array([-y, x, 0])
-    return sg.contact_halfwidth(along, normal_forces(contacts))
+    profile = sg.contact_profile(interaction)
+    return sg.contact_halfwidth(profile["position"], profile["force"])
 
 
 def normal_forces(contacts):

@@ -1,5 +1,6 @@
 // The shared object is both: an extension module of Python and a plugin of YADE. Importing it
 // registers our classes with a YADE that has already started.
+#include "Hardening.hpp"
 #include "PythonContactProblem.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrainIntegrator.hpp"
@@ -76,6 +77,12 @@ BOOST_PYTHON_MODULE(_softgrain)
 		"none.");
 	py::def("contactForce", contactForce,
 		"Sum of the contact forces on a body in the last step, from its interactions [N].");
+	py::def("presentOutline", yade::presentOutline,
+		"Outline of the soft grain of a body where its State has it now, also if that was "
+		"changed since the last step: array (n, 3) [m].");
+	py::def("becomeClump", yade::becomeClump,
+		"(id, centre, mass, inertia (axes of space), velocity, angular momentum): gives a "
+		"clump what a body has that it is to stand for; its members stay where they are.");
 	py::def("solveContactProblem", softgrain::solveDict,
 		"Sweeps over a contact problem: (problem, tolerance, maxSweeps) to dict; see "
 		"softgrain.solve_contact_problem.");

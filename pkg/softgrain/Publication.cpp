@@ -17,6 +17,23 @@ namespace yade {
 using softgrain::Rotation;
 using softgrain::Vec3;
 
+namespace {
+
+/// What functions of YADE that know pairs of spheres go by. `normal` from #1 to #2.
+void describePair(const Scene& scene, const Interaction& I, const Vec3& normal, SoftGeom& geom)
+{
+	const Body &b1 = *(*scene.bodies)[I.getId1()], &b2 = *(*scene.bodies)[I.getId2()];
+	const bool soft1 = isSoftGrain(b1), soft2 = isSoftGrain(b2);
+	const Vec3 second = b2.state->pos + imageShift(scene, I);
+	geom.normal = normal;
+	if (soft1) geom.refR1 = std::max(0., normal.dot(geom.contactPoint - b1.state->pos));
+	if (soft2) geom.refR2 = std::max(0., normal.dot(second - geom.contactPoint));
+	if (soft1 && !soft2 && !YADE_PTR_DYN_CAST<Sphere>(b2.shape)) geom.refR2 = geom.refR1;
+	if (soft2 && !soft1 && !YADE_PTR_DYN_CAST<Sphere>(b1.shape)) geom.refR1 = geom.refR2;
+}
+
+} // namespace
+
 /// To the interactions in parallel, then to O.forces in the order of the interactions.
 void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interactions, Real kick)
 {
@@ -29,13 +46,15 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 		const softgrain::SumOfImpulses sum = geom.pair->impulse();
 		const bool firstIsBody2 =
 			assembly_->idOf(geom.pair->firstGrain()) == interactions[k]->getId2();
-		const Real onBody2 = (firstIsBody2 ? 1 : -1) / kick; // forces act on body #2
+		const Real sign = firstIsBody2 ? 1 : -1, onBody2 = sign / kick; // forces act on body #2
 		if (sum.contacts > 0) geom.contactPoint = sum.point; // on the side of body #1
 		if (firstIsBody2) geom.contactPoint += imageShift(*scene, *interactions[k]);
 		phys.normalForce = onBody2 * sum.normal;
 		phys.shearForce = onBody2 * sum.shear;
 		phys.contacts = sum.contacts;
 		phys.activeContacts = sum.active;
+		if (!sum.direction.isZero(0))
+			describePair(*scene, *interactions[k], sign * sum.direction, geom);
 	}
 	for (const Interaction* I : interactions) {
 		const SoftPhys& phys = static_cast<const SoftPhys&>(*I->phys);

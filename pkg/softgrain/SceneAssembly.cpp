@@ -136,6 +136,8 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
 	return assembleLocked(scene);
 }
 
+bool isSoftGrain(const Body& body) { return isA<SoftGrain>(body.shape); }
+
 SoftGrain& grainOf(const Scene& scene, int id)
 {
 	return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape);

@@ -7,6 +7,7 @@
 #include <optional>
 
 namespace yade {
+class Body;
 class NewtonIntegrator;
 class Scene;
 class SoftGrain;
@@ -22,6 +23,8 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene);
 /// regions where nothing may be thrown: SoftGrainIntegrator reports why.
 std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene,
 					    const softgrain::Mat3& map) noexcept;
+
+bool isSoftGrain(const Body& body);
 
 /// Shape of a body that is a soft grain.
 SoftGrain& grainOf(const Scene& scene, int id);

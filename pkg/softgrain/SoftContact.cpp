@@ -137,6 +137,16 @@ Real searchStep(const Scene& scene, const SoftGrain& grain)
 	return unset ? grain.assembly->criticalTimeStep() : scene.dt;
 }
 
+/// Until there is a force: SoftGrainIntegrator knows better then.
+void describeByCentres(SoftGeom& geom, const Interaction& I, const Vec3& normal, Real radius1,
+		       Real radius2)
+{
+	if (I.phys && static_cast<const SoftPhys&>(*I.phys).activeContacts > 0) return;
+	geom.normal = normal;
+	geom.refR1 = radius1;
+	geom.refR2 = radius2;
+}
+
 /// YADE's rules for Ig2: an interaction stays potential until there is a contact; once real it is
 /// Law2 that ends it.
 bool conclude(const shared_ptr<SoftGeom>& geom, bool force, const shared_ptr<Interaction>& I)
@@ -165,9 +175,8 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	grain1.assembly->search(*geom->pair, first, second,
 				imageOf(*scene, *I, second == grain2.index),
 				searchStep(*scene, grain1));
-	geom->refR1 = grain1.radius;
-	geom->refR2 = grain2.radius;
-	geom->normal = (state2.pos + shift2 - state1.pos).normalized();
+	describeByCentres(*geom, *I, (state2.pos + shift2 - state1.pos).normalized(), grain1.radius,
+			  grain2.radius);
 	return conclude(geom, force, I);
 }
 
@@ -226,8 +235,7 @@ bool Ig2_Wall_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	else
 		grain.assembly->search(*geom->pair, grain.index,
 				       { I->getId1(), state1.pos, normal, state1.vel }, dt);
-	geom->refR1 = geom->refR2 = grain.radius;
-	geom->normal = normal;
+	describeByCentres(*geom, *I, normal, grain.radius, grain.radius);
 	return conclude(geom, force, I);
 }
 
@@ -272,9 +280,8 @@ bool searchOnRigid(const IGeomFunctor& functor, const Shape& shape, const SoftGr
 	const auto image = imageOf(*functor.scene, *I, false);
 	grain.assembly->search(*geom->pair, grain.index,
 			       *describeRigid(shape, rigid, I->getId1(), grain), image, dt);
-	geom->refR1 = size;
-	geom->refR2 = grain.radius;
-	geom->normal = (soft.pos - rigid.pos - image.shift).normalized();
+	describeByCentres(*geom, *I, (soft.pos - rigid.pos - image.shift).normalized(), size,
+			  grain.radius);
 	return conclude(geom, force, I);
 }
 

@@ -155,6 +155,13 @@ softgrain::GrainAssembly& SoftGrain::assembled()
 
 py::object SoftGrain::outlineArray() { return softgrain::numpyArray(assembled().outline(index)); }
 
+py::object SoftGrain::facetsArray()
+{
+	return softgrain::numpyArray(assembled().facets(index), py::make_tuple(-1, dim));
+}
+
+Matrix3r SoftGrain::presentInertia() { return assembled().inertia(index); }
+
 py::object SoftGrain::nodesArray()
 {
 	return softgrain::numpyArray(assembled().nodePositions(index), py::make_tuple(-1, dim));

@@ -33,6 +33,8 @@ public:
 	void preSave(SoftGrain&) { fetchState(); }
 
 	py::object outlineArray();
+	py::object facetsArray();
+	Matrix3r presentInertia();
 	py::object nodesArray();
 	py::object nodalVelocitiesArray();
 	py::dict pointArrays();
@@ -74,6 +76,8 @@ public:
 		((vector<Real>, savedSleep, , Attr::hidden, "Load and number of pairs with which a grain sleeps as last fetched; else empty.")),
 		createIndex();,
 		.def("outline", &SoftGrain::outlineArray, "Present positions of the contact nodes, in 2D counter-clockwise: array (n, 3) [m].")
+		.def("facets", &SoftGrain::facetsArray, "Facets of the outline, as indices of *outline()*: array (n, dim) of int; in 2D the segments in order around the grain, in 3D triangles with the normal outwards. None (0, dim) with contact 'points'.")
+		.def("inertia", &SoftGrain::presentInertia, "Present tensor of inertia about the centre of mass, axes of space [kg m²]; in 2D about z alone [kg m]. :yref:`State.inertia` has its mean.")
 		.def("nodes", &SoftGrain::nodesArray, "Present positions of the background nodes (formulation 'updated': of the material points, since nodes keep nothing): array (n, dim) [m].")
 		.def("nodeVelocities", &SoftGrain::nodalVelocitiesArray, "Velocities of the background nodes (formulation 'updated': of the material points) half a step ago: array (n, dim) [m/s].")
 		.def("points", &SoftGrain::pointArrays, "Fields at the material points, a dict of arrays: position (n, 3) [m], F (n, 3, 3) deformation gradient [-], cauchy (n, 3, 3) Cauchy stress [Pa], volume (n,) present volume [m³, 2D m²].")

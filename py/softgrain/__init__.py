@@ -29,7 +29,7 @@ from softgrain.build import (  # noqa: E402
 )
 from softgrain.contact_problem import solve_contact_problem  # noqa: E402
 from softgrain.forces import body_forces, contact_forces, pair_forces  # noqa: E402
-from softgrain.hardening import harden  # noqa: E402
+from softgrain.hardening import Hardened, harden  # noqa: E402
 from softgrain.images import ImageGrains, grains_from_image  # noqa: E402
 from softgrain.observe import (  # noqa: E402
     Balance,
@@ -57,6 +57,7 @@ from softgrain.timing import phase_times, reset_times  # noqa: E402
 
 __all__ = sorted(_classes) + [
     "Balance",
+    "Hardened",
     "ImageGrains",
     "as_disks",
     "body_forces",

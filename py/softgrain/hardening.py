@@ -1,59 +1,100 @@
-"""Turning soft grains back into rigid spheres, in place."""
+"""Turning soft grains rigid again, in place: into spheres, clumps or fixed facets."""
 
 import math
+from dataclasses import dataclass, field
 
-from yade import FrictMat, O, Sphere, wrapper
+import numpy as np
+from yade import FrictMat, Matrix3, O, Sphere, Vector3, utils, wrapper
 
+from softgrain import _softgrain
+from softgrain.filling import fill
 from softgrain.observe import soft_bodies
-from softgrain.softening import drop_interactions, overlap_factor
+from softgrain.softening import drop_interactions, look_anew, overlap_factor
+
+#: Outlines of clumps are off by that much of the size of the grain, if nothing else is said.
+DEFAULT_ERROR = 0.01
+#: Below there would be hundreds of spheres, above nothing of the outline is left.
+ERROR_RANGE = (0.002, 0.3)
 
 
-def harden(ids=None, material=None, overlap="keep"):
-    """Turn soft disks and balls into YADE's spheres in place, at any time.
+@dataclass
+class Hardened:
+    """What became of soft grains, and what was lost by it.
 
-    Of each grain mass, present area (volume), centre of mass, momentum and angular momentum are
-    kept; the shape becomes round, and elastic energy and vibrations are dropped. In 2D the spheres
-    stay in their plane (``blockedDOFs = 'zXY'``) and have mass and inertia of disks. The grains'
-    interactions are dropped; rigid pairs go by YADE's law, whose stiffness may ask for a smaller
-    ``O.dt``: assign it. Grains that were flattened at their contacts overlap as spheres:
+    Attributes:
+        bodies (dict): by id of the grain the list of ids of the rigid bodies in its place: the
+            sphere, which has the id of the grain, the clump, or the facets.
+        momentum (ndarray): that the grains had and the rigid bodies do not have; shape (3,)
+            [kg m/s, 2D kg/s].
+        angular_momentum (ndarray): the same, about the origin; shape (3,) [kg m²/s, 2D kg m/s].
+        energy (float): kinetic and elastic energy of the grains less the kinetic energy of the
+            rigid bodies; the elastic one at the beginning of the last step [J, 2D J/m].
+    """
 
-    * ``overlap='keep'`` (default): radii of the present areas; YADE's law makes forces of the
-      overlaps.
-    * ``overlap='shrink'``: all radii are reduced by one common factor so that no two of the new
-      spheres, and no sphere and wall, overlap; masses and inertias stay.
+    bodies: dict = field(default_factory=dict)
+    momentum: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    angular_momentum: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    energy: float = 0.0
+
+    @property
+    def ids(self):
+        """Of all rigid bodies."""
+        return [i for bodies in self.bodies.values() for i in bodies]
+
+
+def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
+    """Turn soft grains into rigid bodies of YADE in place, at any time.
+
+    * ``into='spheres'`` (disks and balls only): each becomes a sphere of its present area (volume)
+      and keeps its id. The shape becomes round, so that grains that were flattened at their
+      contacts overlap; see `overlap`.
+    * ``into='clumps'``: each is erased, and a clump of overlapping spheres with its *deformed*
+      outline is appended. The spheres are the largest that fit inside, as many as it takes to come
+      within `error` of the outline everywhere; none leaves it.
+    * ``into='fixed'``: each is erased, and facets along its deformed outline are appended, which
+      do not move any more. In 2D they stand upright in the plane of the grains.
+
+    Of spheres and clumps mass, centre of mass, inertia, momentum and angular momentum are those of
+    the grain to rounding (inertia of a sphere: that of its radius). In 2D they stay in their plane
+    (``blockedDOFs = 'zXY'``). Elastic energy and vibrations are dropped. What is lost, with 'fixed'
+    the momenta too, is returned. Contacts of the grains are dropped and found anew in the next
+    step; those of what is still soft by contact dynamics, those of rigid pairs by the law that the
+    engines have: a stiffness may ask for a smaller ``O.dt``, which is to be assigned then.
 
     Args:
         ids (iterable of int | None): soft grains; None: all of the scene.
-        material (FrictMat | None): of the spheres; None: the last FrictMat of ``O.materials``. Its
-            density is not used.
-        overlap (str): 'keep' or 'shrink'.
+        material (FrictMat | None): of the rigid bodies; None: the last FrictMat of
+            ``O.materials``. Its density is not used.
+        into (str): 'spheres', 'clumps' or 'fixed'.
+        overlap (str): of 'spheres'. 'keep': radii of the present areas; YADE's law makes forces of
+            the overlaps. 'shrink': all radii are reduced by one common factor so that no two of
+            the new spheres, and no sphere and wall, overlap; masses and inertias stay.
+        error (float | None): of 'clumps': largest distance from the grain's outline to that of the
+            clump, over the radius of the disk (ball) of the same area (volume), in [0.002, 0.3]
+            [-]; None: 0.01. Outlines are the polygons (triangles) between contact nodes.
 
     Returns:
-        list of int: ids of the bodies that were converted.
+        Hardened: ids of the rigid bodies, and what was lost.
 
     Raises:
-        ValueError: a body is no soft disk or ball, there is no FrictMat, or a value is unknown.
-            Nothing has been changed then.
+        ValueError: a body is no soft grain, or of a form or contact geometry that cannot be
+            converted, there is no FrictMat, or a value is unknown or out of its range. Nothing has
+            been changed then.
     """
-    bodies = _round_grains(ids)
+    if into not in _MAKERS:
+        raise ValueError(f"into = {into!r} is unknown; known: {', '.join(map(repr, _MAKERS))}")
+    bodies = _grains(ids)
     material = _rigid_material(material)
-    if overlap not in ("keep", "shrink"):
-        raise ValueError(f"overlap = {overlap!r} is unknown; known: 'keep', 'shrink'")
-    for body in bodies:
-        _convert(body, material)
-    if overlap == "shrink":
-        factor = overlap_factor(bodies, "shrink")
-        for body in bodies:
-            body.shape.radius *= factor
-    drop_interactions(bodies)
-    return [b.id for b in bodies]
+    made = _MAKERS[into](bodies, material, overlap, error)
+    look_anew()
+    return made
 
 
-def _round_grains(ids):
+def _grains(ids):
     bodies = soft_bodies() if ids is None else [O.bodies[i] for i in ids]
     for body in bodies:
-        if not (body and isinstance(body.shape, wrapper.SoftGrain) and body.shape.form == "ball"):
-            raise ValueError(f"ids: body #{body and body.id} is no soft disk or ball")
+        if not (body and isinstance(body.shape, wrapper.SoftGrain)):
+            raise ValueError(f"ids: body #{body and body.id} is no soft grain")
     if not bodies:
         raise ValueError("ids: there is no soft grain to harden")
     return bodies
@@ -66,22 +107,183 @@ def _rigid_material(material):
             raise ValueError("material: give a FrictMat, O.materials holds none")
         return found[-1]
     if not isinstance(material, FrictMat):
-        raise ValueError(f"material = {type(material).__name__}: rigid spheres need a FrictMat")
+        raise ValueError(f"material = {type(material).__name__}: rigid bodies need a FrictMat")
     return material
 
 
-def _convert(body, material):
-    state, grain = body.state, body.shape
-    spin = [state.inertia[a] * state.angVel[a] for a in range(3)]
-    if grain.dim == 2:
-        radius = math.sqrt(grain.volume() / math.pi)
-        inertia = 0.5 * state.mass * radius**2
-    else:
-        radius = (0.75 * grain.volume() / math.pi) ** (1 / 3)
-        inertia = 0.4 * state.mass * radius**2
-    velocity = state.vel
+@dataclass
+class _Motion:
+    """Of a soft grain as its State has it, with what a rigid body in its place takes over."""
+
+    mass: float
+    centre: Vector3
+    velocity: Vector3
+    inertia: np.ndarray
+    spin: np.ndarray  # angular momentum about the centre
+
+    @classmethod
+    def of(cls, body):
+        state, inertia = body.state, np.array(body.shape.inertia())
+        spin = inertia @ np.array(state.angVel)
+        return cls(state.mass, Vector3(state.pos), Vector3(state.vel), inertia, spin)
+
+    def momenta(self):
+        momentum = self.mass * np.array(self.velocity)
+        return momentum, np.cross(self.centre, momentum) + self.spin
+
+    def kinetic(self):
+        """Of a rigid body with this inertia."""
+        turning = self.spin @ np.linalg.pinv(self.inertia) @ self.spin
+        return 0.5 * (self.mass * self.velocity.squaredNorm() + turning)
+
+
+def _energy(body):
+    energy = body.shape.energy()
+    return energy["kinetic"] + energy["elastic"]
+
+
+def _into_spheres(bodies, material, overlap, error):
+    for body in bodies:
+        if body.shape.form != "ball":
+            raise ValueError(
+                f"ids: body #{body.id} is no soft disk or ball; use into='clumps' or 'fixed'"
+            )
+    if overlap not in ("keep", "shrink"):
+        raise ValueError(f"overlap = {overlap!r} is unknown; known: 'keep', 'shrink'")
+    _refuse(error is not None, "error", error, "spheres")
+    made = Hardened()
+    for body in bodies:
+        energy = _energy(body)
+        _become_sphere(body, material)
+        state = body.state
+        turning = sum(state.inertia[a] * state.angVel[a] ** 2 for a in range(3))
+        made.energy += energy - 0.5 * (state.mass * state.vel.squaredNorm() + turning)
+        made.bodies[body.id] = [body.id]
+    if overlap == "shrink":
+        factor = overlap_factor(bodies, "shrink")
+        for body in bodies:
+            body.shape.radius *= factor
+    drop_interactions(bodies)
+    return made
+
+
+def _refuse(given, name, value, into):
+    if given:
+        raise ValueError(f"{name} = {value!r}: it has no meaning with into={into!r}")
+
+
+def _become_sphere(body, material):
+    state, grain, motion = body.state, body.shape, _Motion.of(body)
+    radius = _equivalent_radius(grain)
+    inertia = (0.5 if grain.dim == 2 else 0.4) * state.mass * radius**2
     body.shape = Sphere(radius=radius, color=grain.color)
     body.material = material
-    state.blockedDOFs = "zXY" if grain.dim == 2 else ""
+    state.blockedDOFs = _blocked(grain)
     state.inertia = (inertia,) * 3
-    state.vel, state.angVel = velocity, [component / inertia for component in spin]
+    state.vel, state.angVel = motion.velocity, Vector3(*(motion.spin / inertia))
+
+
+def _equivalent_radius(grain):
+    """Of the disk (ball) of the same present area (volume)."""
+    if grain.dim == 2:
+        return math.sqrt(grain.volume() / math.pi)
+    return (0.75 * grain.volume() / math.pi) ** (1 / 3)
+
+
+def _blocked(grain):
+    return "zXY" if grain.dim == 2 else ""
+
+
+def _outline(body):
+    """Present places of the contact nodes (n, 3), and the facets between them (m, dim)."""
+    facets = body.shape.facets()
+    if not len(facets):
+        raise ValueError(
+            f"ids: soft grain #{body.id} has contact = {body.shape.contact!r}, and so no outline; "
+            "use into='spheres'"
+        )
+    return _softgrain.presentOutline(body.id), facets
+
+
+def _into_clumps(bodies, material, overlap, error):
+    _refuse(overlap != "keep", "overlap", overlap, "clumps")
+    error = DEFAULT_ERROR if error is None else error
+    low, high = ERROR_RANGE
+    if not low <= error <= high:
+        raise ValueError(f"error = {error} is outside the admissible range [{low}, {high}]")
+    fillings = [_filling(body, error) for body in bodies]
+    made = Hardened()
+    for body, (centres, radii) in zip(bodies, fillings):
+        motion, energy, grain_id = _Motion.of(body), _energy(body), body.id
+        made.bodies[grain_id] = [_become_clump(body, motion, centres, radii, material)]
+        made.energy += energy - motion.kinetic()
+    return made
+
+
+def _filling(body, error):
+    """Centres (m, 3) and radii (m,) of spheres in a grain."""
+    vertices, facets = _outline(body)
+    dim = body.shape.dim
+    gap = error * _equivalent_radius(body.shape)
+    centres, radii = fill(vertices[:, :dim], facets, gap, depth=0.1 * gap)
+    if dim == 2:
+        centres = np.column_stack([centres, np.full(len(centres), body.state.pos[2])])
+    return centres, radii
+
+
+def _become_clump(body, motion, centres, radii, material):
+    grain = body.shape
+    spheres = [
+        utils.sphere(Vector3(*c), r, material=material, color=grain.color, mask=body.mask)
+        for c, r in zip(centres, radii.tolist())
+    ]
+    O.bodies.erase(body.id)
+    clump, _ = O.bodies.appendClumped(spheres, discretization=0)
+    inertia = motion.inertia if grain.dim == 3 else motion.inertia[2, 2] * np.eye(3)
+    O.bodies[clump].mask = body.mask
+    O.bodies[clump].state.blockedDOFs = _blocked(grain)
+    _softgrain.becomeClump(
+        clump,
+        motion.centre,
+        motion.mass,
+        Matrix3(*inertia.ravel()),
+        motion.velocity,
+        Vector3(*motion.spin),
+    )
+    return clump
+
+
+def _into_fixed(bodies, material, overlap, error):
+    _refuse(overlap != "keep", "overlap", overlap, "fixed")
+    _refuse(error is not None, "error", error, "fixed")
+    if O.periodic:
+        raise ValueError("into = 'fixed': fixed facets do not follow a periodic cell")
+    outlines = [_outline(body) for body in bodies]
+    made = Hardened()
+    for body, (vertices, facets) in zip(bodies, outlines):
+        momentum, angular_momentum = _Motion.of(body).momenta()
+        made.momentum += momentum
+        made.angular_momentum += angular_momentum
+        made.energy += _energy(body)
+        made.bodies[body.id] = O.bodies.append(_plates(body, vertices[facets], material))
+        O.bodies.erase(body.id)
+    return made
+
+
+def _plates(body, facets, material):
+    look = {"color": body.shape.color, "mask": body.mask, "material": material}
+    return [utils.facet(_corners(ends), fixed=True, **look) for ends in facets]
+
+
+def _corners(ends):
+    """Of a facet: of a triangle those it has. A segment in the plane becomes an upright triangle
+    with one side upright at its first end and a corner at the second: like the plane, it is its
+    own mirror image, so that what touches it in the plane is not pushed out of it."""
+    if len(ends) == 3:
+        return [Vector3(*corner) for corner in ends]
+    upright = Vector3(0, 0, 0.5 * float(np.linalg.norm(ends[1] - ends[0])))
+    first, second = (Vector3(*end) for end in ends)
+    return [first - upright, first + upright, second]
+
+
+_MAKERS = {"spheres": _into_spheres, "clumps": _into_clumps, "fixed": _into_fixed}

@@ -1,59 +1,58 @@
-"""What a wall feels along its contact with a soft disk: pressure and width."""
+"""The contact of a pair in 2D seen along the contact: tractions and width."""
 
 import numpy as np
 from yade import O, wrapper
 
 
 def contact_profile(interaction):
-    """Pressure of a soft disk on a wall in the last step, node by node.
+    """Contact points of a pair in the last step, ordered along the contact.
 
-    The force of a contact node is spread over the length that the node stands for: half of the way
-    to the neighbours on either side along the wall.
+    The tractions are those of ``interaction.geom.contacts()``.
 
     Args:
-        interaction (Interaction): of a soft disk (2D) and a ``Wall``.
+        interaction (Interaction): of a soft grain (2D) and any other body.
 
     Returns:
-        dict of arrays, by increasing position: node (contact node of the disk), position along the
-        wall [m], length that the node stands for [m], force along the wall's normal [N/m],
-        pressure = force/length [Pa]. Nodes that are near but carry nothing have pressure 0. In
-        plane stress forces, and so pressures, are per unit of undeformed thickness.
+        dict of arrays, by increasing position: side and node of the contact point, as in
+        ``contacts()``; position along the tangent, which is the one of the two across
+        ``geom.normal`` that points to where x, or y if that is its larger component, grows, from
+        the origin of space [m]; force normal to the contact, compression positive [N/m]; length
+        that the node stands for [m]; pressure, and shear along the tangent, on the grain that owns
+        the node, smoothed over about one spacing of background nodes [Pa]. The last three are 0
+        unless the contact geometry is 'surface'. In plane stress forces and tractions are per unit
+        of undeformed thickness.
 
     Raises:
-        ValueError: the interaction is not one of a soft disk and a wall.
+        ValueError: the interaction is not one of a soft grain in 2D.
     """
-    wall, disk = _wall_and_disk(interaction)
+    _require_soft(interaction)
     contacts = interaction.geom.contacts()
-    position = contacts["point"][:, 1 - wall.shape.axis]
-    order = np.argsort(position, kind="stable")
-    position = position[order]
-    impulse = np.sum(contacts["impulse"] * contacts["normal"], axis=1)[order]
-    length = (
-        np.gradient(position)
-        if len(position) > 1
-        else np.full(len(position), disk.shape.zeta * disk.shape.radius)
-    )
-    total = impulse.sum()
-    force = impulse * (interaction.phys.normalForce.norm() / total if total > 0 else 0.0)
-    return {
-        "node": contacts["node"][order],
+    tangent = _tangent(np.array(interaction.geom.normal))
+    position = contacts["point"] @ tangent
+    columns = {
+        "side": contacts["side"],
+        "node": contacts["node"],
         "position": position,
-        "length": length,
-        "force": force,
-        "pressure": force / length,
+        "force": np.sum(contacts["force"] * contacts["normal"], axis=1),
+        "length": contacts["area"],
+        "pressure": contacts["pressure"],
+        "shear": contacts["shear"] @ tangent,
     }
+    order = np.argsort(position, kind="stable")
+    return {name: values[order] for name, values in columns.items()}
 
 
-def _wall_and_disk(interaction):
-    bodies = [O.bodies[i] for i in (interaction.id1, interaction.id2)]
-    walls = [b for b in bodies if isinstance(b.shape, wrapper.Wall)]
-    disks = [b for b in bodies if isinstance(b.shape, wrapper.SoftGrain) and b.shape.dim == 2]
-    if not (len(walls) == len(disks) == 1):
+def _require_soft(interaction):
+    shapes = [O.bodies[i].shape for i in (interaction.id1, interaction.id2)]
+    if not any(isinstance(s, wrapper.SoftGrain) and s.dim == 2 for s in shapes):
         raise ValueError(
-            f"interaction = #{interaction.id1}, #{interaction.id2}: not one of a soft disk (2D) "
-            "and a Wall"
+            f"interaction = #{interaction.id1}, #{interaction.id2}: not one of a soft grain in 2D"
         )
-    return walls[0], disks[0]
+
+
+def _tangent(normal):
+    across = np.array([normal[1], -normal[0], 0])
+    return across if across[np.argmax(np.abs(across))] > 0 else -across
 
 
 def contact_halfwidth(position, force):

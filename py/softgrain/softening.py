@@ -203,9 +203,14 @@ def drop_interactions(bodies):
     for i in list(O.interactions.all()):
         if i.id1 in ids or i.id2 in ids:
             O.interactions.erase(i.id1, i.id2)
+    look_anew()
+
+
+def look_anew():
+    """Have the collider look at all pairs again: those dropped are known to it as seen."""
     for engine in O.engines:
         if isinstance(engine, InsertionSortCollider):
-            engine.doSort = True  # look anew at all pairs: those dropped are known to it as seen
+            engine.doSort = True
 
 
 def _convert(body, grain, material):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from scenes import RADIUS, YOUNG, add_disk, add_wall, ready, run, soft_material
-from yade import FrictMat, O, utils
+from yade import FrictMat, GenericSpheresContact, NormShearPhys, O, Wall, utils
 
 import softgrain as sg
 
@@ -133,14 +133,71 @@ def test_unbalanced_force_of_soft_grains_alone():
     assert sg.unbalanced_force() >= 0
 
 
-def test_aggregate_of_a_pair(packing):
-    """What YADE's functions read: unit normal from #1 to #2, contact point, radii, forces."""
+def chains():
+    """Ends and force of the cylinders that Gl1_NormPhys draws, as its `go` has it, with their
+    interactions: (interaction, start (3,), end (3,), force along the normal)."""
+    found = []
     for i in O.interactions:
         if not (i.isReal and isinstance(i.phys, sg.SoftPhys) and i.phys.activeContacts):
             continue
-        assert i.geom.normal.norm() == pytest.approx(1)
-        ends = [O.bodies[k].state.pos for k in (i.id1, i.id2)]
-        assert i.geom.normal.dot(ends[1] - ends[0]) > 0
-        force = i.phys.normalForce
-        assert force.dot(i.geom.normal) > 0.9 * force.norm()  # pushes #2 away from #1
-        assert i.geom.refR1 > 0 and i.geom.refR2 > 0
+        assert isinstance(i.geom, GenericSpheresContact) and isinstance(i.phys, NormShearPhys)
+        normal, point = np.array(i.geom.normal), np.array(i.geom.contactPoint)
+        assert np.linalg.norm(normal) == pytest.approx(1, rel=1e-12)
+        ends = point - i.geom.refR1 * normal, point + i.geom.refR2 * normal
+        found.append((i, *ends, np.array(i.phys.normalForce) @ normal))
+    return found
+
+
+def test_force_chains(packing):
+    """What YADE's Gl1_NormPhys draws of a packing: cylinders from centre to centre, where walls are
+    from the centre through the wall, as thick as the forces between the bodies."""
+    drawn = chains()
+    assert len(drawn) >= 12
+    for i, start, end, force in drawn:
+        assert force == pytest.approx(i.phys.normalForce.norm(), rel=1e-12)  # > 0: compression
+        for body, place in ((O.bodies[i.id1], start), (O.bodies[i.id2], end)):
+            if isinstance(body.shape, Wall):
+                continue
+            miss = np.linalg.norm(place - np.array(body.state.pos))
+            assert miss < 0.15 * RADIUS
+    pairs = sg.pair_forces()
+    np.testing.assert_allclose(
+        sorted(force for *_, force in drawn), sorted(np.linalg.norm(pairs["normal"], axis=1))
+    )
+    shares = np.array(utils.fabricTensor()[0])  # of its normals
+    assert shares[0, 0] + shares[1, 1] == pytest.approx(1)
+
+
+def test_normal_on_a_wide_floor():
+    """That of the contact, not the direction to the far centre of a facet or a box; radii reach to
+    the centre of a long block. They stay in steps that leave sleeping pairs out."""
+    stiff = FrictMat(frictionAngle=0.5)
+    plate = [(-0.05, 0, -1), (-0.05, 0, 1), (1, 0, 0)]
+    O.bodies.append(utils.facet(plate, fixed=True, material=stiff))
+    block = sg.soft_block(
+        (0, 2 * RADIUS, 0), (2 * RADIUS, 4 * RADIUS), soft_material(massDamping=600), zeta=0.3
+    )
+    O.bodies.append(block)
+    ready(gravity=(0, -10, 0))
+    O.run(3000, True)
+    for steps in (1, 20):
+        run(steps)
+        ((interaction, start, end, force),) = chains()
+        np.testing.assert_allclose(interaction.geom.normal, (0, 1, 0), atol=1e-9)
+        np.testing.assert_allclose(end, block.state.pos, atol=0.05 * RADIUS)
+        np.testing.assert_allclose(end - start, (0, 4 * RADIUS, 0), atol=0.05 * RADIUS)
+        assert force == pytest.approx(10 * block.state.mass, rel=0.02)
+
+
+def test_pair_that_pulls():
+    """Tension has the other sign; the normal points from #1 to #2 all the same."""
+    disks = [add_disk((x * RADIUS, 0, 0)) for x in (0, 2)]
+    bond = {"bondStrength": 1e5, "bondEnergy": 10.0}
+    ready(interface=bond)
+    run(3)
+    disks[1].state.vel = (0.5, 0, 0)
+    run(10)
+    ((interaction, *_, force),) = chains()
+    assert force < 0
+    assert force == pytest.approx(-interaction.phys.normalForce.norm(), rel=1e-6)
+    np.testing.assert_allclose(interaction.geom.normal, (1, 0, 0), atol=1e-3)

@@ -1,18 +1,18 @@
-"""Pressure and width of the contact of a disk with a wall."""
+"""Tractions and width of a contact in 2D."""
 
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, ready, run
+from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 from yade import O
 
 import softgrain as sg
 
 
-def pressed(speed=0.5, **shape):
+def pressed(speed=0.5, friction=0.0, **shape):
     """A disk between two walls that have closed in; returns the interaction with the lower one."""
-    disk = add_disk(zeta=0.1, **shape)
-    low = add_wall(-RADIUS, axis=1, velocity=(0, speed, 0))
-    add_wall(RADIUS, axis=1, velocity=(0, -speed, 0))
+    disk = add_disk(material=soft_material(frictionAngle=np.arctan(friction)), zeta=0.1, **shape)
+    low = add_wall(-RADIUS, axis=1, friction=friction, velocity=(0, speed, 0))
+    add_wall(RADIUS, axis=1, friction=friction, velocity=(0, -speed, 0))
     ready()
     while low.state.pos[1] < -0.95 * RADIUS:
         run(1)
@@ -20,21 +20,29 @@ def pressed(speed=0.5, **shape):
 
 
 @pytest.mark.parametrize("contact", ("surface", "points"))
-def test_pressure_makes_the_force(contact):
+def test_forces_along_the_wall(contact):
     interaction = pressed(contact=contact)
     profile = sg.contact_profile(interaction)
     assert (np.diff(profile["position"]) >= 0).all()
-    assert (profile["pressure"] >= 0).all() and profile["pressure"].max() > 0
     total = interaction.phys.normalForce.norm()
-    assert profile["force"].sum() == pytest.approx(total, rel=1e-12)
-    np.testing.assert_allclose(profile["pressure"] * profile["length"], profile["force"])
+    assert profile["force"].sum() == pytest.approx(total, rel=1e-12) and total > 0
     assert len(set(profile["node"])) == len(profile["node"])
 
 
-def test_tributary_lengths():
-    """They fill the contact: spacings of about dr."""
-    profile = sg.contact_profile(pressed())
+def test_tractions_are_those_of_the_contacts():
+    """One pressure, whoever is asked; times the lengths it makes the force."""
+    interaction = pressed(friction=0.5)
+    profile, contacts = sg.contact_profile(interaction), interaction.geom.contacts()
+    order = np.argsort(contacts["point"][:, 0], kind="stable")
+    np.testing.assert_array_equal(profile["pressure"], contacts["pressure"][order])
+    np.testing.assert_array_equal(profile["shear"], contacts["shear"][order, 0])
     np.testing.assert_allclose(profile["length"], 0.1 * RADIUS, rtol=0.1)
+    total = interaction.phys.normalForce.norm()  # but for what is carried out of the contact
+    assert profile["pressure"] @ profile["length"] == pytest.approx(total, rel=0.1)
+    assert np.abs(profile["shear"]).max() > 0.02 * profile["pressure"].max()
+    assert (np.abs(profile["shear"]) <= 0.5 * profile["pressure"] * (1 + 1e-9) + 1e-9).all()
+    towards = np.array([profile["shear"][k] for k in (0, -1)])  # it holds the spreading disk back
+    assert towards[0] * towards[1] <= 0
 
 
 def test_width_on_the_disk():
@@ -56,10 +64,24 @@ def test_width_of_an_ellipse():
     assert sg.contact_halfwidth(x, 0 * x) == 0
 
 
-def test_pairs_of_disks_are_refused():
-    add_disk((-RADIUS, 0, 0))
-    add_disk((0.999 * RADIUS, 0, 0))
+def test_pair_of_disks():
+    """Nodes of both, along the tangent."""
+    disks = [add_disk((-RADIUS, 0, 0)), add_disk((0.999 * RADIUS, 0, 0))]
+    disks[0].state.vel = (1, 0, 0)
     ready()
-    run(2)
-    with pytest.raises(ValueError, match="interaction = #0, #1: not one of a soft disk"):
+    run(20)
+    interaction = O.interactions[0, 1]
+    profile = sg.contact_profile(interaction)
+    assert set(profile["side"]) == {0, 1} and (np.diff(profile["position"]) >= 0).all()
+    assert np.ptp(profile["position"]) > 0.1 * RADIUS
+    assert (profile["pressure"] > 0).any()
+
+
+def test_balls_are_refused():
+    balls = [sg.soft_sphere((x * RADIUS, 0, 0), RADIUS, soft_material(), zeta=0.5) for x in (0, 2)]
+    O.bodies.append(balls)
+    balls[0].state.vel = (1, 0, 0)
+    ready()
+    run(3)
+    with pytest.raises(ValueError, match="interaction = #0, #1: not one of a soft grain in 2D"):
         sg.contact_profile(O.interactions[0, 1])

@@ -179,6 +179,14 @@ public:
 		return m;
 	}
 
+	Mat3 inertia(int g) const override
+	{
+		const WholeGrain<dim> whole = system_.setOf(g).whole(system_.indexInSet(g));
+		Mat3 result = Mat3::Zero();
+		result.bottomRightCorner(whole.inertia.rows(), whole.inertia.cols()) = whole.inertia;
+		return result;
+	}
+
 	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity,
 			 const Vec3& angularVelocity) override
 	{
@@ -252,6 +260,14 @@ public:
 		for (const Vec<dim>& x : system_.body(g).position)
 			result.push_back(toSpace<dim>(x, z_));
 		return result;
+	}
+
+	std::vector<int> facets(int g) const override
+	{
+		std::vector<int> nodes;
+		for (const auto& facet : system_.body(g).mesh->facet)
+			nodes.insert(nodes.end(), facet.begin(), facet.end());
+		return nodes;
 	}
 
 	PointFields points(int g) const override

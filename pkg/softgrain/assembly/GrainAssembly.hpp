@@ -103,6 +103,8 @@ public:
 	/// Another load than before wakes a sleeping grain, and so does `moveRigidly`.
 	virtual void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) = 0;
 	virtual GrainMotion motion(int g) const = 0;
+	/// Present inertia about the centre of mass, axes of space; in 2D about z alone.
+	virtual Mat3 inertia(int g) const = 0;
 	/// Adds a rigid motion: turns by `turn` about the centre of mass, shifts, adds velocities.
 	virtual void moveRigidly(int g, const Rotation& turn, const Vec3& shift,
 				 const Vec3& velocity, const Vec3& angularVelocity) = 0;
@@ -119,6 +121,9 @@ public:
 	/// The same in such coordinates.
 	virtual bool isInside(int g, const Box<3>& outer, double margin, const Mat3& map) const = 0;
 	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes
+	/// Numbers of the nodes of its facets, `dim` numbers a facet, in 2D in order around it; empty
+	/// with contact 'points'.
+	virtual std::vector<int> facets(int g) const = 0;
 	virtual PointFields points(int g) const = 0;
 	virtual double undeformedVolume(int g) const = 0; ///< m^2 (m^3)
 	/// Of the background nodes, `dim` numbers a node.

@@ -23,6 +23,9 @@ struct ContactRecord {
 struct SumOfImpulses {
 	Vec3 normal = Vec3::Zero(), shear = Vec3::Zero(); ///< N s
 	Vec3 point = Vec3::Zero(); ///< mean of the contact points, on the first grain's side, m
+	/// Mean of the normals of all contacts by the size of their normal forces, into the first
+	/// grain, unit; zero without forces.
+	Vec3 direction = Vec3::Zero();
 	/// On a rigid body (no wall), about the RigidBodyDescription::position of its image, N m s.
 	Vec3 moment = Vec3::Zero();
 	int contacts = 0, active = 0; ///< those with an impulse

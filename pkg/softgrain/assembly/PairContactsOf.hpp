@@ -106,6 +106,7 @@ public:
 		sum.shear = toSpace<dim>(list.impulse.shear);
 		sum.point = toSpace<dim>(list.impulse.point, z_);
 		sum.moment = angularToSpace<dim>(list.impulse.moment);
+		sum.direction = toSpace<dim>(direction());
 		return sum;
 	}
 
@@ -177,6 +178,20 @@ public:
 	ContactList<dim> list;
 
 private:
+	/// Where contacts only push, that is the direction of the sum; where others pull, they must not
+	/// cancel.
+	Vec<dim> direction() const
+	{
+		if (!list.interface) return list.impulse.normal.stableNormalized();
+		Vec<dim> sum = Vec<dim>::Zero();
+		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
+			const Contact<dim>& c = list.contacts[k];
+			const Vec<dim> r = c.impulse + list.interface->history[k].pull;
+			sum += (c.key.side == 0 ? 1 : -1) * std::abs(r.dot(c.normal)) * c.normal;
+		}
+		return sum.stableNormalized();
+	}
+
 	/// A rigid body has no nodes: there it is the place that bears it.
 	Vec<dim> pointOf(const Contact<dim>& c) const
 	{

@@ -1,0 +1,110 @@
+"""Discs (balls) that together fill a closed outline. Plain numpy; nothing of a scene."""
+
+import numpy as np
+
+#: So many balls are tried at a time.
+BATCH = 600
+
+
+def samples_of(vertices, facets, spacing):
+    """Places on an outline, with their outward normals and the areas they stand for.
+
+    Args:
+        vertices (array): shape (n, dim) [m].
+        facets (array): indices of the corners of each facet: in 2D segments, counter-clockwise
+            around the outline, in 3D triangles with the normal outwards; shape (m, dim).
+        spacing (float): facets are divided into parts of about this size, > 0 [m].
+
+    Returns:
+        tuple: places (k, dim) [m], normals (k, dim), areas (k,) [m², 2D m].
+    """
+    corner = np.asarray(vertices, float)[np.asarray(facets)]
+    edges = np.roll(corner, -1, axis=1) - corner
+    dim = corner.shape[2]
+    if dim == 2:
+        along = edges[:, 0]
+        area = np.column_stack([along[:, 1], -along[:, 0]])
+    else:
+        area = 0.5 * np.cross(edges[:, 0], edges[:, 1])
+    parts = np.ceil(np.linalg.norm(edges, axis=2).max(axis=1) / spacing).astype(int)
+    places, normals, areas = [], [], []
+    for number in np.unique(parts):
+        weight = _centres_of_parts(number, dim)
+        chosen = parts == number
+        places.append(np.einsum("ka,fad->fkd", weight, corner[chosen]).reshape(-1, dim))
+        size = np.linalg.norm(area[chosen], axis=1)
+        normals.append(np.repeat(area[chosen] / size[:, None], len(weight), axis=0))
+        areas.append(np.repeat(size / len(weight), len(weight)))
+    return np.concatenate(places), np.concatenate(normals), np.concatenate(areas)
+
+
+def _centres_of_parts(number, dim):
+    """Weights of the corners of a facet at the centres of its equal parts, whose sides are those of
+    the facet over `number`; shape (number^(dim - 1), dim)."""
+    if dim == 2:
+        share = (np.arange(number) + 0.5) / number
+        return np.column_stack([1 - share, share])
+    i, j = np.meshgrid(np.arange(number), np.arange(number), indexing="ij")
+    upright = np.stack([i, j], axis=-1)[i + j < number] + 1 / 3
+    turned = np.stack([i, j], axis=-1)[i + j < number - 1] + 2 / 3
+    share = np.concatenate([upright, turned]) / number
+    return np.column_stack([1 - share.sum(axis=1), share])
+
+
+def largest_balls(places, normals, chosen, depth):
+    """Radii of the largest balls inside an outline that touch it at some of its samples, no sample
+    being deeper than `depth` in them (shrinking balls: they are about the medial axis).
+
+    Args:
+        places, normals (array): samples of the outline, as :func:`samples_of` has them.
+        chosen (array): indices of the samples at which the balls touch, shape (k,).
+        depth (float): >= 0 [m].
+
+    Returns:
+        ndarray: radii, shape (k,) [m].
+    """
+    apart = places[None] - places[chosen][:, None]
+    below = -np.einsum("kd,knd->kn", normals[chosen], apart)
+    above_limit = below > depth
+    squares = np.sum(apart**2, axis=2)
+    limit = np.full(below.shape, np.inf)
+    limit[above_limit] = (squares[above_limit] - depth**2) / (2 * (below[above_limit] - depth))
+    return limit.min(axis=1)
+
+
+def fill(vertices, facets, gap, depth):
+    """Few discs (balls) whose union has nearly a given outline.
+
+    Greedy: of the largest balls inside that touch the outline at its samples, the one that
+    covers most of what is not covered yet, until all is. A sample is covered by a ball if it is
+    not further than `gap` from it; none is deeper than `depth` inside one.
+
+    Args:
+        vertices, facets: the outline, as for :func:`samples_of`.
+        gap (float): > 0 [m].
+        depth (float): in [0, gap] [m].
+
+    Returns:
+        tuple: centres (m, dim) and radii (m,) [m], in the order in which they were chosen.
+
+    Raises:
+        ValueError: the outline is no closed one with its normals outwards: somewhere no ball fits.
+    """
+    places, normals, areas = samples_of(vertices, facets, gap)
+    bare = np.ones(len(places), bool)
+    centres, radii = [], []
+    while bare.any():
+        candidates = np.flatnonzero(bare)
+        candidates = candidates[:: -(-len(candidates) // BATCH)]
+        radius = largest_balls(places, normals, candidates, depth)
+        if not (np.isfinite(radius) & (radius > 0)).all():
+            raise ValueError("vertices: no ball fits inside the outline; is it closed?")
+        centre = places[candidates] - radius[:, None] * normals[candidates]
+        distance = np.linalg.norm(places[None] - centre[:, None], axis=2) - radius[:, None]
+        covers = distance <= gap
+        while (covers & bare).any():
+            best = int(np.argmax((covers & bare) @ areas))
+            centres.append(centre[best])
+            radii.append(radius[best])
+            bare &= ~covers[best]
+    return np.array(centres), np.array(radii)

@@ -1,0 +1,87 @@
+"""Discs and balls that fill an outline."""
+
+import numpy as np
+import pytest
+
+from softgrain.filling import fill, samples_of
+
+
+def ring(x):
+    """A closed polygon and its facets."""
+    k = np.arange(len(x))
+    return np.asarray(x, float), np.column_stack([k, np.roll(k, -1)])
+
+
+def circle(n=80, squeezed=1.0):
+    t = np.linspace(0, 2 * np.pi, n, endpoint=False)
+    x = np.column_stack([np.cos(t), np.sin(t)])
+    return ring(np.clip(x, -squeezed, squeezed))
+
+
+def bean(n=120):
+    """Not convex."""
+    t = np.linspace(0, 2 * np.pi, n, endpoint=False)
+    r = 1 - 0.6 * np.exp(-((t - np.pi) ** 2) / 0.2)
+    return ring(np.column_stack([r * np.cos(t), r * np.sin(t)]))
+
+
+SQUARE = ring([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+
+
+def cube():
+    x = np.array([(i, j, k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)], float)
+    faces = []
+    for quad in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)):
+        faces += [(quad[0], quad[1], quad[2]), (quad[0], quad[2], quad[3])]
+    return x, np.array(faces)
+
+
+def gaps(outline, centres, radii, spacing):
+    """Of places on the outline to the union of the balls, < 0 inside."""
+    places, _, _ = samples_of(*outline, spacing)
+    return (np.linalg.norm(places[:, None] - centres[None], axis=2) - radii).min(axis=1)
+
+
+@pytest.mark.parametrize("gap", (0.01, 0.05))
+@pytest.mark.parametrize(
+    "outline", (circle(), circle(squeezed=0.9), bean(), SQUARE), ids=("disk", "flat", "bean", "square")
+)
+def test_outline_is_met(outline, gap):
+    """Everywhere within the gap, and the balls stay inside: also between the samples it was
+    filled by."""
+    centres, radii = fill(*outline, gap, depth=0.1 * gap)
+    found = gaps(outline, centres, radii, 0.1 * gap)
+    assert found.max() < 1.3 * gap
+    assert found.min() > -0.3 * gap
+    assert (radii > gap).all()
+
+
+def test_number_of_discs():
+    """One for a disk, more for a smaller error."""
+    assert len(fill(*circle(), 0.03, 0.003)[1]) == 1
+    numbers = [len(fill(*SQUARE, gap, 0.1 * gap)[1]) for gap in (0.2, 0.05, 0.02)]
+    assert 4 < numbers[0] < numbers[1] < numbers[2] < 40
+
+
+def test_cube():
+    gap = 0.15
+    centres, radii = fill(*cube(), gap, depth=0.1 * gap)
+    found = gaps(cube(), centres, radii, 0.3 * gap)
+    assert -0.25 * gap < found.min() and found.max() < 1.3 * gap
+    assert len(radii) < 200
+
+
+def test_samples():
+    """Areas sum up, normals point outwards."""
+    for outline, area in ((SQUARE, 8), (cube(), 24)):
+        places, normals, areas = samples_of(*outline, 0.3)
+        assert areas.sum() == pytest.approx(area)
+        assert (np.sum(places * normals, axis=1) > 0.9).all()
+        np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1)
+        np.testing.assert_allclose(areas @ places, 0, atol=1e-12)
+
+
+def test_inside_out():
+    vertices, facets = SQUARE
+    with pytest.raises(ValueError, match="is it closed"):
+        fill(vertices, facets[:, ::-1], 0.05, 0.005)
