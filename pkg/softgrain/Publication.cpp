@@ -46,7 +46,8 @@ void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interac
 		const softgrain::SumOfImpulses sum = geom.pair->impulse();
 		const bool firstIsBody2 =
 			assembly_->idOf(geom.pair->firstGrain()) == interactions[k]->getId2();
-		const Real sign = firstIsBody2 ? 1 : -1, onBody2 = sign / kick; // forces act on body #2
+		const Real sign = firstIsBody2 ? 1 : -1,
+			   onBody2 = sign / kick;                    // forces act on body #2
 		if (sum.contacts > 0) geom.contactPoint = sum.point; // on the side of body #1
 		if (firstIsBody2) geom.contactPoint += imageShift(*scene, *interactions[k]);
 		phys.normalForce = onBody2 * sum.normal;

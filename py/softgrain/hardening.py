@@ -11,8 +11,12 @@ from softgrain.filling import fill
 from softgrain.observe import soft_bodies
 from softgrain.softening import drop_interactions, look_anew, overlap_factor
 
-#: Outlines of clumps are off by that much of the size of the grain, if nothing else is said.
-DEFAULT_ERROR = 0.01
+#: Outlines of clumps are off by that much of the size of the grain, if nothing else is said, by
+#: dimension: some ten or twenty spheres in either.
+DEFAULT_ERROR = {2: 0.01, 3: 0.05}
+#: Spheres of a clump may leave the outline by that much of the error. By more of it, and they would
+#: press on what the grain touches (``doc/decisions/0025-hardening.md``).
+DEPTH_OVER_ERROR = 0.1
 #: Below there would be hundreds of spheres, above nothing of the outline is left.
 ERROR_RANGE = (0.002, 0.3)
 
@@ -71,7 +75,7 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
             the new spheres, and no sphere and wall, overlap; masses and inertias stay.
         error (float | None): of 'clumps': largest distance from the grain's outline to that of the
             clump, over the radius of the disk (ball) of the same area (volume), in [0.002, 0.3]
-            [-]; None: 0.01. Outlines are the polygons (triangles) between contact nodes.
+            [-]; None: 0.01, in 3D 0.05. Outlines are the polygons (triangles) between contact nodes.
 
     Returns:
         Hardened: ids of the rigid bodies, and what was lost.
@@ -207,7 +211,8 @@ def _outline(body):
 
 def _into_clumps(bodies, material, overlap, error):
     _refuse(overlap != "keep", "overlap", overlap, "clumps")
-    error = DEFAULT_ERROR if error is None else error
+    if error is None:
+        error = DEFAULT_ERROR[bodies[0].shape.dim]
     low, high = ERROR_RANGE
     if not low <= error <= high:
         raise ValueError(f"error = {error} is outside the admissible range [{low}, {high}]")
@@ -225,7 +230,7 @@ def _filling(body, error):
     vertices, facets = _outline(body)
     dim = body.shape.dim
     gap = error * _equivalent_radius(body.shape)
-    centres, radii = fill(vertices[:, :dim], facets, gap, depth=0.1 * gap)
+    centres, radii = fill(vertices[:, :dim], facets, gap, depth=DEPTH_OVER_ERROR * gap)
     if dim == 2:
         centres = np.column_stack([centres, np.full(len(centres), body.state.pos[2])])
     return centres, radii

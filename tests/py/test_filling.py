@@ -31,7 +31,14 @@ SQUARE = ring([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 def cube():
     x = np.array([(i, j, k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)], float)
     faces = []
-    for quad in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)):
+    for quad in (
+        (0, 1, 3, 2),
+        (4, 6, 7, 5),
+        (0, 4, 5, 1),
+        (2, 3, 7, 6),
+        (0, 2, 6, 4),
+        (1, 5, 7, 3),
+    ):
         faces += [(quad[0], quad[1], quad[2]), (quad[0], quad[2], quad[3])]
     return x, np.array(faces)
 
@@ -44,7 +51,9 @@ def gaps(outline, centres, radii, spacing):
 
 @pytest.mark.parametrize("gap", (0.01, 0.05))
 @pytest.mark.parametrize(
-    "outline", (circle(), circle(squeezed=0.9), bean(), SQUARE), ids=("disk", "flat", "bean", "square")
+    "outline",
+    (circle(), circle(squeezed=0.9), bean(), SQUARE),
+    ids=("disk", "flat", "bean", "square"),
 )
 def test_outline_is_met(outline, gap):
     """Everywhere within the gap, and the balls stay inside: also between the samples it was

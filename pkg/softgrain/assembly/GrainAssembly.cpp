@@ -183,7 +183,8 @@ public:
 	{
 		const WholeGrain<dim> whole = system_.setOf(g).whole(system_.indexInSet(g));
 		Mat3 result = Mat3::Zero();
-		result.bottomRightCorner(whole.inertia.rows(), whole.inertia.cols()) = whole.inertia;
+		result.bottomRightCorner(whole.inertia.rows(), whole.inertia.cols()) =
+			whole.inertia;
 		return result;
 	}
 

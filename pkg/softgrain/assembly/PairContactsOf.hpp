@@ -178,8 +178,8 @@ public:
 	ContactList<dim> list;
 
 private:
-	/// Where contacts only push, that is the direction of the sum; where others pull, they must not
-	/// cancel.
+	/// Where contacts only push, that is the direction of the sum; where others pull, they must
+	/// not cancel.
 	Vec<dim> direction() const
 	{
 		if (!list.interface) return list.impulse.normal.stableNormalized();
