@@ -4,9 +4,8 @@ import numpy as np
 
 #: So many balls times samples are tried at a time, for the sake of memory.
 BATCH = 2_000_000
-#: Distance of samples over the gap, by dimension. Between them a ball that is ten gaps large and
-#: covers both leaves another tenth of a gap bare in 3D.
-SPACING = {2: 1, 3: 3}
+#: Distance of samples over the gap, by dimension: in 3D the number of samples is that of a surface.
+SPACING = {2: 1, 3: 2}
 
 
 def samples_of(vertices, facets, spacing):
@@ -66,13 +65,20 @@ def largest_balls(places, normals, chosen, depth):
     Returns:
         ndarray: radii, shape (k,) [m].
     """
-    apart = places[None] - places[chosen][:, None]
-    below = -np.einsum("kd,knd->kn", normals[chosen], apart)
-    above_limit = below > depth
-    squares = np.sum(apart**2, axis=2)
-    limit = np.full(below.shape, np.inf)
-    limit[above_limit] = (squares[above_limit] - depth**2) / (2 * (below[above_limit] - depth))
-    return limit.min(axis=1)
+    touched, inward = places[chosen], -normals[chosen]
+    below = inward @ places.T - np.sum(inward * touched, axis=1)[:, None]
+    limits = below > depth
+    return np.divide(
+        _squares(touched, places) - depth**2,
+        2 * (below - depth),
+        out=np.full(below.shape, np.inf),
+        where=limits,
+    ).min(axis=1)
+
+
+def _squares(a, b):
+    """Of the distances of all of `a` to all of `b`, shape (len(a), len(b))."""
+    return np.sum(a**2, axis=1)[:, None] + np.sum(b**2, axis=1) - 2 * (a @ b.T)
 
 
 def fill(vertices, facets, gap, depth):
@@ -93,9 +99,10 @@ def fill(vertices, facets, gap, depth):
     Raises:
         ValueError: the outline is no closed one with its normals outwards: somewhere no ball fits.
     """
-    spacing = SPACING[np.shape(vertices)[1]] * gap
-    places, normals, areas = samples_of(vertices, facets, spacing)
-    bare = np.ones(len(places), bool)
+    vertices = np.asarray(vertices, float)
+    origin = vertices.mean(axis=0)  # near the outline: saves digits
+    places, normals, areas = samples_of(vertices - origin, facets, SPACING[len(origin)] * gap)
+    bare = areas.copy()  # 0 where a ball covers the sample
     centres, radii = [], []
     while bare.any():
         candidates = np.flatnonzero(bare)
@@ -103,12 +110,14 @@ def fill(vertices, facets, gap, depth):
         radius = largest_balls(places, normals, candidates, depth)
         if not (np.isfinite(radius) & (radius > 0)).all():
             raise ValueError("vertices: no ball fits inside the outline; is it closed?")
+        largest_first = np.argsort(-radius, kind="stable")  # of those that cover as much
+        candidates, radius = candidates[largest_first], radius[largest_first]
         centre = places[candidates] - radius[:, None] * normals[candidates]
-        distance = np.linalg.norm(places[None] - centre[:, None], axis=2) - radius[:, None]
-        covers = distance <= gap
-        while (covers & bare).any():
-            best = int(np.argmax((covers & bare) @ areas))
-            centres.append(centre[best])
+        covers = _squares(centre, places) <= (radius + gap)[:, None] ** 2
+        covered = covers.astype(float)
+        while (gains := covered @ bare).any():
+            best = int(np.argmax(gains))
+            centres.append(origin + centre[best])
             radii.append(radius[best])
-            bare &= ~covers[best]
+            bare[covers[best]] = 0
     return np.array(centres), np.array(radii)

