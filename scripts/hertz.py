@@ -122,7 +122,7 @@ def main():
             "force_top_over_ED": records["top"],
             "force_bottom_over_ED": records["bottom"],
             "contact_halfwidth_over_D": records["halfwidth"],
-            "pressure_profiles": profiles(records) if options.contact == "surface" else [],
+            "pressure_profiles": profiles(records),
             "kinetic_over_elastic": records["kinetic"],
             "window_over_D": options.speed * window / options.diameter,
             **facts,

@@ -124,16 +124,21 @@ class WallContact:
         return float(np.mean(widths)) if widths else 0.0
 
     def pressure(self):
-        """Positions from the centre of the force [m] and mean pressures [Pa] of the nodes that
-        were in reach in every sample."""
+        """Positions from the centre of the force [m] and pressures [Pa] of the nodes that were in
+        reach in every sample: mean force over the length that the node stands for. The mean over
+        time takes out most of the scatter of single nodes, without an average along the contact,
+        which would carry pressure over its edges."""
         nodes = set.intersection(*[set(s["node"]) for s in self._samples])
         kept = [np.isin(s["node"], list(nodes)) for s in self._samples]
         mean = {
             name: np.mean([s[name][k] for s, k in zip(self._samples, kept)], axis=0)
-            for name in ("position", "force", "pressure")
+            for name in ("position", "force")
         }
+        grain = O.bodies[self._ids[0]].shape
+        dr = grain.zeta * grain.radius
+        length = np.gradient(mean["position"]) if len(nodes) > 1 else dr
         centre = np.dot(mean["force"], mean["position"]) / mean["force"].sum()
-        return mean["position"] - centre, mean["pressure"]
+        return mean["position"] - centre, mean["force"] / length
 
 
 def window_means(seconds, place, forces, contacts=(), step=O.step):
