@@ -26,6 +26,39 @@ softgrain::ImageDescription imageOf(const Scene& scene, const Interaction& I, bo
 	return { -shift, -velocity };
 }
 
+namespace {
+
+/// In lengths of the base vectors.
+Vector3r spanInCell(const Scene& scene, const Bound& bound)
+{
+	return (bound.max - bound.min).cwiseQuotient(scene.cell->getSize());
+}
+
+} // namespace
+
+void chooseNearestImage(const Scene& scene, const Vector3r& grain, Interaction& I)
+{
+	if (!scene.isPeriodic) return;
+	const auto& bound = (*scene.bodies)[I.getId1()]->bound;
+	if (!bound) return;
+	const Vector3r middle = 0.5 * (bound->min + bound->max), span = spanInCell(scene, *bound);
+	const Vector3r apart = scene.cell->hSize.inverse() * grain -
+			       middle.cwiseQuotient(scene.cell->getSize());
+	for (int axis = 0; axis < 3; ++axis)
+		if (span[axis] > 0.5) I.cellDist[axis] = -static_cast<int>(std::lround(apart[axis]));
+}
+
+bool followWrap(const Scene& scene, const Body& grain, const Vector3r& shift, Real tolerance)
+{
+	if (!scene.isPeriodic) return false;
+	const Vector3r periods = (scene.cell->hSize.inverse() * shift).array().round();
+	if (periods.isZero(0) || (scene.cell->hSize * periods - shift).norm() > tolerance)
+		return false;
+	for (const auto& [other, I] : grain.intrs)
+		I->cellDist += (I->getId1() == grain.getId() ? 1 : -1) * periods.cast<int>();
+	return true;
+}
+
 Vector3r CellFlow::before(const Vector3r& position, const Vector3r& after, Real dt) const
 {
 	if (isZero()) return after;
@@ -49,21 +82,33 @@ Matrix3r toBoxes(const Scene& scene, const Vector3r& cellSize)
 	return cellSize.asDiagonal() * scene.cell->hSize.inverse();
 }
 
+bool isSheared(const Scene& scene)
+{
+	const Matrix3r& H = scene.cell->hSize;
+	const Matrix3r L = comingVelGrad(scene);
+	return !H.isDiagonal(0) || !L.isDiagonal(0);
+}
+
 namespace {
 
-bool leavesPlane(const Matrix3r& m)
+/// What controllers of the cell leave where there should be nothing, over the cell, and what of it
+/// may come in a step: they take its deformation apart and put it together again.
+constexpr double planeRounding = 1e-9, planeRoundingOfStep = 1e-13;
+
+bool leavesPlane(const Matrix3r& m, double tolerance)
 {
-	return m(0, 2) != 0 || m(1, 2) != 0 || m(2, 0) != 0 || m(2, 1) != 0;
+	return std::max({ std::abs(m(0, 2)), std::abs(m(1, 2)), std::abs(m(2, 0)),
+			  std::abs(m(2, 1)) }) > tolerance;
 }
 
 void checkPlane(const Scene& scene)
 {
-	const Matrix3r L = comingVelGrad(scene);
-	if (leavesPlane(scene.cell->hSize))
+	const Matrix3r L = scene.dt * comingVelGrad(scene);
+	if (leavesPlane(scene.cell->hSize, planeRounding * scene.cell->getSize().minCoeff()))
 		throw std::runtime_error(
 			"O.cell.hSize couples z with x or y, but the soft grains are 2D; its "
 			"third base vector must be along z, the others in the xy-plane");
-	if (leavesPlane(L) || L(2, 2) != 0)
+	if (leavesPlane(L, planeRoundingOfStep) || std::abs(L(2, 2)) > planeRoundingOfStep)
 		throw std::runtime_error(
 			"O.cell.velGrad has components of z, but the soft grains are 2D; "
 			"only its xx, xy, yx and yy may differ from 0");
@@ -72,16 +117,64 @@ void checkPlane(const Scene& scene)
 /// Two grains have one interaction in YADE, and so may touch on one side only.
 void checkSpan(const Scene& scene, const Body& body, int dim)
 {
-	for (int axis = 0; body.bound && axis < dim; ++axis) {
-		const Real span = body.bound->max[axis] - body.bound->min[axis],
-			   size = scene.cell->getSize()[axis];
-		if (span <= 0.5 * size) continue;
+	const Vector3r span = spanInCell(scene, *body.bound), size = scene.cell->getSize();
+	for (int axis = 0; axis < dim; ++axis) {
+		if (span[axis] <= 0.5) continue;
 		std::ostringstream message;
-		message << "soft grain #" << body.getId() << " spans " << span
+		message << "soft grain #" << body.getId() << " spans " << span[axis] * size[axis]
 			<< " m along base vector " << axis << " of the periodic cell (with the "
 			<< "margins of the collider), more than the admissible half of its length "
-			<< size << " m: it might touch the same grain on two sides. Use a larger "
-			<< "cell with more grains";
+			<< size[axis] << " m: it might touch the same grain on two sides. Use a "
+			<< "larger cell with more grains";
+		throw std::runtime_error(message.str());
+	}
+}
+
+/// Whether a body and its images along a base vector make one floor that goes on for ever.
+bool makesFloor(const Scene& scene, const Body& body, int axis)
+{
+	if (!YADE_PTR_DYN_CAST<::yade::Box>(body.shape)) return false;
+	const Vector3r period = scene.cell->hSize.col(axis);
+	const Vector3r inBox = body.state->ori.conjugate() * period.normalized();
+	return inBox.cwiseAbs().maxCoeff() > 1 - 1e-9 &&
+	       (comingVelGrad(scene) * period).isZero(0);
+}
+
+/// The first sort of the collider passes over partners of a body that is longer than the cell along
+/// its axis.
+void checkSortAxis(const Scene& scene, const Body& floor, int axis)
+{
+	for (const auto& engine : scene.engines) {
+		const auto collider = YADE_PTR_DYN_CAST<InsertionSortCollider>(engine);
+		if (!collider || collider->sortAxis != axis) continue;
+		throw std::runtime_error(
+			"InsertionSortCollider.sortAxis = " + std::to_string(axis) +
+			", but rigid body #" + std::to_string(floor.getId()) +
+			" is longer than the periodic cell along this axis: the first sort would "
+			"pass over its partners. Set sortAxis to an axis across the floor before "
+			"the first step, as sg.engines() does when the floor is there already");
+	}
+}
+
+/// A rigid body touches a grain with one image only, unless it is a floor, of which it does not
+/// matter which one: then its ends are beyond the reach of a grain on the nearest.
+void checkRigidSpan(const Scene& scene, const Body& body, const Vector3r& grains, int dim)
+{
+	const Vector3r span = spanInCell(scene, *body.bound), size = scene.cell->getSize();
+	for (int axis = 0; axis < dim; ++axis) {
+		const Real shorter = 1 - grains[axis], longer = 1 + 2 * grains[axis];
+		if (span[axis] <= shorter) continue;
+		if (span[axis] >= longer && makesFloor(scene, body, axis)) {
+			checkSortAxis(scene, body, axis);
+			continue;
+		}
+		std::ostringstream message;
+		message << "rigid body #" << body.getId() << " (" << body.shape->getClassName()
+			<< ") spans " << span[axis] * size[axis] << " m along base vector " << axis
+			<< " of the periodic cell: it might touch a soft grain on two sides, or end "
+			<< "under it. Admissible: up to " << shorter * size[axis]
+			<< " m, or, for a Box with a side along that base vector, which does not "
+			<< "move nor change, from " << longer * size[axis] << " m";
 		throw std::runtime_error(message.str());
 	}
 }
@@ -91,6 +184,8 @@ void checkSpan(const Scene& scene, const Body& body, int dim)
 void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly)
 {
 	if (!scene.isPeriodic) return;
+	Vector3r longest = Vector3r::Zero(); // of the grains along each base vector, in its length
+	int dim = 0;
 	for (int g = 0; g < assembly.grains(); ++g) {
 		const Body& body = *(*scene.bodies)[assembly.idOf(g)];
 		const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
@@ -99,8 +194,14 @@ void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly)
 				"O.periodic = True with contact = 'nodes': the common grid of it "
 				"does not repeat with the cell; use 'surface' or 'points'");
 		if (g == 0 && grain.dim == 2) checkPlane(scene);
+		if (!body.bound) continue;
 		checkSpan(scene, body, grain.dim);
+		longest = longest.cwiseMax(spanInCell(scene, *body.bound));
+		dim = grain.dim;
 	}
+	for (const auto& body : *scene.bodies)
+		if (body && body->bound && body->shape && !YADE_PTR_DYN_CAST<SoftGrain>(body->shape))
+			checkRigidSpan(scene, *body, longest, dim);
 }
 
 } // namespace yade

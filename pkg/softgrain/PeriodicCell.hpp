@@ -17,6 +17,15 @@ Vector3r imageShift(const Scene& scene, const Interaction& I);
 /// The same as a pair takes it, whose second body is #2 of the interaction or else #1.
 softgrain::ImageDescription imageOf(const Scene& scene, const Interaction& I, bool secondIsBody2);
 
+/// Of a rigid body that is longer than half the cell YADE's collider does not tell which image comes
+/// near a grain. The grain meets the one nearest to it (checkCell: no other one, or one that goes on
+/// like it). Body #1 of the interaction is the rigid one.
+void chooseNearestImage(const Scene& scene, const Vector3r& grain, Interaction& I);
+
+/// After a soft grain was shifted by hand: whether by whole periods, as by Cell.wrap. Its
+/// interactions then name other images, those that are where the former ones were.
+bool followWrap(const Scene& scene, const Body& grain, const Vector3r& shift, Real tolerance);
+
 /// What NewtonIntegrator does to every body in the step at hand for the flow of the cell
 /// (Cell.homoDeform): v += dt convection v + change x, spin += spinChange.
 struct CellFlow {
@@ -39,7 +48,11 @@ CellFlow cellFlow(const Scene& scene, const NewtonIntegrator& newton);
 /// given lengths: places that keep their share of the cell keep their place in these.
 Matrix3r toBoxes(const Scene& scene, const Vector3r& cellSize);
 
-/// Throws std::runtime_error where the periodic cell is one that soft grains cannot be in.
+/// Whether the cell is sheared, or going to be in the step at hand.
+bool isSheared(const Scene& scene);
+
+/// Throws std::runtime_error where the periodic cell is one that soft grains, or the rigid bodies
+/// beside them, cannot be in.
 void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly);
 
 } // namespace yade

@@ -112,11 +112,16 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 	return d;
 }
 
-/// About that of a grain on a wall, for engines that steer walls.
-Real nominalStiffness(const SoftGrain& grain, const Scene& scene)
+/// Change of the force on a wall over the way that it moves within a step, for engines that choose
+/// that way (doc/decisions/0023-laboratory-loading.md): a wave gets no further than c dt by then, so
+/// it is rho c A/dt, tens of times what a grain as a whole resists with.
+Real stiffnessWithinStep(const SoftGrain& grain, const Scene& scene)
 {
-	const Real young = materialOf(scene, grain.assembly->idOf(grain.index)).young;
-	return grain.dim == 2 ? young : 2 * grain.radius * young;
+	const SoftMat& material = materialOf(scene, grain.assembly->idOf(grain.index));
+	const auto constants = material.constants();
+	const Real impedance = constants.density * constants.waveSpeed(grain.condition(material));
+	const Real diameter = 2 * grain.radius;
+	return impedance * (grain.dim == 2 ? diameter : diameter * diameter) / scene.dt;
 }
 
 /// The body whose motion is that of a rigid body: itself, or its clump.
@@ -188,7 +193,7 @@ void SoftGrainIntegrator::publishReactions(const Interaction& I, Real kick)
 	const Body& body = rigidBodyOf(I);
 	const bool free = isFree(moverOf(body, *scene), *newton_);
 	SoftPhys& phys = static_cast<SoftPhys&>(*I.phys);
-	phys.kn = phys.ks = free ? 0 : nominalStiffness(softGrainOf(I), *scene);
+	phys.kn = phys.ks = free ? 0 : stiffnessWithinStep(softGrainOf(I), *scene);
 	if (sum.active == 0) return;
 	const Real time = free ? scene->dt : kick;
 	scene->forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);

@@ -1,5 +1,6 @@
 #include "SceneAssembly.hpp"
 #include "HostChecks.hpp"
+#include "PeriodicCell.hpp"
 #include "SoftGrain.hpp"
 #include "SoftGrainIntegrator.hpp"
 #include "SoftMat.hpp"
@@ -59,6 +60,12 @@ std::vector<Body*> softBodies(Scene& scene)
 				name(*body) +
 				" is a Wall, but O.periodic = True: the collider of YADE never "
 				"ends with its infinite box in a periodic cell; leave it out");
+		if (scene.isPeriodic && isA<Box>(body->shape) && isSheared(scene))
+			throw std::invalid_argument(
+				name(*body) +
+				" is a Box in a sheared periodic cell, where the collider of YADE "
+				"would end the process; use Facets, or keep O.cell.hSize and "
+				"O.cell.velGrad diagonal");
 		checkBody(*body);
 		if (isA<SoftGrain>(body->shape)) bodies.push_back(body.get());
 	}
@@ -70,6 +77,15 @@ bool sameConstants(const softgrain::ElasticConstants& a, const softgrain::Elasti
 	return a.young == b.young && a.poisson == b.poisson && a.density == b.density;
 }
 
+/// Whether the material of a grain in an assembly is still what it was assembled with.
+bool isAsAssembled(const SoftGrain& grain, const SoftMat& material)
+{
+	return sameConstants(grain.assembledConstants, material.constants()) &&
+	       grain.assembledDamping == material.damping() &&
+	       grain.assembledLaw == material.law &&
+	       grain.assembledCondition == material.condition;
+}
+
 bool isCurrent(const std::vector<Body*>& bodies)
 {
 	const auto& assembly = static_cast<SoftGrain&>(*bodies.front()->shape).assembly;
@@ -78,10 +94,7 @@ bool isCurrent(const std::vector<Body*>& bodies)
 		const SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
 		const SoftMat& material = static_cast<SoftMat&>(*body->material);
 		if (grain.assembly != assembly || assembly->idOf(grain.index) != body->getId() ||
-		    !sameConstants(grain.assembledConstants, material.constants()) ||
-		    !(grain.assembledDamping == material.damping()) ||
-		    grain.assembledLaw != material.law ||
-		    grain.assembledCondition != material.condition)
+		    !isAsAssembled(grain, material))
 			return false;
 	}
 	return true;
@@ -100,11 +113,13 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 	for (const Body* body : bodies) {
 		SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
 		if (grain.assembly) last = grain.assembly;
-		const bool goesOn = bool(grain.assembly);
+		const bool changed =
+			grain.assembly &&
+			!isAsAssembled(grain, static_cast<const SoftMat&>(*body->material));
 		grain.fetchState();
 		if (grain.assembly) grain.savedForces.clear(); // materials may have changed
 		grains.push_back(grain.describe(*body));
-		if (goesOn) grains.back().state.rest.clear(); // what changed may concern it: awake
+		if (changed) grains.back().state.rest.clear(); // awake
 	}
 	if (last) continuation = last->continuation();
 	const auto assembly = softgrain::GrainAssembly::create(grains, last.get());

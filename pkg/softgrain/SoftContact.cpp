@@ -19,6 +19,7 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present)
 	if (pair && assembly == present) return;
 	std::vector<ContactRecord> records;
 	const std::vector<double> history = pair ? pair->interfaceHistory() : savedInterface;
+	const std::vector<double> rest = pair ? pair->rest() : savedRest;
 	if (pair)
 		records = pair->records();
 	else
@@ -29,12 +30,11 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present)
 				  Vec3::Zero(),
 				  savedImpulses[k],
 				  0 }); // history has the rest
-	const bool loaded = !pair;
 	assembly = present;
 	pair = present->newPair();
 	pair->restore(records);
 	pair->restoreInterface(history);
-	if (loaded) pair->restoreRest(savedRest);
+	pair->restoreRest(rest);
 }
 
 void SoftGeom::preSave(SoftGeom&)
@@ -277,6 +277,7 @@ bool searchOnRigid(const IGeomFunctor& functor, const Shape& shape, const SoftGr
 	if (!grain.assembly) return I->isReal();
 	const SearchTimer timer(functor);
 	const auto geom = geometryOf(*I, grain.assembly);
+	chooseNearestImage(*functor.scene, soft.pos, *I);
 	const auto image = imageOf(*functor.scene, *I, false);
 	grain.assembly->search(*geom->pair, grain.index,
 			       *describeRigid(shape, rigid, I->getId1(), grain), image, dt);

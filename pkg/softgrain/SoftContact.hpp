@@ -80,7 +80,7 @@ class SoftPhys : public NormShearPhys {
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SoftPhys, NormShearPhys,
-		"Friction of a pair, and the sum of its contact forces. *kn* and *ks* are no parameters of the method, which has none: between soft grains they hold the harmonic mean of the Young's moduli times 1 m, for :yref:`GlobalStiffnessTimeStepper` only; with a free rigid body 0, since contact does not limit its time step; with one that is held or moved the Young's modulus times 1 m (3D: times the grain's diameter), about the stiffness of the grain, for :yref:`TriaxialStressController`.",
+		"Friction of a pair, and the sum of its contact forces. *kn* and *ks* are no parameters of the method, which has none: between soft grains they hold the harmonic mean of the Young's moduli times 1 m, for :yref:`GlobalStiffnessTimeStepper` only; with a free rigid body 0, since contact does not limit its time step; with one that is held or moved ρ c A/dt (c the speed of pressure waves, A the square of the grain's diameter, in 2D its diameter), the change of the force over the way of the wall within a step, for :yref:`TriaxialStressController`.",
 		((Real, tangensOfFrictionAngle, 0, , "Coefficient of Coulomb friction μ, ≥ 0 [-]; with an *interface* that has a dynamic one: of contact points that stick."))
 		((shared_ptr<SoftInterface>, interface, , , "What acts besides; None: nothing."))
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))

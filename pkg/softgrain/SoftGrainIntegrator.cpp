@@ -23,6 +23,9 @@ namespace {
 /// difference of large numbers, 1e-8 in an undeformed grain.
 constexpr double timeStepRounding = 1e-6;
 
+/// How far a shift may be from whole periods, over the radius.
+constexpr double wrapTolerance = 1e-6;
+
 } // namespace
 
 void SoftGrainIntegrator::postLoad(SoftGrainIntegrator&)
@@ -79,14 +82,14 @@ void SoftGrainIntegrator::advance()
 	assembly_->setMultirate(multirate);
 	assembly_->setInterfaceRange(interfaceRange);
 	clock_.end("assembleScene");
-	applyUserMotions();
+	const auto wrapped = applyUserMotions();
 	clock_.end("applyUserMotions");
 	assembly_->updateForces(threads());
 	clock_.end("updateForces");
 	chooseTimeStep();
 	clock_.end("chooseTimeStep");
 	const auto interactions = softInteractions();
-	renewContacts(interactions);
+	renewContacts(interactions, wrapped);
 	checkRigidBodies(interactions);
 	checkInterfaces(interactions);
 	stopOnOverlap(interactions);
@@ -248,9 +251,11 @@ bool isAsWritten(const State& state, const softgrain::GrainMotion& written, Real
 
 } // namespace
 
-/// Changes of State since this engine wrote it are the user's: they act as rigid motions.
-void SoftGrainIntegrator::applyUserMotions()
+/// Changes of State since this engine wrote it are the user's: they act as rigid motions. Returns
+/// the ids of the grains that were shifted by whole periods.
+std::set<int> SoftGrainIntegrator::applyUserMotions()
 {
+	std::set<int> wrapped;
 	for (int g = 0; g < assembly_->grains(); ++g) {
 		const Body& body = *(*scene->bodies)[assembly_->idOf(g)];
 		const State& state = *body.state;
@@ -266,9 +271,13 @@ void SoftGrainIntegrator::applyUserMotions()
 					"that is not finite; assign a finite one");
 		const Vec3 shift = state.pos - written.position;
 		const Rotation turn = state.ori * written.orientation.conjugate();
-		const Vec3 velocity = state.vel - written.velocity,
-			   spin = state.angVel - written.angularVelocity;
+		Vec3 velocity = state.vel - written.velocity;
+		const Vec3 spin = state.angVel - written.angularVelocity;
 		const bool moved = shift.norm() > 1e-9 * radius + 1e-14 * state.pos.norm();
+		if (moved && followWrap(*scene, body, shift, wrapTolerance * radius)) {
+			wrapped.insert(body.getId());
+			velocity += newtonIntegrator().prevVelGrad * shift; // its image has it
+		}
 		const bool turned = turn.vec().norm() > 1e-9;
 		const bool pushed = velocity.norm() > 1e-12 * state.vel.norm();
 		const bool spun = spin.norm() > 1e-9 * state.angVel.norm() &&
@@ -279,6 +288,7 @@ void SoftGrainIntegrator::applyUserMotions()
 					       pushed ? velocity : Vec3(Vec3::Zero()),
 					       spun ? spin : Vec3(Vec3::Zero()));
 	}
+	return wrapped;
 }
 
 const NewtonIntegrator& SoftGrainIntegrator::newtonIntegrator() const
@@ -369,11 +379,13 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 }
 
 /// Grains added, erased or changed since the InteractionLoop have other indices now, and contacts
-/// found there name the old ones.
-void SoftGrainIntegrator::renewContacts(const std::vector<Interaction*>& interactions) const
+/// found there name the old ones; those of wrapped grains have the place of another image.
+void SoftGrainIntegrator::renewContacts(const std::vector<Interaction*>& interactions,
+					const std::set<int>& wrapped) const
 {
 	for (Interaction* I : interactions) {
-		if (static_cast<SoftGeom&>(*I->geom).assembly == assembly_) continue;
+		const bool present = static_cast<SoftGeom&>(*I->geom).assembly == assembly_;
+		if (present && !wrapped.count(I->getId1()) && !wrapped.count(I->getId2())) continue;
 		const auto& b1 = (*scene->bodies)[I->getId1()];
 		const auto& b2 = (*scene->bodies)[I->getId2()];
 		const shared_ptr<Interaction>& shared =

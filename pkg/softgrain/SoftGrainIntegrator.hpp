@@ -3,6 +3,8 @@
 #include "Yade.hpp"
 #include "assembly/GrainAssembly.hpp"
 
+#include <set>
+
 namespace yade {
 
 class SoftGeom;
@@ -29,7 +31,7 @@ public:
 		((Real, maxOverlap, 1, Attr::triggerPostLoad, "Overlap at which the run stops, over the spacing of material points (of two rigid bodies: a tenth of the smaller radius, here and in *overlap*), > 0 [-]."))
 		((bool, rigidMotion, true, , "Whether grains that are undeformed and have no contact point within reach move as rigid bodies, at next to no cost: momentum and angular momentum are kept to rounding, and they are woken in the step in which a contact point comes within reach, before contacts are solved. Their nodes, stress and outline are made when asked for. Grains that spin at their rim with more than a hundredth of their wave speed, and formulation 'updated', are always computed. See doc/decisions/0014-inactive-grains.md."))
 		((bool, multirate, false, , "Whether small or stiff grains take steps of their own: O.dt is that of the grain with the shortest critical step, contacts and motion go by it, and stresses and internal forces of a grain whose critical step, undeformed, is n times as long are computed every n-th step and act until the next time (*rates*). Momentum is kept to rounding, angular momentum over n steps; energies ripple as in a scene of slow grains alone with a time step of their own. Grains with formulation 'updated' or velocityUpdate 'flip' are computed in every step; a scene whose critical steps differ by less than a factor of two runs as without. O.dt should change seldom, as it does by itself. See doc/decisions/0018-multirate.md."))
-		((bool, sleep, true, , "Whether damped grains (:yref:`SoftMat.massDamping`, :yref:`SoftMat.stiffnessDamping`) that came to rest sleep: nodes, stress and contact forces stay as they are, and nothing is searched, solved or moved for them. All grains connected by contact points within reach fall asleep together, once the kinetic energy of each has been below 1e-8 of its elastic energy for four periods of its slowest vibration times the number of grains across, if they lie on a Wall, none of their walls moves, and all are damped. They are woken together, with their impulses, by anything within reach that is not asleep, by a Wall that moves or was moved, and by a change of load, State, friction, material or number of bodies. What they still had of kinetic energy and momentum is dropped and counted. Undeformed grains that touch nothing, do not move and bear no load sleep as well, damped or not. See doc/decisions/0014-inactive-grains.md."))
+		((bool, sleep, true, , "Whether damped grains (:yref:`SoftMat.massDamping`, :yref:`SoftMat.stiffnessDamping`) that came to rest sleep: nodes, stress and contact forces stay as they are, and nothing is searched, solved or moved for them. All grains connected by contact points within reach fall asleep together, once the kinetic energy of each has been below 1e-8 of its elastic energy for four periods of its slowest vibration times the number of grains across, if they lie on a Wall, none of their walls moves, and all are damped. They are woken together, with their impulses, by anything within reach that is not asleep, by a Wall that moves or was moved, and by a change of load, State, friction or material, or when a partner is erased. What they still had of kinetic energy and momentum is dropped and counted. Undeformed grains that touch nothing, do not move and bear no load sleep as well, damped or not. See doc/decisions/0014-inactive-grains.md."))
 		((Real, interfaceRange, 0, Attr::triggerPostLoad, "Largest gap across which an interface acts (:yref:`SoftInterface.cohesionRange`, the final opening of a bond), ≥ 0 [m]: surfaces are searched that far for each other, and a pair with a larger range is refused. sg.engines(interface=) sets it."))
 		((Real, criticalDt, 0, Attr::readonly, "Critical time step of the grains as deformed now, and of the bonds between them [s]. |yupdate|"))
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
@@ -75,10 +77,11 @@ private:
 	void chooseTimeStep();
 	void followDeformation(Real undeformed);
 	bool hasTimeStepper() const;
-	void applyUserMotions();
+	std::set<int> applyUserMotions();
 	void applyLoads();
 	std::vector<Interaction*> softInteractions() const;
-	void renewContacts(const std::vector<Interaction*>& interactions) const;
+	void renewContacts(const std::vector<Interaction*>& interactions,
+			   const std::set<int>& wrapped) const;
 	void moveImages(const std::vector<Interaction*>& interactions) const;
 	void checkInterfaces(const std::vector<Interaction*>& interactions) const;
 	void stopOnOverlap(const std::vector<Interaction*>& interactions) const;

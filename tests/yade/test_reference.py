@@ -9,7 +9,7 @@ import pytest
 
 import softgrain as sg
 from softgrain import reference
-from yade import FrictMat, O, SoftMat, utils
+from yade import FrictMat, Matrix3, O, SoftMat, utils
 
 STEPS = 40
 TOLERANCE = 1e-10
@@ -49,6 +49,9 @@ class Case:
     mass_damping: float = 0.0  # 1/s
     stiffness_damping: float = 0.0  # s
     rates: tuple = (1, 1)  # steps between computations of the forces, as the plugin finds them
+    cell: tuple = ()  # base vectors of a periodic cell as columns [m]
+    flow: tuple = ((0.0, 0.0), (0.0, 0.0))  # its velocity gradient [1/s]
+    interface: tuple = ()  # cohesion [Pa], its range [m], dynamic friction [-]
 
     @property
     def recipes(self):
@@ -80,6 +83,12 @@ class Case:
         return sorted((0, 1), key=lambda g: (self.zeta[g], g))
 
 
+#: Columns of a sheared cell; the second grain of OBLIQUE as seen across two of its borders.
+CELL = ((0.05, 0.004), (0.0, 0.05))
+ACROSS = ((0.0, 0.0), (0.0126 - 0.054, 0.0126 - 0.05))
+FLOW = ((-20.0, 30.0), (5.0, 10.0))
+COHESION = (2e4, 3e-4, 0.1)
+
 #: What the contacts of a case are known to do.
 EVERYTHING = {"sticking", "sliding", "wall", "grain", "capped overlap", "overlap", "closing gap"}
 
@@ -102,6 +111,14 @@ CASES = {
     "multirate": Case(zeta=(0.45, 0.12), rates=(3, 1)),
     "multirate, damped": Case(
         zeta=(0.45, 0.12), rates=(3, 1), mass_damping=3000.0, stiffness_damping=1e-6
+    ),
+    "periodic": Case(cell=CELL, centres=ACROSS, flow=FLOW, walls=()),
+    "periodic, points": Case(
+        cell=CELL, centres=ACROSS, flow=FLOW, walls=(), contact="points", zeta=(0.25, 0.25)
+    ),
+    "cohesion, two coefficients of friction": Case(interface=COHESION),
+    "periodic, cohesion": Case(
+        cell=CELL, centres=ACROSS, flow=FLOW, walls=(), interface=COHESION
     ),
     "flip": Case(velocity_update="flip"),
     "flip with a share of PIC, points": Case(
@@ -175,7 +192,23 @@ def build_in_yade(case):
         O.bodies.append(wall)
     # the oracle moves nodes, also of grains that could move as rigid bodies
     multirate = max(case.rates) > 1
-    O.engines = sg.engines(gravity=(0, case.gravity, 0), rigidMotion=False, multirate=multirate)
+    interface = {}
+    if case.interface:
+        cohesion, reach, friction = case.interface
+        interface = {
+            "cohesion": cohesion,
+            "cohesionRange": reach,
+            "dynamicFrictAngle": math.atan(friction),
+        }
+    if case.cell:
+        (ax, bx), (ay, by) = case.cell
+        (xx, xy), (yx, yy) = case.flow
+        O.periodic = True
+        O.cell.hSize = Matrix3(ax, bx, 0, ay, by, 0, 0, 0, 1)
+        O.cell.velGrad = Matrix3(xx, xy, 0, yx, yy, 0, 0, 0, 0)
+    O.engines = sg.engines(
+        gravity=(0, case.gravity, 0), rigidMotion=False, multirate=multirate, interface=interface
+    )
     O.dt = DT_FRACTION * sg.critical_time_step()
 
 
@@ -249,13 +282,18 @@ def build_oracle(case):
         walls.append(reference.Wall(axis, position, np.array(velocity), math.atan(friction)))
     slowest_wave = min(grain.material.wave_speed for grain in grains)
     settings = reference.SolverSettings(overlap_speed=1e-3 * slowest_wave)
-    return reference.System(grains, walls, settings, np.array([0, case.gravity]))
+    system = reference.System(grains, walls, settings, np.array([0, case.gravity]))
+    if case.cell:
+        system.cell = reference.Cell(np.array(case.cell), np.array(case.flow))
+    if case.interface:
+        system.interface = reference.Interface(*case.interface)
+    return system
 
 
 def impulses_of_oracle(system):
     found = {}
     for pair, c in system.contacts:
-        found[pair, c.side, c.node] = found.get((pair, c.side, c.node), 0) + c.impulse
+        found[pair, c.side, c.node] = found.get((pair, c.side, c.node), 0) + c.impulse + c.pull
     return found
 
 
@@ -279,12 +317,12 @@ def events(system, dt):
     """What the contacts of the last step did."""
     settings, seen = system.settings, set()
     for pair, c in system.contacts:
+        if c.pull.any():
+            seen.add("cohesion")
         normal = c.impulse @ c.normal
         if normal == 0:
             continue
-        tangential = np.linalg.norm(c.impulse - normal * c.normal)
-        sticks = tangential < (1 - 1e-9) * system.friction(pair) * normal
-        seen.add("sticking" if sticks else "sliding")
+        seen.add("sliding" if c.slid else "sticking")
         seen.add("wall" if pair[1] < 0 else "grain")
         if c.gap >= 0:
             seen.add("closing gap")
@@ -350,8 +388,12 @@ def test_kernel_does_the_same_as_the_oracle(name):
         seen |= events(system, dt)
     largest = largest_deviations(CASES[name], found, expected)
     assert max(largest.values()) < TOLERANCE, largest
-    if CASES[name].centres == OBLIQUE:
-        assert seen == EVERYTHING
+    case = CASES[name]
+    assert ("cohesion" in seen) == bool(case.interface)
+    if case.centres == OBLIQUE:
+        assert seen >= EVERYTHING
+    if case.cell:
+        assert seen >= {"sticking", "sliding", "grain", "overlap"}
 
 
 def damped(system):
@@ -426,13 +468,43 @@ CHANGES = (
 )
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
-def test_comparison_notices_a_change(change):
+def faster_cell(system):
+    system.cell.gradient = 1.001 * system.cell.gradient
+
+
+def still_before(system):
+    """As if the flow of the cell had not begun with the first step."""
+    system.cell.last_gradient = system.cell.gradient
+
+
+def farther_image(system):
+    system.cell.base = (1 + 1e-7) * system.cell.base
+
+
+def more_cohesion(system):
+    system.interface.cohesion *= 1.001
+
+
+def shorter_range(system):
+    system.interface.cohesion_range *= 0.99
+
+
+def smoother_sliding(system):
+    system.interface.dynamic_friction *= 0.999
+
+
+OF_CELL = (faster_cell, still_before, farther_image, more_cohesion, shorter_range, smoother_sliding)
+NOTICED = [("corner", change) for change in CHANGES]
+NOTICED += [("periodic, cohesion", change) for change in OF_CELL]
+
+
+@pytest.mark.parametrize("name, change", NOTICED, ids=lambda value: getattr(value, "__name__", None))
+def test_comparison_notices_a_change(name, change):
     """An oracle that differs a little does not pass for the same."""
-    dt, found = run_in_yade("corner")
-    system = build_oracle(CASES["corner"])
+    dt, found = run_in_yade(name)
+    system = build_oracle(CASES[name])
     change(system)
-    largest = largest_deviations(CASES["corner"], found, run_oracle(system, dt, steps=40))
+    largest = largest_deviations(CASES[name], found, run_oracle(system, dt, steps=40))
     assert largest["positions"] > 10 * TOLERANCE
     assert largest["velocities"] > 10 * TOLERANCE
 

@@ -8,11 +8,15 @@ disks. The parts are laid out as those of the kernel:
 * :mod:`~softgrain.reference.material`: from deformation gradient to stress;
 * :mod:`~softgrain.reference.grain`: state, internal force, motion; total and updated Lagrangian;
 * :mod:`~softgrain.reference.search`: contacts and their gaps;
+* :mod:`~softgrain.reference.interface`: cohesion, friction of contacts that slide;
+* :mod:`~softgrain.reference.cell`: a periodic cell;
 * :mod:`~softgrain.reference.solver`: impulses by nonlinear Gauss-Seidel;
 * :mod:`~softgrain.reference.system`: the step.
 """
 
+from .cell import Cell
 from .grain import Grain, UpdatedGrain
+from .interface import Interface
 from .material import Material
 from .search import Contact
 from .solver import SolverReport, SolverSettings, residual
@@ -20,8 +24,10 @@ from .system import System, Wall
 from .template import Recipe, Template
 
 __all__ = [
+    "Cell",
     "Contact",
     "Grain",
+    "Interface",
     "Material",
     "Recipe",
     "SolverReport",

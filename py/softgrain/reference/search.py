@@ -25,7 +25,10 @@ class Contact:
     partners: dict  #: nodes of the other body it leans on: share; empty for a wall
     normal: np.ndarray  #: unit, from the other body to the node
     gap: float  #: m, negative for an overlap
-    impulse: np.ndarray = field(default_factory=lambda: np.zeros(2))  #: on the node, N s
+    impulse: np.ndarray = field(default_factory=lambda: np.zeros(2))  #: reaction on the node, N s
+    pull: np.ndarray = field(default_factory=lambda: np.zeros(2))  #: of tractions besides, N s
+    drift: np.ndarray = field(default_factory=lambda: np.zeros(2))  #: of the wall or image, m/s
+    slid: bool = False  #: in the last step in which it carried a reaction
 
     @property
     def key(self):
@@ -33,19 +36,26 @@ class Contact:
         return self.side, self.node, self.other
 
 
-def contacts_of_grains(first, second, reach):
-    """Contacts of two grains.
+def contacts_of_grains(first, second, reach, shift=np.zeros(2), drift=np.zeros(2)):
+    """Contacts of two grains, or of the first and an image of the second.
 
     Args:
         first, second (Grain): both with the same kind of contact nodes.
         reach (float): largest gap [m].
+        shift (ndarray): place of the image relative to the second grain [m].
+        drift (ndarray): its velocity relative to it [m/s].
 
     Returns:
         list of Contact: sorted by key.
     """
     if first.has_surface:
-        return nodes_on_outline(first, second, 0, reach) + nodes_on_outline(second, first, 1, reach)
-    return disks_on_disks(first, second, reach)
+        contacts = nodes_on_outline(first, second, 0, reach, shift)
+        contacts += nodes_on_outline(second, first, 1, reach, -shift)
+    else:
+        contacts = disks_on_disks(first, second, reach, shift)
+    for contact in contacts:
+        contact.drift = drift if contact.side == 0 else -drift
+    return contacts
 
 
 def contacts_with_plane(grain, point, normal, reach):
@@ -57,12 +67,12 @@ def contacts_with_plane(grain, point, normal, reach):
     return [Contact(0, s, -1, {}, normal, gap) for s, gap in enumerate(gaps) if gap < reach]
 
 
-def disks_on_disks(first, second, reach):
+def disks_on_disks(first, second, reach, shift):
     """Contact nodes as disks: g = |x_s - x_t| - the two radii."""
     touch = first.contact_radius + second.contact_radius
     contacts = []
     for s, x in enumerate(first.contact_positions()):
-        for t, y in enumerate(second.contact_positions()):
+        for t, y in enumerate(second.contact_positions() + shift):
             distance = np.linalg.norm(x - y)
             if distance - touch < reach:
                 normal = (x - y) / distance
@@ -70,9 +80,9 @@ def disks_on_disks(first, second, reach):
     return contacts
 
 
-def nodes_on_outline(grain, other, side, reach):
-    """Surface nodes of `grain` against the outline of `other`."""
-    outline = other.contact_positions()
+def nodes_on_outline(grain, other, side, reach, shift):
+    """Surface nodes of `grain` against the outline of `other`, shifted."""
+    outline = other.contact_positions() + shift
     deepest = DEEPEST_CONTACT * max(grain.point_spacing, other.point_spacing)
     contacts = []
     for s, x in enumerate(grain.contact_positions()):

@@ -103,7 +103,8 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
         normal (ndarray): shape (contacts, 2).
         bias (ndarray): b [m/s], shape (contacts,).
         friction (ndarray): coefficients mu, shape (contacts,).
-        impulse (ndarray): start of the sweeps [N s], shape (contacts, 2); becomes the result.
+        impulse (ndarray): start of the sweeps, within the cones [N s], shape (contacts, 2);
+            becomes the result.
         settings (SolverSettings): when to stop.
 
     Returns:
@@ -113,8 +114,6 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
     if len(impulse) == 0:
         return report
     problem = (delassus, free_velocity, normal, bias, friction)
-    for k in range(len(impulse)):
-        impulse[k] = project_on_cone(impulse[k], normal[k], friction[k])
     while report.sweeps < settings.max_sweeps:
         forwards = range(len(impulse))
         order = forwards[::-1] if report.sweeps < SWEEPS_EACH_WAY else forwards

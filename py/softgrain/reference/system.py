@@ -4,8 +4,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .cell import Cell
+from .interface import Interface, has_slid, node_areas
 from .search import contacts_of_grains, contacts_with_plane
-from .solver import SolverSettings, closing_bias, solve
+from .solver import SolverSettings, closing_bias, project_on_cone, solve
 
 
 @dataclass
@@ -35,6 +37,8 @@ class System:
     walls: list = field(default_factory=list)
     settings: SolverSettings = field(default_factory=SolverSettings)
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(2))  #: m/s^2
+    cell: Cell | None = None  #: periodic; without walls
+    interface: Interface = field(default_factory=Interface)  #: of all pairs
     contacts: list = field(default_factory=list)  #: of the last step, as (pair, Contact), in order
     steps: int = 0  #: so far
 
@@ -57,32 +61,61 @@ class System:
         return report
 
     def find_contacts(self, dt):
-        """Find the contacts of t_n; impulses of those that were there before are kept."""
-        last = {(pair, contact.key): contact.impulse for pair, contact in self.contacts}
+        """Find the contacts of t_n; those that were there before keep impulse and memory."""
+        last = {(pair, contact.key): contact for pair, contact in self.contacts}
         self.contacts = []
         for g, grain in enumerate(self.grains):
             for w, wall in enumerate(self.walls):
                 speed = grain.fastest() + np.linalg.norm(wall.velocity)
-                reach = _reach(speed, dt, grain.point_spacing)
+                reach = self._reach(speed, dt, grain.point_spacing)
                 normal = wall.normal_towards(grain.centre)
-                self._list((g, -1 - w), contacts_with_plane(grain, wall.position, normal, reach))
+                contacts = contacts_with_plane(grain, wall.position, normal, reach)
+                for contact in contacts:
+                    contact.drift = np.asarray(wall.velocity)
+                self._list((g, -1 - w), contacts)
             for h, other in enumerate(self.grains[g + 1 :], g + 1):
+                shift, drift = np.zeros(2), np.zeros(2)
+                if self.cell:
+                    shift, drift = self.cell.image(grain.centre, other.centre)
                 spacing = min(grain.point_spacing, other.point_spacing)
-                reach = _reach(grain.fastest() + other.fastest(), dt, spacing)
-                self._list((g, h), contacts_of_grains(grain, other, reach))
+                speed = grain.fastest() + other.fastest() + np.linalg.norm(drift)
+                reach = self._reach(speed, dt, spacing)
+                self._list((g, h), contacts_of_grains(grain, other, reach, shift, drift))
         self.contacts = in_sweep_order(self.contacts)
         for pair, contact in self.contacts:
-            contact.impulse = last.get((pair, contact.key), contact.impulse)
+            before = last.get((pair, contact.key), contact)
+            contact.impulse, contact.slid = before.impulse, before.slid
 
     def _list(self, pair, contacts):
         self.contacts += [(pair, contact) for contact in contacts]
 
+    def _reach(self, speed, dt, point_spacing):
+        """Gaps [m] that can close in two steps, and never less than a twentieth of dr; beyond the
+        range of a cohesion, whose nodes stand for places within it, a quarter."""
+        touch = max(2 * dt * speed, 0.05 * point_spacing)
+        within = self.interface.cohesion_range
+        return within + max(touch, 0.25 * point_spacing) if within > 0 else touch
+
     def predict_velocities(self, dt):
-        """v_I += dt (f_I / m_I + gravity) + damping: the velocities without contact."""
+        """v_I += dt (f_I / m_I + gravity) + damping + what the cell takes along: the velocities
+        without contact."""
         for grain in self.grains:
             acceleration = grain.force / grain.mass[:, None] + self.gravity
             damping = grain.damping_impulse(dt) / grain.mass[:, None]
             grain.v_next = grain.v + dt * acceleration + damping
+            if self.cell:
+                mean = grain.mass @ grain.v / grain.mass.sum()
+                velocity, spin = self.cell.take_along(grain.centre, mean, dt)
+                arm = grain.x - grain.centre
+                grain.v_next += velocity + spin * np.column_stack([-arm[:, 1], arm[:, 0]])
+
+    def pull(self, dt):
+        """Impulses of known tractions; the nodes of two grains stand for half of their area."""
+        areas = [node_areas(grain.contact_positions()) for grain in self.grains]
+        for (g, h), contact in self.contacts:
+            share = 0.5 if h >= 0 else 1.0
+            area = areas[(g, h)[contact.side]][contact.node]
+            contact.pull = share * self.interface.pull(contact, area, dt)
 
     def solve_contacts(self, dt):
         """Find all impulses r together and put them on the nodes, v += M^-1 H^T r."""
@@ -90,18 +123,26 @@ class System:
         mass = np.concatenate([grain.mass for grain in self.grains])
         v = np.concatenate([grain.v_next for grain in self.grains])
         contacts = [contact for _, contact in self.contacts]
-        impulse = np.array([contact.impulse for contact in contacts]).reshape(-1, 2)
+        self.pull(dt)
+        v = v + H.T @ np.array([contact.pull for contact in contacts]).reshape(-1, 2) / mass[:, None]
+        start = [
+            project_on_cone(contact.impulse, contact.normal, self.friction(pair))
+            for pair, contact in self.contacts
+        ]
+        impulse = np.array(start).reshape(-1, 2)
+        friction = [self.interface.friction(c, self.friction(pair)) for pair, c in self.contacts]
         report = solve(
             delassus=H / mass @ H.T,
-            free_velocity=H @ v - self.wall_velocities(),
+            free_velocity=H @ v - np.array([contact.drift for contact in contacts]).reshape(-1, 2),
             normal=np.array([contact.normal for contact in contacts]),
             bias=np.array([self.bias(pair, contact, dt) for pair, contact in self.contacts]),
-            friction=np.array([self.friction(pair) for pair, _ in self.contacts]),
+            friction=np.array(friction),
             impulse=impulse,
             settings=self.settings,
         )
-        for contact, r in zip(contacts, impulse):
+        for contact, r, mu in zip(contacts, impulse, friction):
             contact.impulse = r
+            contact.slid = has_slid(contact, mu)
         v = v + H.T @ impulse / mass[:, None]
         ends = np.cumsum([len(grain.mass) for grain in self.grains])
         for grain, part in zip(self.grains, np.split(v, ends[:-1])):
@@ -134,14 +175,6 @@ class System:
             overlaps.append(-contact.gap / np.mean(spacings))
         return max(overlaps)
 
-    def wall_velocities(self):
-        """Velocity of the wall at each contact [m/s], shape (contacts, 2); 0 between grains."""
-        velocity = np.zeros((len(self.contacts), 2))
-        for k, (pair, _) in enumerate(self.contacts):
-            if pair[1] < 0:
-                velocity[k] = self.walls[-1 - pair[1]].velocity
-        return velocity
-
     def bias(self, pair, contact, dt):
         """b of a contact [m/s], with the dr of the node's grain."""
         spacing = self.grains[pair[contact.side]].point_spacing
@@ -154,11 +187,13 @@ class System:
         return np.tan(min(self.grains[g].material.friction_angle, partner.friction_angle))
 
     def move(self, dt):
-        """Grains with their new velocities, and walls with their own."""
+        """Grains with their new velocities, walls and cell with their own."""
         for grain in self.grains:
             grain.move(dt)
         for wall in self.walls:
             wall.position = wall.position + dt * np.asarray(wall.velocity)
+        if self.cell:
+            self.cell.move(dt)
 
 
 #: Bodies in a cluster at most.
@@ -209,8 +244,3 @@ def clusters(pairs):
                     cluster[g] = number
                     members.append(g)
     return cluster
-
-
-def _reach(speed, dt, point_spacing):
-    """Gaps [m] that can close in two steps, and never less than a twentieth of dr."""
-    return max(2 * dt * speed, 0.05 * point_spacing)
