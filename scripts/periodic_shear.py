@@ -32,6 +32,12 @@ def parse_options(arguments=None):
     add("--shear", type=command_line.positive, default=0.4, help="shear at the end [-]")
     add("--rate", type=command_line.positive, default=1.0, help="of shear [1/s]")
     add(
+        "--mass",
+        type=command_line.positive,
+        default=0.03,
+        help="of the cell under PeriTriaxController, over density times area of the cell [-]",
+    )
+    add(
         "--out",
         type=command_line.output_folder,
         default=Path("periodic_shear"),
@@ -79,13 +85,14 @@ def compress(phi):
         O.run(50, True)
 
 
-def hold_stress(stress):
-    """Add the controller of both normal stresses. It moves the cell as a mass of its own."""
+def hold_stress(stress, mass):
+    """Add the controller of both normal stresses. It moves the cell as a mass of its own, which is
+    to follow what grains do to each other, within the time of a wave across the cell or less."""
     control = PeriTriaxController(
         goal=(-stress, -stress, 0),
         stressMask=3,
         dynCell=True,
-        mass=DENSITY * O.cell.size[0] ** 2,
+        mass=mass * DENSITY * O.cell.size[0] ** 2,
         growDamping=0.5,
         maxStrainRate=(2, 2, 0),
     )
@@ -140,7 +147,7 @@ def main():
     make_scene(options)
     stress = options.stress * YOUNG
     compress(0.80)
-    hold_stress(stress)
+    hold_stress(stress, options.mass)
     rest(stress)
     columns = shear(options, stress)
     gamma, xx, yy, xy, phi = columns

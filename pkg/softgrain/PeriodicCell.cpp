@@ -42,10 +42,11 @@ void chooseNearestImage(const Scene& scene, const Vector3r& grain, Interaction& 
 	const auto& bound = (*scene.bodies)[I.getId1()]->bound;
 	if (!bound) return;
 	const Vector3r middle = 0.5 * (bound->min + bound->max), span = spanInCell(scene, *bound);
-	const Vector3r apart = scene.cell->hSize.inverse() * grain -
-			       middle.cwiseQuotient(scene.cell->getSize());
+	const Vector3r apart =
+		scene.cell->hSize.inverse() * grain - middle.cwiseQuotient(scene.cell->getSize());
 	for (int axis = 0; axis < 3; ++axis)
-		if (span[axis] > 0.5) I.cellDist[axis] = -static_cast<int>(std::lround(apart[axis]));
+		if (span[axis] > 0.5)
+			I.cellDist[axis] = -static_cast<int>(std::lround(apart[axis]));
 }
 
 bool followWrap(const Scene& scene, const Body& grain, const Vector3r& shift, Real tolerance)
@@ -136,8 +137,7 @@ bool makesFloor(const Scene& scene, const Body& body, int axis)
 	if (!YADE_PTR_DYN_CAST<::yade::Box>(body.shape)) return false;
 	const Vector3r period = scene.cell->hSize.col(axis);
 	const Vector3r inBox = body.state->ori.conjugate() * period.normalized();
-	return inBox.cwiseAbs().maxCoeff() > 1 - 1e-9 &&
-	       (comingVelGrad(scene) * period).isZero(0);
+	return inBox.cwiseAbs().maxCoeff() > 1 - 1e-9 && (comingVelGrad(scene) * period).isZero(0);
 }
 
 /// The first sort of the collider passes over partners of a body that is longer than the cell along
@@ -171,8 +171,8 @@ void checkRigidSpan(const Scene& scene, const Body& body, const Vector3r& grains
 		std::ostringstream message;
 		message << "rigid body #" << body.getId() << " (" << body.shape->getClassName()
 			<< ") spans " << span[axis] * size[axis] << " m along base vector " << axis
-			<< " of the periodic cell: it might touch a soft grain on two sides, or end "
-			<< "under it. Admissible: up to " << shorter * size[axis]
+			<< " of the periodic cell: it might touch a soft grain on two sides, or "
+			<< "end under it. Admissible: up to " << shorter * size[axis]
 			<< " m, or, for a Box with a side along that base vector, which does not "
 			<< "move nor change, from " << longer * size[axis] << " m";
 		throw std::runtime_error(message.str());
@@ -200,7 +200,8 @@ void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly)
 		dim = grain.dim;
 	}
 	for (const auto& body : *scene.bodies)
-		if (body && body->bound && body->shape && !YADE_PTR_DYN_CAST<SoftGrain>(body->shape))
+		if (body && body->bound && body->shape &&
+		    !YADE_PTR_DYN_CAST<SoftGrain>(body->shape))
 			checkRigidSpan(scene, *body, longest, dim);
 }
 

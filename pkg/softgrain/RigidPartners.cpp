@@ -113,8 +113,8 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 }
 
 /// Change of the force on a wall over the way that it moves within a step, for engines that choose
-/// that way (doc/decisions/0023-laboratory-loading.md): a wave gets no further than c dt by then, so
-/// it is rho c A/dt, tens of times what a grain as a whole resists with.
+/// that way (doc/decisions/0023-laboratory-loading.md): a wave gets no further than c dt by then,
+/// so it is rho c A/dt, tens of times what a grain as a whole resists with.
 Real stiffnessWithinStep(const SoftGrain& grain, const Scene& scene)
 {
 	const SoftMat& material = materialOf(scene, grain.assembly->idOf(grain.index));

@@ -81,8 +81,7 @@ bool sameConstants(const softgrain::ElasticConstants& a, const softgrain::Elasti
 bool isAsAssembled(const SoftGrain& grain, const SoftMat& material)
 {
 	return sameConstants(grain.assembledConstants, material.constants()) &&
-	       grain.assembledDamping == material.damping() &&
-	       grain.assembledLaw == material.law &&
+	       grain.assembledDamping == material.damping() && grain.assembledLaw == material.law &&
 	       grain.assembledCondition == material.condition;
 }
 

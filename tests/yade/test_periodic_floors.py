@@ -36,9 +36,7 @@ def facet_floor(pieces, width=WIDTH):
         left, right = k * width / pieces, (k + 1) * width / pieces
         corners = [(x, 0, z) for x, z in ((left, -0.1), (right, -0.1), (right, 0.1), (left, 0.1))]
         for chosen in ((0, 1, 2), (0, 2, 3)):
-            O.bodies.append(
-                utils.facet([corners[c] for c in chosen], fixed=True, material=rigid())
-            )
+            O.bodies.append(utils.facet([corners[c] for c in chosen], fixed=True, material=rigid()))
 
 
 def damped(**attributes):
@@ -96,7 +94,9 @@ def test_disks_lie_on_a_floor(floor):
     outlines = [b.shape.outline() for b in sg.soft_bodies()]
     assert min(x[:, 1].min() for x in outlines) > -1e-3 * RADIUS
     borders = [
-        x for x in outlines if math.floor(x[:, 0].min() / WIDTH) != math.floor(x[:, 0].max() / WIDTH)
+        x
+        for x in outlines
+        if math.floor(x[:, 0].min() / WIDTH) != math.floor(x[:, 0].max() / WIDTH)
     ]
     assert borders
     assert sg.integrator().largestOverlap < 0.2

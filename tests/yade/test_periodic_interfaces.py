@@ -5,7 +5,15 @@ import math
 
 import numpy as np
 import pytest
-from scenes import DENSITY, RADIUS, add_disk, assert_goes_on_after_loading, ready, run, soft_material
+from scenes import (
+    DENSITY,
+    RADIUS,
+    add_disk,
+    assert_goes_on_after_loading,
+    ready,
+    run,
+    soft_material,
+)
 from yade import FrictMat, Matrix3, O, utils
 
 import softgrain as sg
@@ -120,7 +128,7 @@ def test_across_the_border_as_inside(law, make):
         bonds = {b for seen in inside[:-1] for b in seen.get("bond", ())}
         assert bonds >= {1, 2}
         assert any((seen.get("damage", np.zeros(1)) % 1 > 0).any() for seen in inside[:-1])
-    assert_same(inside, across, 1e-9)
+    assert_same(inside, across, 1e-10)
 
 
 @pytest.mark.parametrize("make", (soft_disks, soft_and_rigid_disk))
@@ -135,7 +143,7 @@ def test_wrapped_while_bonded(make):
 
     plain = history(make, TOUCHING, LAWS["all"])
     wrapped = history(make, TOUCHING, LAWS["all"], wrap)
-    assert_same(plain, wrapped, 1e-9)
+    assert_same(plain, wrapped, 1e-10)
 
 
 def test_wrapped_in_a_dense_packing():

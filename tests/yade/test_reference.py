@@ -117,9 +117,7 @@ CASES = {
         cell=CELL, centres=ACROSS, flow=FLOW, walls=(), contact="points", zeta=(0.25, 0.25)
     ),
     "cohesion, two coefficients of friction": Case(interface=COHESION),
-    "periodic, cohesion": Case(
-        cell=CELL, centres=ACROSS, flow=FLOW, walls=(), interface=COHESION
-    ),
+    "periodic, cohesion": Case(cell=CELL, centres=ACROSS, flow=FLOW, walls=(), interface=COHESION),
     "flip": Case(velocity_update="flip"),
     "flip with a share of PIC, points": Case(
         contact="points", zeta=(0.25, 0.25), velocity_update="flip", pic_share=0.1, gravity=-3000.0
@@ -498,7 +496,9 @@ NOTICED = [("corner", change) for change in CHANGES]
 NOTICED += [("periodic, cohesion", change) for change in OF_CELL]
 
 
-@pytest.mark.parametrize("name, change", NOTICED, ids=lambda value: getattr(value, "__name__", None))
+@pytest.mark.parametrize(
+    "name, change", NOTICED, ids=lambda value: getattr(value, "__name__", None)
+)
 def test_comparison_notices_a_change(name, change):
     """An oracle that differs a little does not pass for the same."""
     dt, found = run_in_yade(name)

@@ -38,7 +38,9 @@ class Interface:
 
     def friction(self, contact, static):
         """Coefficient of a contact, mu_d if it slid."""
-        return static if self.dynamic_friction is None or not contact.slid else self.dynamic_friction
+        return (
+            static if self.dynamic_friction is None or not contact.slid else self.dynamic_friction
+        )
 
 
 def has_slid(contact, friction):

@@ -124,7 +124,10 @@ class System:
         v = np.concatenate([grain.v_next for grain in self.grains])
         contacts = [contact for _, contact in self.contacts]
         self.pull(dt)
-        v = v + H.T @ np.array([contact.pull for contact in contacts]).reshape(-1, 2) / mass[:, None]
+        v = (
+            v
+            + H.T @ np.array([contact.pull for contact in contacts]).reshape(-1, 2) / mass[:, None]
+        )
         start = [
             project_on_cone(contact.impulse, contact.normal, self.friction(pair))
             for pair, contact in self.contacts
