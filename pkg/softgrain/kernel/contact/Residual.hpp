@@ -35,9 +35,12 @@ public:
 		wanted_ += other.wanted_;
 		return *this;
 	}
+	double violation() const { return violation_; } ///< sum W |rho|^2
+	/// What the violation is to be compared with: the square of the residual's denominator.
+	double scale() const { return std::max(present_, wanted_); }
 	double value() const
 	{
-		return violation_ > 0 ? std::sqrt(violation_ / std::max(present_, wanted_)) : 0;
+		return violation_ > 0 ? std::sqrt(violation_ / scale()) : 0;
 	}
 
 private:
