@@ -98,6 +98,7 @@ class System:
             bias=np.array([self.bias(pair, contact, dt) for pair, contact in self.contacts]),
             friction=np.array([self.friction(pair) for pair, _ in self.contacts]),
             impulse=impulse,
+            pair=[pair for pair, _ in self.contacts],
             settings=self.settings,
         )
         for contact, r in zip(contacts, impulse):

@@ -203,8 +203,7 @@ template <int dim> SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS ResidualSum PairSolver<dim
 
 /// W column by column: what unit impulses on the contacts do to velocities that are zero without
 /// them. Directions do not mix, so each direction serves a contact of its own.
-template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void PairSolver<dim>::describe(PairProblem<dim>& problem) const
+template <int dim> void PairSolver<dim>::describe(PairProblem<dim>& problem) const
 {
 	thread_local std::array<std::vector<Vec<dim>>, 2> response; // of second_, first_
 	const bool itself = second_ == first_;                      // its own image
@@ -233,7 +232,8 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void PairSolver<dim>::describe(PairProblem<di
 	}
 }
 
-template <int dim> int PairSolver<dim>::solveAlone(double violation, int maxSweeps)
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairSolver<dim>::solveAlone(double violation, int maxSweeps)
 {
 	thread_local PairProblem<dim> problem;
 	describe(problem);
