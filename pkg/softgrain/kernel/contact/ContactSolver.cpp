@@ -196,7 +196,8 @@ template <int dim> double ContactSolver<dim>::sweep(SweepOrder order)
 	return sum.changed > 0 ? std::sqrt(sum.changed / sum.total) : 0;
 }
 
-template <int dim> long ContactSolver<dim>::solvePairsAlone(const std::vector<ResidualSum>& residuals)
+template <int dim>
+long ContactSolver<dim>::solvePairsAlone(const std::vector<ResidualSum>& residuals)
 {
 	const double tolerance = marginAlone * settings_.tolerance;
 	const double level =

@@ -26,10 +26,10 @@
 namespace softgrain {
 
 struct SolverReport {
-	int contacts = 0; ///< within reach
-	int active = 0;   ///< with an impulse
-	long visits = 0;  ///< of contacts by sweeps
-	double sweeps = 0; ///< the same over the number of contacts
+	int contacts = 0;      ///< within reach
+	int active = 0;        ///< with an impulse
+	long visits = 0;       ///< of contacts by sweeps
+	double sweeps = 0;     ///< the same over the number of contacts
 	double residual = 0;   ///< of the impulses found
 	bool converged = true; ///< residual <= tolerance within maxSweeps
 };
@@ -124,7 +124,7 @@ private:
 	std::vector<RigidContactSolver<dim>> rigidContacts_; ///< the same of rigid bodies alone
 	int count_ = 0;
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
-	std::vector<long> visits_; ///< of contacts, by pairs on their own
+	std::vector<long> visits_;        ///< of contacts, by pairs on their own
 	SolverSettings settings_;
 	int threads_ = 1;
 };

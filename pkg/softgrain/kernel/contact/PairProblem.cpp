@@ -103,8 +103,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairProblem<dim>::solve(double violation,
 	for (int sweeps = 1, inARow = 0;; ++sweeps) {
 		const Progress progress = sweep();
 		const bool promising = progress.changed <= changePerViolation * violation;
-		if (sweeps >= maxSweeps || (promising && remaining() <= violation))
-			return sweeps;
+		if (sweeps >= maxSweeps || (promising && remaining() <= violation)) return sweeps;
 		inARow = progress.along < 0 ? 0 : inARow + 1;
 		extrapolate(inARow / (inARow + 2.));
 	}
