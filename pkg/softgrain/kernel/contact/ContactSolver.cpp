@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <stdexcept>
@@ -221,19 +222,30 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	if (report.contacts == 0) return report;
 	const int cap = settings_.maxSweeps, bothWays = 2 * sweepsEachWay;
 	int sweeps = 0;
+	double change = 0;
+	auto sweepAll = [&](SweepOrder order) {
+		change = sweep(order);
+		++sweeps;
+	};
+	auto isPromising = [&] {
+		return sweeps == cap || change <= changePerResidual * settings_.tolerance;
+	};
 	while (sweeps < std::min(bothWays, cap))
-		sweep(sweeps++ < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards);
-	const std::vector<ResidualSum> residuals = residualsOfPairs();
-	report.residual = sumOf(residuals).value();
-	if (report.residual > settings_.tolerance && cap > bothWays) {
-		report.visits = solvePairsAlone(residuals);
-		if (report.visits > 0) report.residual = residual();
+		sweepAll(sweeps < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards);
+	report.residual = std::numeric_limits<double>::infinity(); // until measured
+	const bool grains = std::any_of(slot_.begin(), slot_.end(),
+					[](const Slot& slot) { return slot.kind == Kind::grains; });
+	if (grains || isPromising()) {
+		const std::vector<ResidualSum> residuals = residualsOfPairs();
+		report.residual = sumOf(residuals).value();
+		if (report.residual > settings_.tolerance && sweeps < cap) {
+			report.visits = solvePairsAlone(residuals);
+			if (report.visits > 0) report.residual = residual();
+		}
 	}
 	while (report.residual > settings_.tolerance && sweeps < cap) {
-		const double change = sweep(SweepOrder::forwards);
-		++sweeps;
-		if (change <= changePerResidual * settings_.tolerance || sweeps == cap)
-			report.residual = residual();
+		sweepAll(SweepOrder::forwards);
+		if (isPromising()) report.residual = residual();
 	}
 	report.converged = report.residual <= settings_.tolerance;
 	report.visits += static_cast<long>(sweeps) * report.contacts;

@@ -2,7 +2,7 @@
 //     u = u_0 + W (r - r_0),
 // with W between these contacts as a dense table. Contacts of one grain with different bodies feel
 // each other only where they share background nodes, so this is nearly the whole problem, and small
-// enough for sweeps that cost a quarter of those over surface nodes.
+// enough for sweeps that cost half of those over surface nodes.
 //
 // Sweeps are extrapolated (Nesterov 1983): after the j-th in a row they go on from
 //     r + j/(j + 2) (r - r_before),
