@@ -4,7 +4,7 @@ from softgrain import _softgrain
 
 
 def solve_contact_problem(problem, tolerance=1e-10, max_sweeps=100_000):
-    """Solve a contact problem by the Gauss-Seidel sweeps of the step.
+    """Solve a contact problem by the Gauss-Seidel sweeps of the step, but not pair by pair.
 
     ``numpy.savez(file, **sg.integrator().contactProblem())`` keeps the problem of the last step;
     ``sg.solve_contact_problem(numpy.load(file))`` solves it, for example to a finer tolerance.
@@ -17,7 +17,7 @@ def solve_contact_problem(problem, tolerance=1e-10, max_sweeps=100_000):
         max_sweeps (int): cap on sweeps, at least 1.
 
     Returns:
-        dict: ``impulse`` (contacts, dim) [N s], ``residual`` of these [-], ``sweeps``, and
+        dict: ``impulse`` (contacts, dim) [N s], ``residual`` of these [-], ``sweeps`` (float), and
         ``converged``, whether the residual is within the tolerance.
 
     Raises:

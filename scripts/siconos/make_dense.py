@@ -57,7 +57,7 @@ def main():
     )
     contacts = int(integrator.contacts)
     print(
-        f"{contacts} contacts, {int(integrator.sweeps)} sweeps to a residual of "
+        f"{contacts} contacts, {integrator.sweeps:.1f} sweeps to a residual of "
         f"{integrator.residual:.1e}, {1e9 * seconds / contacts:.1f} ns a contact and sweep"
     )
 

@@ -137,7 +137,7 @@ def main():
     for name, arrays in problems().items():
         answer = sg.solve_contact_problem(arrays, TOLERANCE, MAX_SWEEPS)
         print(
-            f"{name}: {len(arrays['bias'])} contacts, {answer['sweeps']} sweeps, "
+            f"{name}: {len(arrays['bias'])} contacts, {answer['sweeps']:.0f} sweeps, "
             f"residual {answer['residual']:.1e}"
         )
         file = options.out / f"{name}.npz"

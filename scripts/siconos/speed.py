@@ -103,7 +103,7 @@ def main():
         if residual <= wanted:
             break
     seconds = statistics.median(problem.run(iterations)[1] for _ in range(REPETITIONS))
-    sweeps, per_sweep = int(arrays["sweeps"]), float(arrays["seconds_per_sweep"])
+    sweeps, per_sweep = float(arrays["sweeps"]), float(arrays["seconds_per_sweep"])
     print(
         f"{problem.contacts} contacts, {len(problem.W.data) / problem.contacts:.1f} entries of W a "
         f"contact; residual before: {problem.residual(arrays['start']):.1e}"
@@ -113,7 +113,7 @@ def main():
         ("Siconos NSGS", iterations, seconds, residual),
     ):
         print(
-            f"{name:13} {count:4} sweeps to {reached:.1e}: {1e3 * total:8.2f} ms, "
+            f"{name:13} {count:6.1f} sweeps to {reached:.1e}: {1e3 * total:8.2f} ms, "
             f"{1e9 * total / count / problem.contacts:7.1f} ns a contact and sweep, "
             f"{problem.contacts * count / total / 1e6:6.1f} million contacts a second"
         )

@@ -120,15 +120,20 @@ def test_problem_of_a_step():
     assert residual_of(problem, problem["impulse"]) == pytest.approx(engine.residual, rel=1e-6)
     assert engine.residual <= engine.tolerance
 
-    again = sg.solve_contact_problem(problem, engine.tolerance, engine.maxSweeps)
-    assert again["sweeps"] == engine.sweeps
-    np.testing.assert_allclose(
-        again["impulse"], problem["impulse"], atol=1e-9 * np.abs(problem["impulse"]).max()
-    )
     exact = sg.solve_contact_problem(problem)
     assert exact["converged"]
     change = W @ (exact["impulse"] - problem["impulse"])
     assert 0 < np.linalg.norm(change) < 0.1 * np.linalg.norm(problem["free_velocity"])
+
+    # where nothing follows the compulsory sweeps it is solved by the same ones
+    engine.tolerance = 1.0
+    run(1)
+    problem = engine.contactProblem()
+    again = sg.solve_contact_problem(problem, engine.tolerance, engine.maxSweeps)
+    assert again["sweeps"] == engine.sweeps == 4
+    np.testing.assert_allclose(
+        again["impulse"], problem["impulse"], atol=1e-9 * np.abs(problem["impulse"]).max()
+    )
 
 
 def test_problem_outlives_the_scene_it_was_taken_from(tmp_path):

@@ -143,7 +143,7 @@ class Snapshot:
     velocities: list
     impulses: dict  # (pair, side, node): impulse on the node [N s]
     overlap: float  # deepest, over the mean point spacing
-    sweeps: int
+    sweeps: float
 
 
 def padded(vector):

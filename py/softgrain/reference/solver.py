@@ -25,12 +25,16 @@ class SolverSettings:
 class SolverReport:
     """What the sweeps came to."""
 
-    sweeps: int = 0
+    sweeps: float = 0.0  #: visits of contacts over their number
     residual: float = 0.0  #: of the impulses found
 
 
 #: Sweeps of every step, so many backwards and then so many forwards.
 SWEEPS_EACH_WAY = 2
+
+#: Pairs on their own aim at so much of the tolerance; they have at least 2 contacts, and so many.
+MARGIN_ALONE = 0.95
+MOST_CONTACTS_ALONE = 128
 
 #: Overlaps up to this share of dr are left as they are.
 RESTING_OVERLAP = 1e-3
@@ -78,6 +82,16 @@ def residual(delassus, free_velocity, normal, bias, friction, impulse):
     Returns:
         float: between 0 and 2 [-].
     """
+    violation, scale = residual_parts(delassus, free_velocity, normal, bias, friction, impulse)
+    return np.sqrt(violation.sum() / scale) if violation.sum() > 0 else 0.0
+
+
+def residual_parts(delassus, free_velocity, normal, bias, friction, impulse):
+    """W |rho|^2 of each contact and what their sum is compared with; arguments as ``residual``.
+
+    Returns:
+        tuple: array of shape (contacts,), and a float [J].
+    """
     W = delassus.diagonal()
     u = free_velocity + delassus @ impulse
     solved = np.array(
@@ -85,17 +99,17 @@ def residual(delassus, free_velocity, normal, bias, friction, impulse):
     ).reshape(impulse.shape)
 
     def energy(r):
-        return np.sum(W[:, None] * r**2)
+        return W * np.sum(r**2, axis=1)
 
-    violation = energy(solved - impulse)
-    return np.sqrt(violation / max(energy(impulse), energy(solved))) if violation > 0 else 0.0
+    return energy(solved - impulse), max(energy(impulse).sum(), energy(solved).sum())
 
 
-def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
+def solve(delassus, free_velocity, normal, bias, friction, impulse, pair, settings):
     """Nonlinear Gauss-Seidel: sweeps of r_k <- proj(r_k - (u_k + b_k n_k)/W_kk).
 
-    Two sweeps go backwards, all others forwards. After the first two of those the residual is
-    measured after each sweep that changes little; they end when it is within the tolerance.
+    Two sweeps go backwards, two forwards. Where the residual is larger than the tolerance then, the
+    pairs in which it sits are solved on their own (``solve_alone``); if it is still larger, sweeps
+    go on forwards, and the residual is measured after each that changes little.
 
     Args:
         delassus (ndarray): W [1/kg], shape (contacts, contacts).
@@ -105,6 +119,7 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
         friction (ndarray): coefficients mu, shape (contacts,).
         impulse (ndarray): start of the sweeps, within the cones [N s], shape (contacts, 2);
             becomes the result.
+        pair (list): of each contact, what tells its pair of bodies from others.
         settings (SolverSettings): when to stop.
 
     Returns:
@@ -114,17 +129,99 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, settings):
     if len(impulse) == 0:
         return report
     problem = (delassus, free_velocity, normal, bias, friction)
-    while report.sweeps < settings.max_sweeps:
-        forwards = range(len(impulse))
-        order = forwards[::-1] if report.sweeps < SWEEPS_EACH_WAY else forwards
-        change = sweep(*problem, impulse, order)
+    forwards = range(len(impulse))
+    tolerance, cap, alone = settings.tolerance, settings.max_sweeps, 0.0
+    for k in range(min(2 * SWEEPS_EACH_WAY, cap)):
+        sweep(*problem, impulse, forwards[::-1] if k < SWEEPS_EACH_WAY else forwards)
         report.sweeps += 1
-        enough = report.sweeps >= 2 * SWEEPS_EACH_WAY and change <= 2 * settings.tolerance
-        if enough or report.sweeps == settings.max_sweeps:
+    report.residual = residual(*problem, impulse)
+    if report.residual > tolerance and cap > 2 * SWEEPS_EACH_WAY:
+        alone = solve_pairs_alone(problem, impulse, pair, settings) / len(impulse)
+        report.residual = residual(*problem, impulse)
+    while report.residual > tolerance and report.sweeps < cap:
+        change = sweep(*problem, impulse, forwards)
+        report.sweeps += 1
+        if change <= 2 * tolerance or report.sweeps == cap:
             report.residual = residual(*problem, impulse)
-            if report.residual <= settings.tolerance:
-                break
+    report.sweeps += alone
     return report
+
+
+def solve_pairs_alone(problem, impulse, pair, settings):
+    """Bring down the violation of pairs until that of all would be within the tolerance.
+
+    Args:
+        problem (tuple): first five arguments of ``solve``.
+        impulse (ndarray): changed in place.
+        pair (list): as ``solve``.
+        settings (SolverSettings): tolerance and cap.
+
+    Returns:
+        int: visits of contacts.
+    """
+    members = {}
+    for k, name in enumerate(pair):
+        members.setdefault(name, []).append(k)
+    parts, scale = residual_parts(*problem, impulse)
+    violation = {name: parts[contacts].sum() for name, contacts in members.items()}
+    level = common_level(violation.values(), (MARGIN_ALONE * settings.tolerance) ** 2 * scale)
+    visits = 0
+    for name, contacts in members.items():
+        if violation[name] > level and 1 < len(contacts) <= MOST_CONTACTS_ALONE:
+            sweeps = solve_alone(problem, impulse, contacts, level, settings.max_sweeps)
+            visits += sweeps * len(contacts)
+    return visits
+
+
+def common_level(violations, total):
+    """Level to which larger violations have to come down for all to sum to the total."""
+    level, left, above = 0.0, total, sum(v > 0 for v in violations)
+    while above:
+        level = left / above
+        last = above
+        left = total - sum(v for v in violations if v <= level)
+        above = sum(v > level for v in violations)
+        if above == last:
+            break
+    return level
+
+
+def solve_alone(problem, impulse, contacts, violation, max_sweeps):
+    """Solve the contacts of a pair, all other impulses held, by extrapolated sweeps.
+
+    After the j-th sweep in a row they go on from r + j/(j + 2) (r - r_before); j starts anew when
+    a sweep turns back.
+
+    Args:
+        problem (tuple): first five arguments of ``solve``.
+        impulse (ndarray): of all contacts; those of the pair are changed.
+        contacts (list): their numbers.
+        violation (float): sum W |rho|^2 at which to stop [J].
+        max_sweeps (int): cap, at least 1.
+
+    Returns:
+        int: number of sweeps.
+    """
+    delassus, free_velocity, *rest = problem
+    W = delassus[np.ix_(contacts, contacts)]
+    r = impulse[contacts]
+    held = free_velocity[contacts] + delassus[contacts] @ impulse - W @ r
+    alone = (W, held, *(array[contacts] for array in rest))
+    weight = W.diagonal()[:, None]
+    before, in_a_row = r.copy(), 0
+    for sweeps in range(1, max_sweeps + 1):
+        start = r.copy()
+        sweep(*alone, r, range(len(r)))
+        changed = np.sum(weight * (r - start) ** 2)
+        if sweeps == max_sweeps:
+            break
+        if changed <= 4 * violation and residual_parts(*alone, r)[0].sum() <= violation:
+            break
+        turned = np.sum(weight * (r - start) * (r - before)) < 0
+        in_a_row = 0 if turned else in_a_row + 1
+        before, r = r, r + in_a_row / (in_a_row + 2) * (r - before)
+    impulse[contacts] = r
+    return sweeps
 
 
 def sweep(delassus, free_velocity, normal, bias, friction, impulse, order):

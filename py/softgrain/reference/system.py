@@ -141,6 +141,7 @@ class System:
             bias=np.array([self.bias(pair, contact, dt) for pair, contact in self.contacts]),
             friction=np.array(friction),
             impulse=impulse,
+            pair=[pair for pair, _ in self.contacts],
             settings=self.settings,
         )
         for contact, r, mu in zip(contacts, impulse, friction):

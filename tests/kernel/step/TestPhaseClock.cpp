@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 using namespace softgrain;
@@ -69,7 +70,8 @@ TEST_CASE("a step counts its work", "[clock]")
 	for (int step = 0; step < 3; ++step) {
 		const StepReport report = scene.advance();
 		CHECK(report.work.points == points);
-		CHECK(report.work.visits == report.solver.contacts * report.solver.sweeps);
+		CHECK(report.work.visits ==
+		      std::lround(report.solver.contacts * report.solver.sweeps));
 		CHECK(scene.lists[0].tested == scene.system.body(0).nodes());
 	}
 	scene.system.updateForces(1);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -33,6 +35,37 @@ constexpr int pairsPerThread = 8;
 
 /// A pair of grains has so many times the work of a contact of two rigid bodies.
 constexpr int rigidContactsPerPair = 16;
+
+/// Pairs on their own aim at so much of the tolerance: what they do to each other is little, and
+/// changes the scale of the residual.
+constexpr double marginAlone = 0.95;
+
+ResidualSum sumOf(const std::vector<ResidualSum>& pairs)
+{
+	ResidualSum sum;
+	for (const ResidualSum& pair : pairs)
+		sum += pair;
+	return sum;
+}
+
+/// The violation that pairs may keep, and the others have to come down to, for all together to have
+/// so much.
+double commonLevel(const std::vector<ResidualSum>& pairs, double total)
+{
+	double level = 0;
+	for (std::size_t last = pairs.size() + 1;;) {
+		double left = total;
+		std::size_t above = 0;
+		for (const ResidualSum& pair : pairs)
+			if (pair.violation() > level)
+				++above;
+			else
+				left -= pair.violation();
+		if (above == 0 || above == last) return level;
+		level = left / above;
+		last = above;
+	}
+}
 
 } // namespace
 
@@ -164,23 +197,59 @@ template <int dim> double ContactSolver<dim>::sweep(SweepOrder order)
 	return sum.changed > 0 ? std::sqrt(sum.changed / sum.total) : 0;
 }
 
+template <int dim>
+long ContactSolver<dim>::solvePairsAlone(const std::vector<ResidualSum>& residuals)
+{
+	const double tolerance = marginAlone * settings_.tolerance;
+	const double level =
+		commonLevel(residuals, tolerance * tolerance * sumOf(residuals).scale());
+	visits_.assign(count_, 0);
+	forEachPair(SweepOrder::forwards, [&](int k) {
+		if (slot_[k].kind != Kind::grains || residuals[k].violation() <= level) return;
+		PairSolver<dim>& pair = pairs_[slot_[k].index];
+		if (!pair.canBeSolvedAlone()) return;
+		visits_[k] = static_cast<long>(pair.contacts()) *
+			     pair.solveAlone(level, settings_.maxSweeps);
+	});
+	return std::accumulate(visits_.begin(), visits_.end(), 0L);
+}
+
 template <int dim> SolverReport ContactSolver<dim>::solve()
 {
 	SolverReport report;
 	for (int k = 0; k < count_; ++k)
 		report.contacts += withPair(k, [](const auto& pair) { return pair.contacts(); });
 	if (report.contacts == 0) return report;
-	report.converged = false;
-	while (!report.converged && report.sweeps < settings_.maxSweeps) {
-		const double change = sweep(report.sweeps < sweepsEachWay ? SweepOrder::backwards
-									  : SweepOrder::forwards);
-		++report.sweeps;
-		const bool promising = report.sweeps >= 2 * sweepsEachWay &&
-				       change <= changePerResidual * settings_.tolerance;
-		if (!promising && report.sweeps < settings_.maxSweeps) continue;
-		report.residual = residual();
-		report.converged = report.residual <= settings_.tolerance;
+	const int cap = settings_.maxSweeps, bothWays = 2 * sweepsEachWay;
+	int sweeps = 0;
+	double change = 0;
+	auto sweepAll = [&](SweepOrder order) {
+		change = sweep(order);
+		++sweeps;
+	};
+	auto isPromising = [&] {
+		return sweeps == cap || change <= changePerResidual * settings_.tolerance;
+	};
+	while (sweeps < std::min(bothWays, cap))
+		sweepAll(sweeps < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards);
+	report.residual = std::numeric_limits<double>::infinity(); // until measured
+	const bool grains = std::any_of(slot_.begin(), slot_.end(),
+					[](const Slot& slot) { return slot.kind == Kind::grains; });
+	if (grains || isPromising()) {
+		const std::vector<ResidualSum> residuals = residualsOfPairs();
+		report.residual = sumOf(residuals).value();
+		if (report.residual > settings_.tolerance && sweeps < cap) {
+			report.visits = solvePairsAlone(residuals);
+			if (report.visits > 0) report.residual = residual();
+		}
 	}
+	while (report.residual > settings_.tolerance && sweeps < cap) {
+		sweepAll(SweepOrder::forwards);
+		if (isPromising()) report.residual = residual();
+	}
+	report.converged = report.residual <= settings_.tolerance;
+	report.visits += static_cast<long>(sweeps) * report.contacts;
+	report.sweeps = static_cast<double>(report.visits) / report.contacts;
 	forEachPair(SweepOrder::forwards,
 		    [&](int k) { withPair(k, [](auto& pair) { pair.finish(); }); });
 	for (int k = 0; k < count_; ++k)
@@ -203,16 +272,18 @@ template <int dim> void ContactSolver<dim>::separateRigidBodies(double dt)
 			    });
 }
 
-template <int dim> double ContactSolver<dim>::residual() const
+template <int dim> std::vector<ResidualSum> ContactSolver<dim>::residualsOfPairs() const
 {
 	std::vector<ResidualSum> sums(count_);
 #pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
 	for (int k = 0; k < count_; ++k)
 		sums[k] = withPair(k, [](const auto& pair) { return pair.residual(); });
-	ResidualSum sum;
-	for (const ResidualSum& ofPair : sums)
-		sum += ofPair;
-	return sum.value();
+	return sums;
+}
+
+template <int dim> double ContactSolver<dim>::residual() const
+{
+	return sumOf(residualsOfPairs()).value();
 }
 
 template <int dim> ContactWork ContactSolver<dim>::work() const

@@ -26,9 +26,10 @@
 namespace softgrain {
 
 struct SolverReport {
-	int contacts = 0; ///< within reach
-	int active = 0;   ///< with an impulse
-	int sweeps = 0;
+	int contacts = 0;      ///< within reach
+	int active = 0;        ///< with an impulse
+	long visits = 0;       ///< of contacts by sweeps
+	double sweeps = 0;     ///< the same over the number of contacts
 	double residual = 0;   ///< of the impulses found
 	bool converged = true; ///< residual <= tolerance within maxSweeps
 };
@@ -46,9 +47,11 @@ public:
 		     std::vector<RigidPartner<dim>>* partners = nullptr,
 		     std::vector<RigidContact<dim>>* rigidContacts = nullptr);
 	/// Gauss-Seidel sweeps: two backwards and two forwards (in one direction alone, few sweeps
-	/// a step shake grains at rest: doc/decisions/0010-grains-at-rest.md), then always forwards
-	/// (doc/decisions/0004-sweep-order.md), until the residual is within the tolerance or the
-	/// cap is hit; then the lists have their impulses, and the contact nodes the sums
+	/// a step shake grains at rest: doc/decisions/0010-grains-at-rest.md), then the pairs in
+	/// which the residual sits, each on its own (doc/decisions/0026-pairs-on-their-own.md).
+	/// What is left then, where pairs feel each other, is swept always forwards
+	/// (doc/decisions/0004-sweep-order.md) until the residual is within the tolerance or the
+	/// cap is hit. At the end the lists have their impulses, and the contact nodes the sums
 	/// (ContactBody::impulse).
 	SolverReport solve();
 	/// After `solve`: moves rigid bodies that overlap each other apart, by RigidPartner::shift
@@ -74,6 +77,10 @@ private:
 	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit);
 	/// Of pair k, if there is one, as far as it is worth it.
 	void fetch(int k, void (PairSolver<dim>::*what)() const) const;
+	std::vector<ResidualSum> residualsOfPairs() const;
+	/// Brings the violation of pairs down, each on its own, so far that that of all is within
+	/// the tolerance, if pairs do not feel each other; returns the visits of contacts.
+	long solvePairsAlone(const std::vector<ResidualSum>& residuals);
 	double sweep(SweepOrder order); ///< relative change of the impulses, in the residual's norm
 	/// Calls with each pair's solver and constraint, in the order of the sweeps.
 	template <class Visit> void forEachConstraint(Visit&& visit) const;
@@ -117,6 +124,7 @@ private:
 	std::vector<RigidContactSolver<dim>> rigidContacts_; ///< the same of rigid bodies alone
 	int count_ = 0;
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
+	std::vector<long> visits_;        ///< of contacts, by pairs on their own
 	SolverSettings settings_;
 	int threads_ = 1;
 };

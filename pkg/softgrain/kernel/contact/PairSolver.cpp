@@ -10,11 +10,12 @@ namespace softgrain {
 namespace {
 
 /// v_s += w W_s,node J of all nodes s.
-template <int dim> void push(ContactBody<dim>& body, int node, double w, const Vec<dim>& J)
+template <int dim>
+void pushRow(const ContactBody<dim>& body, int node, double w, const Vec<dim>& J, Vec<dim>* v)
 {
 	const SparseRows<double>& W = *body.delassus;
 	for (int k = W.begin(node); k < W.end(node); ++k)
-		addScaled<dim>(body.velocity[W.column[k]], w * W.value[k], J);
+		addScaled<dim>(v[W.column[k]], w * W.value[k], J);
 }
 
 } // namespace
@@ -90,9 +91,18 @@ template <int dim>
 Vec<dim> PairSolver<dim>::relativeVelocity(const Constraint& c,
 					   std::vector<Vec<dim>> ContactBody<dim>::* field) const
 {
-	Vec<dim> u = (own(c)->*field)[c.node] - drift_[c.onFirst];
+	return relativeVelocity(c, (own(c)->*field).data(),
+				c.partners > 0 ? (other(c)->*field).data() : nullptr,
+				drift_[c.onFirst]);
+}
+
+template <int dim>
+Vec<dim> PairSolver<dim>::relativeVelocity(const Constraint& c, const Vec<dim>* own,
+					   const Vec<dim>* other, const Vec<dim>& drift) const
+{
+	Vec<dim> u = own[c.node] - drift;
 	for (int i = 0; i < c.partners; ++i)
-		u -= c.weight[i] * (other(c)->*field)[c.partner[i]];
+		u -= c.weight[i] * other[c.partner[i]];
 	return u;
 }
 
@@ -105,24 +115,32 @@ Vec<dim> PairSolver<dim>::solvedImpulse(const Constraint& c, double friction) co
 
 template <int dim> void PairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
-	ContactBody<dim>& body = *own(c);
-	const Vec<dim> scaled = body.delassusScale * J;
-	if (body.surfaceMobility)
-		body.surfaceMobility->push(body.velocity.data(), c.node, scaled);
-	else
-		push<dim>(body, c.node, 1, scaled);
-	if (c.partners > 0) pushPartner(c, J);
+	push(c, J, own(c)->velocity.data(), c.partners > 0 ? other(c)->velocity.data() : nullptr);
 }
 
-template <int dim> void PairSolver<dim>::pushPartner(const Constraint& c, const Vec<dim>& J)
+template <int dim>
+void PairSolver<dim>::push(const Constraint& c, const Vec<dim>& J, Vec<dim>* ownVelocity,
+			   Vec<dim>* otherVelocity) const
 {
-	ContactBody<dim>& body = *other(c);
+	const ContactBody<dim>& body = *own(c);
+	const Vec<dim> scaled = body.delassusScale * J;
+	if (body.surfaceMobility)
+		body.surfaceMobility->push(ownVelocity, c.node, scaled);
+	else
+		pushRow<dim>(body, c.node, 1, scaled, ownVelocity);
+	if (c.partners > 0) pushPartner(c, J, otherVelocity);
+}
+
+template <int dim>
+void PairSolver<dim>::pushPartner(const Constraint& c, const Vec<dim>& J, Vec<dim>* velocity) const
+{
+	const ContactBody<dim>& body = *other(c);
 	const Vec<dim> scaled = -body.delassusScale * J;
 	if (body.surfaceMobility)
-		body.surfaceMobility->push(body.velocity.data(), c.facet, c.weight, scaled);
+		body.surfaceMobility->push(velocity, c.facet, c.weight, scaled);
 	else
 		for (int i = 0; i < c.partners; ++i)
-			push<dim>(body, c.partner[i], c.weight[i], scaled);
+			pushRow<dim>(body, c.partner[i], c.weight[i], scaled, velocity);
 }
 
 namespace {
@@ -181,6 +199,53 @@ template <int dim> SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS ResidualSum PairSolver<dim
 			sum.template add<dim>(c.impulse, solvedImpulse(c, friction(c)), c.W);
 		return sum;
 	});
+}
+
+/// W column by column: what unit impulses on the contacts do to velocities that are zero without
+/// them. Directions do not mix, so each direction serves a contact of its own.
+template <int dim> void PairSolver<dim>::describe(PairProblem<dim>& problem) const
+{
+	thread_local std::array<std::vector<Vec<dim>>, 2> response; // of second_, first_
+	const bool itself = second_ == first_;                      // its own image
+	const int n = contacts();
+	problem.resize(n);
+	for (int begin = 0; begin < n; begin += dim) {
+		const int end = std::min(begin + dim, n);
+		response[1].assign(first_->velocity.size(), Vec<dim>::Zero());
+		if (second_) response[0].assign(second_->velocity.size(), Vec<dim>::Zero());
+		auto of = [&](bool first) { return response[first || itself].data(); };
+		for (int k = begin; k < end; ++k) {
+			const Constraint& c = constraints_[k];
+			push(c, Vec<dim>::Unit(k - begin), of(c.onFirst), of(!c.onFirst));
+		}
+		for (int l = 0; l < n; ++l) {
+			const Constraint& c = constraints_[l];
+			const Vec<dim> u = relativeVelocity(c, of(c.onFirst), of(!c.onFirst),
+							    Vec<dim>::Zero());
+			for (int k = begin; k < end; ++k)
+				problem.column(k)[l] = u[k - begin];
+		}
+	}
+	for (int k = 0; k < n; ++k) {
+		const Constraint& c = constraints_[k];
+		problem.setContact(k, c.normal, c.bias, friction(c), c.impulse, velocity(c));
+	}
+}
+
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairSolver<dim>::solveAlone(double violation, int maxSweeps)
+{
+	thread_local PairProblem<dim> problem;
+	describe(problem);
+	const int sweeps = problem.solve(violation, maxSweeps);
+	for (int k = 0; k < contacts(); ++k) {
+		Constraint& c = constraints_[k];
+		const Vec<dim> J = problem.impulse(k) - c.impulse;
+		if (J.isZero(0)) continue;
+		c.impulse = problem.impulse(k);
+		applyImpulse(c, J);
+	}
+	return sweeps;
 }
 
 /// Its reaction and traction together; keeps what the interface has to remember.

@@ -5,6 +5,7 @@
 
 #include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
+#include "contact/PairProblem.hpp"
 #include "contact/Residual.hpp"
 
 #include <algorithm>
@@ -102,6 +103,14 @@ public:
 	void fetchVelocities() const;
 	/// Solves each contact once, the others held.
 	SweepChange sweep(SweepOrder order);
+	/// Solves all contacts together, those of other pairs held, until the violation (that of
+	/// `residual`) is at most so much or the cap is hit; returns the number of sweeps.
+	int solveAlone(double violation, int maxSweeps);
+	/// Whether `solveAlone` does more than `sweep`, and its table is not too large.
+	bool canBeSolvedAlone() const
+	{
+		return contacts() > 1 && contacts() <= PairProblem<dim>::mostContacts;
+	}
 	/// How far the present impulses are from a solution.
 	ResidualSum residual() const;
 	/// Gives the list its impulses and their sums, and adds them up on every contact node
@@ -150,6 +159,9 @@ private:
 	ContactBody<dim>* other(const Constraint& c) const { return c.onFirst ? second_ : first_; }
 	Vec<dim> relativeVelocity(const Constraint& c,
 				  std::vector<Vec<dim>> ContactBody<dim>::* field) const;
+	/// From velocities of the nodes of the body on which the impulse acts, and of the other.
+	Vec<dim> relativeVelocity(const Constraint& c, const Vec<dim>* own, const Vec<dim>* other,
+				  const Vec<dim>& drift) const;
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
 	Vec<dim> solvedImpulse(const Constraint& c, double friction) const;
 	/// Calls with a function that tells the friction of a constraint: for most pairs a
@@ -162,8 +174,11 @@ private:
 	void engageInterface();
 	Vec<dim> finishInterface(std::size_t k);
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
+	/// Adds what an impulse does to velocities of the nodes of both bodies.
+	void push(const Constraint& c, const Vec<dim>& J, Vec<dim>* own, Vec<dim>* other) const;
+	void pushPartner(const Constraint& c, const Vec<dim>& J, Vec<dim>* other) const;
 	double partnerMobility(const Constraint& c) const;
-	void pushPartner(const Constraint& c, const Vec<dim>& J);
+	void describe(PairProblem<dim>& problem) const;
 
 	ContactBody<dim>* first_ = nullptr;
 	ContactBody<dim>* second_ = nullptr; ///< null for a plane

@@ -390,7 +390,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	forcesFresh_ = false;
 	clock.end("move");
 	report.work.points = std::exchange(updatedPoints_, 0);
-	report.work.visits = static_cast<long>(report.solver.contacts) * report.solver.sweeps;
+	report.work.visits = report.solver.visits;
 	return report;
 }
 
