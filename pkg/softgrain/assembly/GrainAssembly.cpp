@@ -333,7 +333,7 @@ private:
 
 	static void place(PairImage<dim>& image, const ImageDescription& description)
 	{
-		image.moveTo(toKernel<dim>(description.shift));
+		image.shift = toKernel<dim>(description.shift);
 		image.velocity = toKernel<dim>(description.velocity);
 	}
 

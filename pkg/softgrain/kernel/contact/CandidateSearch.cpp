@@ -9,25 +9,38 @@ namespace {
 
 /// Candidates are looked for this far beyond the reach, in dr: much less makes them short-lived,
 /// much more makes too many.
-constexpr double candidateMargin = 0.3;
+constexpr double candidateMargin = 0.5;
 
-/// How far a node and a place on the other outline may have come towards each other: such a place
-/// moves by no more than 1.25 times the most that a node does (sum of the sizes of the weights of
-/// OutlineCurve).
-double approached(double travelled) { return 1.25 * travelled; }
+/// A place on an outline moves by no more than so many times what its nodes do (sum of the sizes of
+/// the weights of OutlineCurve).
+constexpr double wayOfPlaces = 1.25;
+
+/// Takes in how far nodes and places on the other outline may have come towards each other since
+/// the last search.
+template <int dim>
+void followBodies(const ContactBody<dim>& first, const ContactBody<dim>& second,
+		  ContactCandidates<dim>& candidates)
+{
+	const Vec<dim> apart = first.carried - second.carried;
+	const double travelled = first.travelled + second.travelled;
+	candidates.approached += (apart - candidates.apart).norm() +
+				 wayOfPlaces * (travelled - candidates.travelled);
+	candidates.apart = apart;
+	candidates.travelled = travelled;
+}
 
 template <int dim>
 void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
-		    ContactList<dim>& list)
+		    double within, ContactList<dim>& list)
 {
-	ContactCandidates& candidates = list.candidates;
-	forNodesNear(body, other, candidates.covered, list, [&](int s, const auto& facets) {
+	ContactCandidates<dim>& candidates = list.candidates;
+	forNodesNear(body, other, within, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
 		const auto place = nearestPlace(x, other, facets, anyFacet);
 		const double gap = contactAt(x, other, place).gap;
-		if (gap < candidates.covered)
+		if (gap < within)
 			candidates.nodes.push_back(
-				{ side, s, place.facet, gap + approached(candidates.travelled) });
+				{ side, s, place.facet, gap + candidates.approached });
 	});
 }
 
@@ -35,16 +48,14 @@ template <int dim>
 void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
 		     ContactList<dim>& list)
 {
-	ContactCandidates& candidates = list.candidates;
-	const double travelled = first.travelled + second.travelled;
-	const double since = travelled - candidates.travelled; // negative: of other bodies
-	if (since >= 0 && reach + approached(since) <= candidates.covered) return;
-	candidates.nodes.clear();
-	candidates.covered =
+	ContactCandidates<dim>& candidates = list.candidates;
+	if (reach + candidates.approached <= candidates.covered) return;
+	const double within =
 		reach + candidateMargin * std::min(first.pointSpacing, second.pointSpacing);
-	candidates.travelled = travelled;
-	findCandidates(first, second, 0, list);
-	findCandidates(second, first, 1, list);
+	candidates.nodes.clear();
+	candidates.covered = within + candidates.approached;
+	findCandidates(first, second, 0, within, list);
+	findCandidates(second, first, 1, within, list);
 }
 
 PlaceOnOutline<2> placeOnFacet(const Vec<2>& x, const ContactBody<2>& body, int facet)
@@ -102,9 +113,10 @@ double leastGap(const Vec<2>& x, const ContactBody<2>& body, const OutlineCurve&
 void findContactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second,
 			      double reach, ContactList<2>& list)
 {
+	followBodies(first, second, list.candidates);
 	renewCandidates(first, second, reach, list);
-	const double way = approached(first.travelled + second.travelled);
-	for (ContactCandidates::Node& node : list.candidates.nodes) {
+	const double way = list.candidates.approached;
+	for (ContactCandidates<2>::Node& node : list.candidates.nodes) {
 		if (node.clearance - way >= reach) continue;
 		++list.tested;
 		const ContactBody<2>& body = node.side == 0 ? first : second;

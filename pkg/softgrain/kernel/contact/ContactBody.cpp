@@ -108,7 +108,7 @@ template <int dim> void ContactBody<dim>::prepareSolve()
 }
 
 template <int dim>
-void ContactBody<dim>::becomeImage(const ContactBody& body, const Vec<dim>& shift, double way)
+void ContactBody<dim>::becomeImage(const ContactBody& body, const Vec<dim>& shift)
 {
 	mesh = body.mesh;
 	nodeRadius = body.nodeRadius;
@@ -117,7 +117,8 @@ void ContactBody<dim>::becomeImage(const ContactBody& body, const Vec<dim>& shif
 	longestEdge = body.longestEdge;
 	circumradius = body.circumradius;
 	gridSpacing = body.gridSpacing;
-	travelled = body.travelled + way;
+	carried = body.carried + shift;
+	travelled = body.travelled;
 	normal = body.normal;
 	position.resize(body.position.size());
 	for (std::size_t s = 0; s < position.size(); ++s)

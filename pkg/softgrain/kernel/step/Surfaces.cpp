@@ -21,11 +21,12 @@ template <class Renew> void Freshness::renew(Renew&& renewNow)
 namespace {
 
 template <int dim>
-double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to)
+double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to,
+		   const Vec<dim>& together)
 {
 	double squared = 0;
 	for (std::size_t s = 0; s < to.size(); ++s)
-		squared = std::max(squared, (to[s] - from[s]).squaredNorm());
+		squared = std::max(squared, (to[s] - from[s] - together).squaredNorm());
 	return std::sqrt(squared);
 }
 
@@ -34,10 +35,13 @@ double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>
 template <int dim> void System<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
+	const Vec<dim> lastCentre = body.box.centre();
 	lastPosition_[g].swap(body.position);
 	surface_[g].expire();
 	renewSurface(g);
-	body.travelled += farthestWay<dim>(lastPosition_[g], body.position);
+	const Vec<dim> together = body.box.centre() - lastCentre;
+	body.carried += together;
+	body.travelled += farthestWay<dim>(lastPosition_[g], body.position, together);
 }
 
 template <int dim> void System<dim>::renewSurface(int g) const
@@ -181,7 +185,7 @@ const ContactBody<dim>& imageOf(const ContactBody<dim>& body, const PairImage<di
 {
 	if (image.shift.isZero(0)) return body;
 	thread_local ContactBody<dim> displaced;
-	displaced.becomeImage(body, image.shift, image.travelled);
+	displaced.becomeImage(body, image.shift);
 	return displaced;
 }
 
