@@ -1,4 +1,5 @@
 #include "contact/CandidateSearch.hpp"
+#include "contact/NodesInLanes.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
 #include <cmath>
@@ -96,17 +97,59 @@ PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int
 	return best;
 }
 
-/// A bound of the gap of a node from below that is cheaper than the gap; nothing that would help
-/// for nodes inside. (The curve bulges out of its facet, and at the end of a facet the gap may be a
-/// little less than the distance.)
-double leastGap(const Vec<2>& x, const ContactBody<2>& body, const OutlineCurve& curve,
-		const PlaceOnOutline<2>& place)
-{
-	const Vec<2>& start = body.position[body.mesh->facet[place.facet][0]];
-	if ((x - start).dot(body.areaOfFacet(place.facet)) <= 0)
-		return -std::numeric_limits<double>::infinity();
-	return (std::sqrt(place.squaredDistance) - curve.bulge()) / 1.5;
-}
+/// Measures the candidates that may be within reach, some at a time.
+class CandidatesInLanes {
+public:
+	CandidatesInLanes(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
+			  ContactList<2>& list)
+		: body_ { &first, &second }
+		, reach_(reach)
+		, list_(list)
+	{
+	}
+
+	void add(ContactCandidates<2>::Node& node)
+	{
+		const Vec<2>& x = own(node).position[node.node];
+		const auto place = followOutline(x, other(node), node.facet);
+		node.facet = place.facet;
+		candidate_[lanes_.count()] = &node;
+		lanes_.add(x, other(node), place.facet, place.weight[1]);
+		if (lanes_.isFull()) measure();
+	}
+	/// Those that are left.
+	void measure()
+	{
+		if (lanes_.count() == 0) return;
+		lanes_.measure();
+		for (int lane = 0; lane < lanes_.count(); ++lane)
+			take(lane);
+		list_.tested += lanes_.count();
+		lanes_.clear();
+	}
+
+private:
+	using Node = ContactCandidates<2>::Node;
+
+	const ContactBody<2>& own(const Node& node) const { return *body_[node.side]; }
+	const ContactBody<2>& other(const Node& node) const { return *body_[1 - node.side]; }
+
+	void take(int lane)
+	{
+		Node& node = *candidate_[lane];
+		node.clearance = lanes_.gap(lane) + list_.candidates.approached;
+		if (lanes_.gap(lane) >= reach_) return;
+		Contact<2> contact;
+		lanes_.write(lane, contact);
+		append({ node.side, node.node, -1 }, contact, own(node), other(node), list_);
+	}
+
+	NodesInLanes lanes_;
+	std::array<Node*, laneWidth> candidate_;
+	std::array<const ContactBody<2>*, 2> body_;
+	double reach_;
+	ContactList<2>& list_;
+};
 
 } // namespace
 
@@ -115,26 +158,10 @@ void findContactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>&
 {
 	followBodies(first, second, list.candidates);
 	renewCandidates(first, second, reach, list);
-	const double way = list.candidates.approached;
-	for (ContactCandidates<2>::Node& node : list.candidates.nodes) {
-		if (node.clearance - way >= reach) continue;
-		++list.tested;
-		const ContactBody<2>& body = node.side == 0 ? first : second;
-		const ContactBody<2>& other = node.side == 0 ? second : first;
-		const Vec<2>& x = body.position[node.node];
-		const auto place = followOutline(x, other, node.facet);
-		node.facet = place.facet;
-		const OutlineCurve curve(other, place.facet);
-		double gap = leastGap(x, other, curve, place);
-		if (gap < reach) {
-			Contact<2> contact;
-			measureGap(x, curve, place, contact);
-			gap = contact.gap;
-			if (gap < reach)
-				append({ node.side, node.node, -1 }, contact, body, other, list);
-		}
-		node.clearance = gap + way;
-	}
+	CandidatesInLanes near(first, second, reach, list);
+	for (ContactCandidates<2>::Node& node : list.candidates.nodes)
+		if (node.clearance - list.candidates.approached < reach) near.add(node);
+	near.measure();
 }
 
 } // namespace softgrain

@@ -26,7 +26,10 @@ struct ContactKey {
 	{
 		return std::tie(side, node, other) < std::tie(o.side, o.node, o.other);
 	}
-	bool operator==(const ContactKey& o) const { return !(*this < o) && !(o < *this); }
+	bool operator==(const ContactKey& o) const
+	{
+		return side == o.side && node == o.node && other == o.other;
+	}
 };
 
 /// One contact node of one body against a place on another body.
