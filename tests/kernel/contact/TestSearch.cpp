@@ -357,14 +357,19 @@ TEST_CASE("Search: candidates are kept while they hold, and miss nothing", "[con
 	Random random(2);
 	int testedKept = 0, testedFresh = 0, most = 0;
 	for (int step = 0; step < 400; ++step) {
-		// Rolls round the other and shakes.
+		// Both fly; one rolls round the other and shakes.
+		const Vec<2> flight(0.1, 0.2);
+		for (Vec<2>& x : first.position)
+			x += flight;
+		first.updateGeometry();
+		first.carried += flight;
 		const Vec<2> about = first.box.centre();
 		const Mat<2> turn = Eigen::Rotation2Dd(0.004).toRotationMatrix();
 		const Vec<2> shake = random.vector<2>(0.002);
 		const auto from = second.position;
 		const Vec<2> centre = second.box.centre();
 		for (Vec<2>& x : second.position)
-			x = about + turn * (x - about) + shake;
+			x = about + turn * (x + flight - about) + shake;
 		second.updateGeometry();
 		const Vec<2> together = second.box.centre() - centre;
 		double farthest = 0;

@@ -158,6 +158,7 @@ void findContactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>&
 {
 	followBodies(first, second, list.candidates);
 	renewCandidates(first, second, reach, list);
+	if (list.candidates.nodes.empty()) return;
 	CandidatesInLanes near(first, second, reach, list);
 	for (ContactCandidates<2>::Node& node : list.candidates.nodes)
 		if (node.clearance - list.candidates.approached < reach) near.add(node);

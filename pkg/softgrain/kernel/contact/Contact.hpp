@@ -71,12 +71,12 @@ template <int dim> struct PairImage {
 /// Nodes that may come into contact while their bodies have moved little since they were found.
 template <int dim> struct ContactCandidates {
 	struct Node {
-		int side, node; ///< as in ContactKey
-		int facet;      ///< of the other body: the nearest when it was last looked for
+		int side, node;   ///< as in ContactKey
+		int facet;        ///< of the other body: the nearest when it was last looked for
 		double clearance; ///< its gap is at least this less `approached`, m
 	};
 	std::vector<Node> nodes;
-	double covered = 0; ///< all nodes with a gap below this less `approached` are in it, m
+	double covered = 0;    ///< all nodes with a gap below this less `approached` are in it, m
 	double approached = 0; ///< no gap has lost more than this so far, m
 	/// At the last search: ContactBody::carried of the first body less that of the second, and
 	/// what their nodes may have travelled besides.

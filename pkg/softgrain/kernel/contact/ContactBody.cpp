@@ -30,6 +30,10 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 		box.high = box.high.cwiseMax(x);
 	}
 	box = box.grown(nodeRadius);
+	double squaredRadius = 0;
+	for (const Vec<dim>& x : position)
+		squaredRadius = std::max(squaredRadius, (x - box.centre()).squaredNorm());
+	circumradius = std::sqrt(squaredRadius);
 	if (!hasFacets()) return;
 	normal.assign(position.size(), Vec<dim>::Zero());
 	double squaredEdge = 0;
@@ -42,10 +46,6 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 		}
 	}
 	longestEdge = std::sqrt(squaredEdge);
-	double squaredRadius = 0;
-	for (const Vec<dim>& x : position)
-		squaredRadius = std::max(squaredRadius, (x - box.centre()).squaredNorm());
-	circumradius = std::sqrt(squaredRadius);
 	for (Vec<dim>& n : normal)
 		n.normalize();
 }

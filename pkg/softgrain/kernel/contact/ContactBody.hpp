@@ -51,7 +51,7 @@ template <int dim> struct ContactBody {
 	std::vector<Vec<dim>> impulse; ///< sum of the reactions on each node, N s
 	Box<dim> box;                  ///< of the positions, node radii included
 	double longestEdge = 0;        ///< of a facet, m
-	double circumradius = 0;       ///< of the outline about the centre of its box, m
+	double circumradius = 0;       ///< of the positions about the centre of the box, m
 	double fastest = 0;            ///< largest speed of a node, m/s
 	/// Way of the centre of the box since the start, m, and the most that a node may have come
 	/// besides.

@@ -74,6 +74,9 @@ private:
 	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit);
 	/// Of pair k, if there is one, as far as it is worth it.
 	void fetch(int k, void (PairSolver<dim>::*what)() const) const;
+	/// What a pass over the velocities will need after pair k.
+	void fetchAfter(int k, SweepOrder order) const;
+	void fetchListsAfter(int k) const;
 	double sweep(SweepOrder order); ///< relative change of the impulses, in the residual's norm
 	/// Calls with each pair's solver and constraint, in the order of the sweeps.
 	template <class Visit> void forEachConstraint(Visit&& visit) const;

@@ -19,8 +19,8 @@ inline double withinUnit(double t) { return std::clamp(t, 0., 1.); }
 ///                                   2 w_3 = -t^2 + t^3,             2 w_2 = t + 4 t^2 - 3 t^3,
 ///
 /// the cubic with tangents (x_2 - x_0)/2 and (x_3 - x_1)/2 at its ends (Catmull and Rom, 1974). The
-/// weights sum to 1, and a place at rest on the curve moves with sum_k w_k v_k. Vector is Vec<2>, or
-/// VectorLanes for several curves at a time.
+/// weights sum to 1, and a place at rest on the curve moves with sum_k w_k v_k. Vector is Vec<2>,
+/// or VectorLanes for several curves at a time.
 template <class Vector> class CurvePiece {
 public:
 	using Number = typename Vector::Scalar;
@@ -37,8 +37,8 @@ public:
 
 	struct Place {
 		Number t;
-		Vector position; ///< y, m
-		Vector tangent;  ///< dy/dt, m
+		Vector position;                                                   ///< y, m
+		Vector tangent;                                                    ///< dy/dt, m
 		Vector normal() const { return toTheRight(tangent).normalized(); } ///< outward
 	};
 	Place at(const Number& t) const

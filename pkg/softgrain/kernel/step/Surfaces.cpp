@@ -140,8 +140,7 @@ template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) cons
 	}
 	const ContactBody<dim>& own = body(g);
 	// the outline bulges out of its facets by less than half of an edge
-	return { own.box.centre(),
-		 0.5 * (own.box.high - own.box.low).norm() + 0.5 * own.longestEdge };
+	return { own.box.centre(), own.circumradius + own.nodeRadius + 0.5 * own.longestEdge };
 }
 
 /// Of two outlines that are further apart nothing is a contact: on the common grid each gives mass
@@ -152,12 +151,11 @@ template <int dim> double System<dim>::outsideReach(double reach) const
 }
 
 template <int dim>
-bool System<dim>::areFarApart(int first, int second, const Vec<dim>& shift, double reach) const
+bool System<dim>::areFarApart(int first, int second, const PairImage<dim>& image, double dt) const
 {
-	if (!isRigid(first) && !isRigid(second)) return false;
 	const Ball a = ballAbout(first), b = ballAbout(second);
-	const double distance = a.radius + b.radius + outsideReach(reach);
-	return (a.centre - b.centre - shift).squaredNorm() > distance * distance;
+	const double distance = a.radius + b.radius + outsideReach(reach(first, second, image, dt));
+	return (a.centre - b.centre - image.shift).squaredNorm() > distance * distance;
 }
 
 template <int dim> bool System<dim>::isFarFrom(int g, const Plane<dim>& plane, double reach) const
@@ -210,11 +208,9 @@ template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) c
 				     within, list);
 		return !isFar;
 	};
-	if (list.second >= 0) {
-		const double within = reach(list.first, list.second, list.image, dt);
-		return searchWithin(within,
-				    areFarApart(list.first, list.second, list.image.shift, within));
-	}
+	if (list.second >= 0)
+		return searchWithin(reach(list.first, list.second, list.image, dt),
+				    areFarApart(list.first, list.second, list.image, dt));
 	auto searchOn = [&](const auto& surface, double within) {
 		return searchWithin(within, isFarFrom(list.first, surface, within));
 	};
@@ -246,6 +242,7 @@ template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double
 	template double System<dim>::reach(int, const RigidSide<dim>&, const PairImage<dim>&,      \
 					   double) const;                                          \
 	template bool System<dim>::search(ContactList<dim>&, double) const;                        \
+	template bool System<dim>::areFarApart(int, int, const PairImage<dim>&, double) const;     \
 	template bool System<dim>::isInside(int, const Box<dim>&, double) const;
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)
