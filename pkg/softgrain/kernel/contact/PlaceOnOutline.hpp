@@ -163,7 +163,12 @@ void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, d
 	const double margin = std::max(reach, contactDepth(body, other));
 	const auto nodes = nodesNear(body, other, reach, margin);
 	if (nodes.empty()) return;
-	const auto facets = facetsIn(other, body.box.grown(margin));
+	auto facets = facetsIn(other, body.box.grown(margin));
+	// as in nodesNear, the ball about the body is the tighter one
+	std::erase_if(facets, [&](const FacetNear<dim>& f) {
+		const double farthest = body.circumradius + margin + f.radius;
+		return (f.centre - body.box.centre()).squaredNorm() > farthest * farthest;
+	});
 	if (facets.empty()) return;
 	list.tested += static_cast<int>(nodes.size());
 	for (int s : nodes)
