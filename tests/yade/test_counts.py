@@ -43,12 +43,13 @@ def test_grains_far_apart_are_neither_searched_nor_solved():
     assert engine.pointsUpdated == points_of(a) + points_of(b)  # then they move rigidly
 
 
-def test_neighbours_out_of_reach_are_searched_without_a_candidate():
-    two_disks(distance=1.09)  # their boxes with the collider's margin overlap, they do not
+def test_neighbours_out_of_reach_are_told_apart_by_the_balls_about_them():
+    a, b = two_disks(distance=1.1)  # their boxes with the collider's margin overlap, they do not
     run(STEPS)
     engine = sg.integrator()
-    assert engine.pairsSearched == 1  # then the balls about grains that move rigidly tell
-    assert engine.candidatesTested == engine.contactsSwept == engine.totalSweeps == 0
+    assert O.interactions.has(a.id, b.id)
+    assert engine.pairsSearched == engine.candidatesTested == 0
+    assert engine.contactsSwept == engine.totalSweeps == 0
 
 
 def test_only_nodes_near_the_other_grain_are_candidates():
