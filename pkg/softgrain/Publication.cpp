@@ -38,41 +38,39 @@ void describePair(const Scene& scene, const Interaction& I, const Vec3& normal, 
 void SoftGrainIntegrator::publishForces(const std::vector<Interaction*>& interactions, Real kick)
 {
 	const long count = static_cast<long>(interactions.size());
-	std::vector<Vector3r> onBody2(count);
-	std::vector<char> isRigid(count);
 #pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads()))
 	for (long k = 0; k < count; ++k) {
 		SoftGeom& geom = static_cast<SoftGeom&>(*interactions[k]->geom);
 		SoftPhys& phys = static_cast<SoftPhys&>(*interactions[k]->phys);
-		if (!geom.pair->isKept()) // else it holds these forces already
-			publishPair(*interactions[k], kick);
-		onBody2[k] = phys.normalForce + phys.shearForce;
-		isRigid[k] = geom.pair->hasRigidBody();
+		if (geom.pair->isKept()) continue; // it holds these forces already
+		const softgrain::SumOfImpulses sum = geom.pair->impulse();
+		const bool firstIsBody2 =
+			assembly_->idOf(geom.pair->firstGrain()) == interactions[k]->getId2();
+		const Real sign = firstIsBody2 ? 1 : -1,
+			   onBody2 = sign / kick;                    // forces act on body #2
+		if (sum.contacts > 0) geom.contactPoint = sum.point; // on the side of body #1
+		if (firstIsBody2) geom.contactPoint += imageShift(*scene, *interactions[k]);
+		phys.normalForce = onBody2 * sum.normal;
+		phys.shearForce = onBody2 * sum.shear;
+		phys.contacts = sum.contacts;
+		phys.activeContacts = sum.active;
+		if (!sum.direction.isZero(0))
+			describePair(*scene, *interactions[k], sign * sum.direction, geom);
 	}
-	for (long k = 0; k < count; ++k) {
-		const Interaction& I = *interactions[k];
-		const Body::id_t rigid = isRigid[k] ? rigidBodyOf(I).getId() : Body::ID_NONE;
-		if (rigid != I.getId2()) scene->forces.addForce(I.getId2(), onBody2[k]);
-		if (rigid != I.getId1()) scene->forces.addForce(I.getId1(), -onBody2[k]);
-		if (isRigid[k]) publishReactions(I, kick);
+	for (const Interaction* I : interactions) {
+		const SoftPhys& phys = static_cast<const SoftPhys&>(*I->phys);
+		if (static_cast<SoftGeom&>(*I->geom).pair->hasRigidBody()) {
+			const Vector3r onGrain = phys.normalForce + phys.shearForce;
+			const bool grainIsBody2 = rigidBodyOf(*I).getId() == I->getId1();
+			scene->forces.addForce(grainIsBody2 ? I->getId2() : I->getId1(),
+					       grainIsBody2 ? onGrain : Vector3r(-onGrain));
+			publishReactions(*I, kick);
+			continue;
+		}
+		const Vector3r force = phys.normalForce + phys.shearForce;
+		scene->forces.addForce(I->getId2(), force);
+		scene->forces.addForce(I->getId1(), -force);
 	}
-}
-
-/// Forces act on body #2, the contact point is on the side of body #1.
-void SoftGrainIntegrator::publishPair(const Interaction& I, Real kick) const
-{
-	SoftGeom& geom = static_cast<SoftGeom&>(*I.geom);
-	SoftPhys& phys = static_cast<SoftPhys&>(*I.phys);
-	const softgrain::SumOfImpulses sum = geom.pair->impulse();
-	const bool firstIsBody2 = assembly_->idOf(geom.pair->firstGrain()) == I.getId2();
-	const Real sign = firstIsBody2 ? 1 : -1, onBody2 = sign / kick;
-	if (sum.contacts > 0) geom.contactPoint = sum.point;
-	if (firstIsBody2) geom.contactPoint += imageShift(*scene, I);
-	phys.normalForce = onBody2 * sum.normal;
-	phys.shearForce = onBody2 * sum.shear;
-	phys.contacts = sum.contacts;
-	phys.activeContacts = sum.active;
-	if (!sum.direction.isZero(0)) describePair(*scene, I, sign * sum.direction, geom);
 }
 
 /// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt to pos,

@@ -166,14 +166,17 @@ int SoftGrainIntegrator::numberOf(const Body& body)
 	return number;
 }
 
-/// A body that soft grains cannot touch as it stands.
-void SoftGrainIntegrator::checkRigidBody(const Interaction& I) const
+/// Bodies that soft grains cannot touch as they stand.
+void SoftGrainIntegrator::checkRigidBodies(const std::vector<Interaction*>& interactions) const
 {
-	if (!static_cast<SoftGeom&>(*I.geom).pair->hasRigidBody()) return;
-	const Body& body = rigidBodyOf(I);
-	const auto described =
-		describeRigid(*body.shape, *body.state, body.getId(), softGrainOf(I));
-	if (described) assembly_->checkRigidBody(*described);
+	for (const Interaction* I : interactions) {
+		const softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
+		if (!pair.hasRigidBody()) continue;
+		const Body& body = rigidBodyOf(*I);
+		const auto described =
+			describeRigid(*body.shape, *body.state, body.getId(), softGrainOf(*I));
+		if (described) assembly_->checkRigidBody(*described);
+	}
 }
 
 /// A free body is to get the impulse itself, which NewtonIntegrator makes of a force in the step

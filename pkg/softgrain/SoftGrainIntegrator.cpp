@@ -86,13 +86,11 @@ void SoftGrainIntegrator::advance()
 	chooseTimeStep();
 	clock_.end("chooseTimeStep");
 	const auto interactions = softInteractions();
-	for (Interaction* I : interactions) {
-		renewContacts(*I);
-		checkRigidBody(*I);
-		checkInterface(*I);
-		stopOnOverlap(*I);
-		moveImage(*I);
-	}
+	renewContacts(interactions);
+	checkRigidBodies(interactions);
+	checkInterfaces(interactions);
+	stopOnOverlap(interactions);
+	moveImages(interactions);
 	clock_.end("softInteractions");
 	applyLoads();
 	describeRigidBodies(interactions);
@@ -343,9 +341,8 @@ bool isTouched(const Shape& shape)
 /// All real contacts of soft grains; refuses pairs for which there is no contact treatment.
 std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 {
-	using Bodies = std::pair<Body::id_t, Body::id_t>; // the lower id first
-	std::vector<std::pair<Bodies, Interaction*>> found;
-	if (assembly_->grains() == 0) return {};
+	std::vector<Interaction*> found;
+	if (assembly_->grains() == 0) return found;
 	for (const auto& I : *scene->interactions) {
 		const auto &b1 = (*scene->bodies)[I->getId1()], &b2 = (*scene->bodies)[I->getId2()];
 		if (!b1 || !b2) continue;
@@ -353,67 +350,75 @@ std::vector<Interaction*> SoftGrainIntegrator::softInteractions() const
 			if (!dynamic_cast<SoftGeom*>(I->geom.get())) continue;
 			if (!isTouched(*b1->shape)) refusePair(*b2, *b1);
 			if (!isTouched(*b2->shape)) refusePair(*b1, *b2);
-			found.emplace_back(std::minmax(I->getId1(), I->getId2()), I.get());
+			found.push_back(I.get());
 			continue;
 		}
-		const bool soft1 = dynamic_cast<SoftGrain*>(b1->shape.get()),
-			   soft2 = dynamic_cast<SoftGrain*>(b2->shape.get());
+		const bool soft1 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b1->shape)),
+			   soft2 = bool(YADE_PTR_DYN_CAST<SoftGrain>(b2->shape));
 		if (!soft1 && !soft2) continue;
 		const Body &grain = soft1 ? *b1 : *b2, &other = soft1 ? *b2 : *b1;
 		if (!I->functorCache.geomExists || !isTouched(*other.shape))
 			refusePair(grain, other);
 	}
 	// the container's order depends on threads and history; sums of forces must not
-	std::sort(found.begin(), found.end());
-	std::vector<Interaction*> interactions;
-	interactions.reserve(found.size());
-	for (const auto& [bodies, I] : found)
-		interactions.push_back(I);
-	return interactions;
+	std::sort(found.begin(), found.end(), [](const Interaction* a, const Interaction* b) {
+		return std::minmax(a->getId1(), a->getId2()) <
+		       std::minmax(b->getId1(), b->getId2());
+	});
+	return found;
 }
 
 /// Grains added, erased or changed since the InteractionLoop have other indices now, and contacts
 /// found there name the old ones.
-void SoftGrainIntegrator::renewContacts(Interaction& I) const
+void SoftGrainIntegrator::renewContacts(const std::vector<Interaction*>& interactions) const
 {
-	if (static_cast<SoftGeom&>(*I.geom).assembly == assembly_) return;
-	const auto& b1 = (*scene->bodies)[I.getId1()];
-	const auto& b2 = (*scene->bodies)[I.getId2()];
-	const shared_ptr<Interaction>& shared = scene->interactions->find(I.getId1(), I.getId2());
-	I.functorCache.geom->go(b1->shape, b2->shape, *b1->state, *b2->state, imageShift(*scene, I),
-				true, shared);
-	I.functorCache.constLaw->go(I.geom, I.phys, &I);
-}
-
-/// Engines since the InteractionLoop may have changed the flow of the cell.
-void SoftGrainIntegrator::moveImage(const Interaction& I) const
-{
-	if (!scene->isPeriodic) return;
-	softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I.geom).pair;
-	const bool firstIsBody1 = assembly_->idOf(pair.firstGrain()) == I.getId1();
-	pair.setImageVelocity(imageOf(*scene, I, firstIsBody1).velocity);
-}
-
-void SoftGrainIntegrator::checkInterface(const Interaction& I) const
-{
-	try {
-		static_cast<SoftGeom&>(*I.geom).pair->checkInterface();
-	} catch (const std::invalid_argument& e) {
-		throw std::runtime_error("interaction of bodies #" + std::to_string(I.getId1()) +
-					 " and #" + std::to_string(I.getId2()) + ": " + e.what());
+	for (Interaction* I : interactions) {
+		if (static_cast<SoftGeom&>(*I->geom).assembly == assembly_) continue;
+		const auto& b1 = (*scene->bodies)[I->getId1()];
+		const auto& b2 = (*scene->bodies)[I->getId2()];
+		const shared_ptr<Interaction>& shared =
+			scene->interactions->find(I->getId1(), I->getId2());
+		I->functorCache.geom->go(b1->shape, b2->shape, *b1->state, *b2->state,
+					 imageShift(*scene, *I), true, shared);
+		I->functorCache.constLaw->go(I->geom, I->phys, I);
 	}
 }
 
-void SoftGrainIntegrator::stopOnOverlap(const Interaction& I) const
+/// Engines since the InteractionLoop may have changed the flow of the cell.
+void SoftGrainIntegrator::moveImages(const std::vector<Interaction*>& interactions) const
 {
-	const Real deepest = static_cast<SoftGeom&>(*I.geom).pair->deepest();
-	if (deepest <= maxOverlap) return;
-	std::ostringstream message;
-	message << "bodies #" << I.getId1() << " and #" << I.getId2() << " overlap by " << deepest
-		<< " point spacings, more than maxOverlap = " << maxOverlap
-		<< ". Hint: start from less overlap (sg.soften(overlap='shrink')), load "
-		   "more slowly, or reduce tolerance";
-	throw std::runtime_error(message.str());
+	if (!scene->isPeriodic) return;
+	for (const Interaction* I : interactions) {
+		softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
+		const bool firstIsBody1 = assembly_->idOf(pair.firstGrain()) == I->getId1();
+		pair.setImageVelocity(imageOf(*scene, *I, firstIsBody1).velocity);
+	}
+}
+
+void SoftGrainIntegrator::checkInterfaces(const std::vector<Interaction*>& interactions) const
+{
+	for (const Interaction* I : interactions)
+		try {
+			static_cast<SoftGeom&>(*I->geom).pair->checkInterface();
+		} catch (const std::invalid_argument& e) {
+			throw std::runtime_error("interaction of bodies #" +
+						 std::to_string(I->getId1()) + " and #" +
+						 std::to_string(I->getId2()) + ": " + e.what());
+		}
+}
+
+void SoftGrainIntegrator::stopOnOverlap(const std::vector<Interaction*>& interactions) const
+{
+	for (const Interaction* I : interactions) {
+		const Real deepest = static_cast<SoftGeom&>(*I->geom).pair->deepest();
+		if (deepest <= maxOverlap) continue;
+		std::ostringstream message;
+		message << "bodies #" << I->getId1() << " and #" << I->getId2() << " overlap by "
+			<< deepest << " point spacings, more than maxOverlap = " << maxOverlap
+			<< ". Hint: start from less overlap (sg.soften(overlap='shrink')), load "
+			   "more slowly, or reduce tolerance";
+		throw std::runtime_error(message.str());
+	}
 }
 
 softgrain::StepSettings SoftGrainIntegrator::settings()

@@ -78,10 +78,10 @@ private:
 	void applyUserMotions();
 	void applyLoads();
 	std::vector<Interaction*> softInteractions() const;
-	void renewContacts(Interaction& I) const;
-	void moveImage(const Interaction& I) const;
-	void checkInterface(const Interaction& I) const;
-	void stopOnOverlap(const Interaction& I) const;
+	void renewContacts(const std::vector<Interaction*>& interactions) const;
+	void moveImages(const std::vector<Interaction*>& interactions) const;
+	void checkInterfaces(const std::vector<Interaction*>& interactions) const;
+	void stopOnOverlap(const std::vector<Interaction*>& interactions) const;
 	softgrain::StepSettings settings();
 	const Body& rigidBodyOf(const Interaction& I) const;
 	const SoftGrain& softGrainOf(const Interaction& I) const;
@@ -93,9 +93,8 @@ private:
 	void leaveSeamsOut();
 	void publishRigidContacts();
 	void moveApart() const;
-	void checkRigidBody(const Interaction& I) const;
+	void checkRigidBodies(const std::vector<Interaction*>& interactions) const;
 	void publishForces(const std::vector<Interaction*>& interactions, Real kick);
-	void publishPair(const Interaction& I, Real kick) const;
 	void publishReactions(const Interaction& I, Real kick);
 	void publishMotions();
 	void publishReport(const softgrain::StepReport& report);
