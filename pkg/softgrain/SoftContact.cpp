@@ -170,11 +170,13 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	    grain1.assembly->isAsleep(grain2.index))
 		return false; // apart when they fell asleep
 	const SearchTimer timer(*this);
-	const auto geom = geometryOf(*I, grain1.assembly);
 	const auto [first, second] = std::minmax(grain1.index, grain2.index);
-	grain1.assembly->search(*geom->pair, first, second,
-				imageOf(*scene, *I, second == grain2.index),
-				searchStep(*scene, grain1));
+	const auto image = imageOf(*scene, *I, second == grain2.index);
+	const Real dt = searchStep(*scene, grain1);
+	if (!I->isReal() && !force && grain1.assembly->areFarApart(first, second, image, dt))
+		return false;
+	const auto geom = geometryOf(*I, grain1.assembly);
+	grain1.assembly->search(*geom->pair, first, second, image, dt);
 	describeByCentres(*geom, *I, (state2.pos + shift2 - state1.pos).normalized(), grain1.radius,
 			  grain2.radius);
 	return conclude(geom, force, I);

@@ -86,6 +86,14 @@ public:
 		if (system_.search(list, dt)) countSearch(list);
 	}
 
+	bool areFarApart(int first, int second, const ImageDescription& image,
+			 double dt) const override
+	{
+		PairImage<dim> seen;
+		place(seen, image);
+		return system_.areFarApart(first, second, seen, dt);
+	}
+
 	void search(PairContacts& pair, int g, const WallDescription& wall,
 		    double dt) const override
 	{
@@ -333,7 +341,7 @@ private:
 
 	static void place(PairImage<dim>& image, const ImageDescription& description)
 	{
-		image.moveTo(toKernel<dim>(description.shift));
+		image.shift = toKernel<dim>(description.shift);
 		image.velocity = toKernel<dim>(description.velocity);
 	}
 

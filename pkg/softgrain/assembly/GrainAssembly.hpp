@@ -84,6 +84,9 @@ public:
 	/// Of the grain `first` and the image of the other.
 	virtual void search(PairContacts& pair, int first, int second,
 			    const ImageDescription& image, double dt) const = 0;
+	/// Whether the balls about two grains already tell that there is nothing to search.
+	virtual bool areFarApart(int first, int second, const ImageDescription& image,
+				 double dt) const = 0;
 	virtual void search(PairContacts& pair, int g, const WallDescription& wall,
 			    double dt) const = 0;
 	/// A body that checkRigidBody refuses counts as an infinite overlap.

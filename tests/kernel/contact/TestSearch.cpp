@@ -333,7 +333,7 @@ TEMPLATE_TEST_CASE_SIG("Search: impulses follow their contacts", "[contact]", ((
 	for (Vec<dim>& x : balls.body[1].position)
 		x += 0.2 * sideways;
 	balls.body[1].updateGeometry();
-	balls.body[1].travelled += 0.2;
+	balls.body[1].carried += 0.2 * sideways;
 	findContacts(balls.body[0], balls.body[1], 0.03, list);
 	int kept = 0, fresh = 0;
 	for (const Contact<dim>& c : list.contacts)
@@ -357,18 +357,27 @@ TEST_CASE("Search: candidates are kept while they hold, and miss nothing", "[con
 	Random random(2);
 	int testedKept = 0, testedFresh = 0, most = 0;
 	for (int step = 0; step < 400; ++step) {
-		// Rolls round the other and shakes.
+		// Both fly; one rolls round the other and shakes.
+		const Vec<2> flight(0.1, 0.2);
+		for (Vec<2>& x : first.position)
+			x += flight;
+		first.updateGeometry();
+		first.carried += flight;
 		const Vec<2> about = first.box.centre();
 		const Mat<2> turn = Eigen::Rotation2Dd(0.004).toRotationMatrix();
 		const Vec<2> shake = random.vector<2>(0.002);
-		double farthest = 0;
-		for (Vec<2>& x : second.position) {
-			const Vec<2> to = about + turn * (x - about) + shake;
-			farthest = std::max(farthest, (to - x).norm());
-			x = to;
-		}
-		second.travelled += farthest;
+		const auto from = second.position;
+		const Vec<2> centre = second.box.centre();
+		for (Vec<2>& x : second.position)
+			x = about + turn * (x + flight - about) + shake;
 		second.updateGeometry();
+		const Vec<2> together = second.box.centre() - centre;
+		double farthest = 0;
+		for (std::size_t s = 0; s < from.size(); ++s)
+			farthest = std::max(farthest,
+					    (second.position[s] - from[s] - together).norm());
+		second.carried += together;
+		second.travelled += farthest;
 		auto fresh = pairList<2>();
 		findContacts(first, second, 0.01, kept);
 		findContacts(first, second, 0.01, fresh);

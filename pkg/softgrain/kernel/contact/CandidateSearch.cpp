@@ -1,4 +1,5 @@
 #include "contact/CandidateSearch.hpp"
+#include "contact/NodesInLanes.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
 #include <cmath>
@@ -9,25 +10,38 @@ namespace {
 
 /// Candidates are looked for this far beyond the reach, in dr: much less makes them short-lived,
 /// much more makes too many.
-constexpr double candidateMargin = 0.3;
+constexpr double candidateMargin = 0.5;
 
-/// How far a node and a place on the other outline may have come towards each other: such a place
-/// moves by no more than 1.25 times the most that a node does (sum of the sizes of the weights of
-/// OutlineCurve).
-double approached(double travelled) { return 1.25 * travelled; }
+/// A place on an outline moves by no more than so many times what its nodes do (sum of the sizes of
+/// the weights of OutlineCurve).
+constexpr double wayOfPlaces = 1.25;
+
+/// Takes in how far nodes and places on the other outline may have come towards each other since
+/// the last search.
+template <int dim>
+void followBodies(const ContactBody<dim>& first, const ContactBody<dim>& second,
+		  ContactCandidates<dim>& candidates)
+{
+	const Vec<dim> apart = first.carried - second.carried;
+	const double travelled = first.travelled + second.travelled;
+	candidates.approached += (apart - candidates.apart).norm() +
+				 wayOfPlaces * (travelled - candidates.travelled);
+	candidates.apart = apart;
+	candidates.travelled = travelled;
+}
 
 template <int dim>
 void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
-		    ContactList<dim>& list)
+		    double within, ContactList<dim>& list)
 {
-	ContactCandidates& candidates = list.candidates;
-	forNodesNear(body, other, candidates.covered, list, [&](int s, const auto& facets) {
+	ContactCandidates<dim>& candidates = list.candidates;
+	forNodesNear(body, other, within, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
 		const auto place = nearestPlace(x, other, facets, anyFacet);
 		const double gap = contactAt(x, other, place).gap;
-		if (gap < candidates.covered)
+		if (gap < within)
 			candidates.nodes.push_back(
-				{ side, s, place.facet, gap + approached(candidates.travelled) });
+				{ side, s, place.facet, gap + candidates.approached });
 	});
 }
 
@@ -35,16 +49,14 @@ template <int dim>
 void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
 		     ContactList<dim>& list)
 {
-	ContactCandidates& candidates = list.candidates;
-	const double travelled = first.travelled + second.travelled;
-	const double since = travelled - candidates.travelled; // negative: of other bodies
-	if (since >= 0 && reach + approached(since) <= candidates.covered) return;
-	candidates.nodes.clear();
-	candidates.covered =
+	ContactCandidates<dim>& candidates = list.candidates;
+	if (reach + candidates.approached <= candidates.covered) return;
+	const double within =
 		reach + candidateMargin * std::min(first.pointSpacing, second.pointSpacing);
-	candidates.travelled = travelled;
-	findCandidates(first, second, 0, list);
-	findCandidates(second, first, 1, list);
+	candidates.nodes.clear();
+	candidates.covered = within + candidates.approached;
+	findCandidates(first, second, 0, within, list);
+	findCandidates(second, first, 1, within, list);
 }
 
 PlaceOnOutline<2> placeOnFacet(const Vec<2>& x, const ContactBody<2>& body, int facet)
@@ -85,44 +97,72 @@ PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int
 	return best;
 }
 
-/// A bound of the gap of a node from below that is cheaper than the gap; nothing that would help
-/// for nodes inside. (The curve bulges out of its facet, and at the end of a facet the gap may be a
-/// little less than the distance.)
-double leastGap(const Vec<2>& x, const ContactBody<2>& body, const OutlineCurve& curve,
-		const PlaceOnOutline<2>& place)
-{
-	const Vec<2>& start = body.position[body.mesh->facet[place.facet][0]];
-	if ((x - start).dot(body.areaOfFacet(place.facet)) <= 0)
-		return -std::numeric_limits<double>::infinity();
-	return (std::sqrt(place.squaredDistance) - curve.bulge()) / 1.5;
-}
+/// Measures the candidates that may be within reach, some at a time.
+class CandidatesInLanes {
+public:
+	CandidatesInLanes(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
+			  ContactList<2>& list)
+		: body_ { &first, &second }
+		, reach_(reach)
+		, list_(list)
+	{
+	}
+
+	void add(ContactCandidates<2>::Node& node)
+	{
+		const Vec<2>& x = own(node).position[node.node];
+		const auto place = followOutline(x, other(node), node.facet);
+		node.facet = place.facet;
+		candidate_[lanes_.count()] = &node;
+		lanes_.add(x, other(node), place.facet, place.weight[1]);
+		if (lanes_.isFull()) measure();
+	}
+	/// Those that are left.
+	void measure()
+	{
+		if (lanes_.count() == 0) return;
+		lanes_.measure();
+		for (int lane = 0; lane < lanes_.count(); ++lane)
+			take(lane);
+		list_.tested += lanes_.count();
+		lanes_.clear();
+	}
+
+private:
+	using Node = ContactCandidates<2>::Node;
+
+	const ContactBody<2>& own(const Node& node) const { return *body_[node.side]; }
+	const ContactBody<2>& other(const Node& node) const { return *body_[1 - node.side]; }
+
+	void take(int lane)
+	{
+		Node& node = *candidate_[lane];
+		node.clearance = lanes_.gap(lane) + list_.candidates.approached;
+		if (lanes_.gap(lane) >= reach_) return;
+		Contact<2> contact;
+		lanes_.write(lane, contact);
+		append({ node.side, node.node, -1 }, contact, own(node), other(node), list_);
+	}
+
+	NodesInLanes lanes_;
+	std::array<Node*, laneWidth> candidate_;
+	std::array<const ContactBody<2>*, 2> body_;
+	double reach_;
+	ContactList<2>& list_;
+};
 
 } // namespace
 
 void findContactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second,
 			      double reach, ContactList<2>& list)
 {
+	followBodies(first, second, list.candidates);
 	renewCandidates(first, second, reach, list);
-	const double way = approached(first.travelled + second.travelled);
-	for (ContactCandidates::Node& node : list.candidates.nodes) {
-		if (node.clearance - way >= reach) continue;
-		++list.tested;
-		const ContactBody<2>& body = node.side == 0 ? first : second;
-		const ContactBody<2>& other = node.side == 0 ? second : first;
-		const Vec<2>& x = body.position[node.node];
-		const auto place = followOutline(x, other, node.facet);
-		node.facet = place.facet;
-		const OutlineCurve curve(other, place.facet);
-		double gap = leastGap(x, other, curve, place);
-		if (gap < reach) {
-			Contact<2> contact;
-			measureGap(x, curve, place, contact);
-			gap = contact.gap;
-			if (gap < reach)
-				append({ node.side, node.node, -1 }, contact, body, other, list);
-		}
-		node.clearance = gap + way;
-	}
+	if (list.candidates.nodes.empty()) return;
+	CandidatesInLanes near(first, second, reach, list);
+	for (ContactCandidates<2>::Node& node : list.candidates.nodes)
+		if (node.clearance - list.candidates.approached < reach) near.add(node);
+	near.measure();
 }
 
 } // namespace softgrain

@@ -26,7 +26,10 @@ struct ContactKey {
 	{
 		return std::tie(side, node, other) < std::tie(o.side, o.node, o.other);
 	}
-	bool operator==(const ContactKey& o) const { return !(*this < o) && !(o < *this); }
+	bool operator==(const ContactKey& o) const
+	{
+		return side == o.side && node == o.node && other == o.other;
+	}
 };
 
 /// One contact node of one body against a place on another body.
@@ -63,26 +66,22 @@ template <int dim> struct RigidSide {
 template <int dim> struct PairImage {
 	Vec<dim> shift = Vec<dim>::Zero();    ///< at t_n, m
 	Vec<dim> velocity = Vec<dim>::Zero(); ///< of the shift in the step at hand, m/s
-	double travelled = 0;                 ///< way of the shift so far, m
-
-	void moveTo(const Vec<dim>& place)
-	{
-		travelled += (place - shift).norm();
-		shift = place;
-	}
 };
 
 /// Nodes that may come into contact while their bodies have moved little since they were found.
-struct ContactCandidates {
+template <int dim> struct ContactCandidates {
 	struct Node {
-		int side, node; ///< as in ContactKey
-		int facet;      ///< of the other body: the nearest when it was last looked for
-		/// Its gap is at least this less what the outlines may have travelled, m.
-		double clearance;
+		int side, node;   ///< as in ContactKey
+		int facet;        ///< of the other body: the nearest when it was last looked for
+		double clearance; ///< its gap is at least this less `approached`, m
 	};
 	std::vector<Node> nodes;
-	double covered = 0;   ///< all nodes with a smaller gap are in it, m
-	double travelled = 0; ///< of both bodies together when it was found, m
+	double covered = 0;    ///< all nodes with a gap below this less `approached` are in it, m
+	double approached = 0; ///< no gap has lost more than this so far, m
+	/// At the last search: ContactBody::carried of the first body less that of the second, and
+	/// what their nodes may have travelled besides.
+	Vec<dim> apart = Vec<dim>::Zero();
+	double travelled = 0;
 };
 
 /// What the contacts of a pair do together, on its first body.
@@ -117,7 +116,7 @@ template <int dim> struct ContactList {
 	std::vector<Contact<dim>> contacts;
 	PairImpulse<dim> impulse; ///< of the last step, if there are contacts
 	PairRest<dim> rest;
-	ContactCandidates candidates;
+	ContactCandidates<dim> candidates;
 	int tested = 0; ///< nodes that the last search measured against the other body
 
 	bool isAsleep() const { return rest.kick > 0 && !rest.changed; }

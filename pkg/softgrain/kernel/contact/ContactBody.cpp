@@ -30,6 +30,10 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 		box.high = box.high.cwiseMax(x);
 	}
 	box = box.grown(nodeRadius);
+	double squaredRadius = 0;
+	for (const Vec<dim>& x : position)
+		squaredRadius = std::max(squaredRadius, (x - box.centre()).squaredNorm());
+	circumradius = std::sqrt(squaredRadius);
 	if (!hasFacets()) return;
 	normal.assign(position.size(), Vec<dim>::Zero());
 	double squaredEdge = 0;
@@ -42,10 +46,6 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 		}
 	}
 	longestEdge = std::sqrt(squaredEdge);
-	double squaredRadius = 0;
-	for (const Vec<dim>& x : position)
-		squaredRadius = std::max(squaredRadius, (x - box.centre()).squaredNorm());
-	circumradius = std::sqrt(squaredRadius);
 	for (Vec<dim>& n : normal)
 		n.normalize();
 }
@@ -108,7 +108,7 @@ template <int dim> void ContactBody<dim>::prepareSolve()
 }
 
 template <int dim>
-void ContactBody<dim>::becomeImage(const ContactBody& body, const Vec<dim>& shift, double way)
+void ContactBody<dim>::becomeImage(const ContactBody& body, const Vec<dim>& shift)
 {
 	mesh = body.mesh;
 	nodeRadius = body.nodeRadius;
@@ -117,7 +117,8 @@ void ContactBody<dim>::becomeImage(const ContactBody& body, const Vec<dim>& shif
 	longestEdge = body.longestEdge;
 	circumradius = body.circumradius;
 	gridSpacing = body.gridSpacing;
-	travelled = body.travelled + way;
+	carried = body.carried + shift;
+	travelled = body.travelled;
 	normal = body.normal;
 	position.resize(body.position.size());
 	for (std::size_t s = 0; s < position.size(); ++s)

@@ -51,9 +51,12 @@ template <int dim> struct ContactBody {
 	std::vector<Vec<dim>> impulse; ///< sum of the reactions on each node, N s
 	Box<dim> box;                  ///< of the positions, node radii included
 	double longestEdge = 0;        ///< of a facet, m
-	double circumradius = 0;       ///< of the outline about the centre of its box, m
+	double circumradius = 0;       ///< of the positions about the centre of the box, m
 	double fastest = 0;            ///< largest speed of a node, m/s
-	double travelled = 0;          ///< no node has come further than this since the start, m
+	/// Way of the centre of the box since the start, m, and the most that a node may have come
+	/// besides.
+	Vec<dim> carried = Vec<dim>::Zero();
+	double travelled = 0;
 
 	/// Contact on background nodes: step of the common grid, m (0: another geometry), and what
 	/// the body gives to its nodes. These are the contact nodes then: velocity, impulse and
@@ -95,9 +98,8 @@ template <int dim> struct ContactBody {
 	void prepareSolve();
 	/// Renews normals and box after `position` was set.
 	void updateGeometry();
-	/// Makes this the outline of `body`, displaced: what a search sees of it. The displacement
-	/// has come `way` (m) since the start.
-	void becomeImage(const ContactBody& body, const Vec<dim>& shift, double way);
+	/// Makes this the outline of `body`, displaced: what a search sees of it.
+	void becomeImage(const ContactBody& body, const Vec<dim>& shift);
 	/// W_ss', 1/kg; 0 for nodes that do not feel each other.
 	double mobility(int node, int other) const;
 };

@@ -1,4 +1,5 @@
 #include "contact/ContactSolver.hpp"
+#include "contact/Fetch.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,9 +22,10 @@ constexpr int sweepsEachWay = 2;
 /// problems of a compaction.
 constexpr double changePerResidual = 2;
 
-/// More pairs are not kept in the caches from sweep to sweep: the next ones are asked for while one
-/// is solved (10 000 disks: half the time; fewer pairs: in vain).
-constexpr int pairsInCache = 4000;
+/// More pairs are not kept in the caches from sweep to sweep: those that come so many and twice so
+/// many after it are asked for while one is solved (10 000 disks: half the time; fewer pairs: in
+/// vain).
+constexpr int pairsInCache = 4000, pairsAhead = 2;
 
 /// Sweeps that move rigid bodies out of overlaps. With fewer, what is pushed at one end of a
 /// packing overlaps at the other: after 4 a squeezed packing creeps
@@ -121,6 +123,7 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 	const int work = listed + (count_ - listed) / rigidContactsPerPair;
 	threads_ = std::clamp(work / (pairsPerThread * std::max(plan_.colours(), 1)), 1, threads);
 	forEachPair(SweepOrder::forwards, [&](int k) {
+		fetchListsAfter(k);
 		const auto [kind, index] = slot_[k];
 		const int pair = plan_.pairs[k];
 		if (kind == Kind::rigid)
@@ -176,19 +179,33 @@ void ContactSolver<dim>::forEachConstraint(Visit&& visit) const
 template <int dim>
 void ContactSolver<dim>::fetch(int k, void (PairSolver<dim>::*what)() const) const
 {
-	if (k < 0 || k >= count_ || slot_[k].kind != Kind::grains) return;
-	(pairs_[slot_[k].index].*what)();
+	if (count_ <= pairsInCache || k < 0 || k >= count_) return;
+	if (slot_[k].kind == Kind::grains) (pairs_[slot_[k].index].*what)();
+}
+
+template <int dim> void ContactSolver<dim>::fetchAfter(int k, SweepOrder order) const
+{
+	const int ahead = order == SweepOrder::forwards ? pairsAhead : -pairsAhead;
+	fetch(k + 2 * ahead, &PairSolver<dim>::fetchConstraints);
+	fetch(k + ahead, &PairSolver<dim>::fetchVelocities);
+}
+
+template <int dim> void ContactSolver<dim>::fetchListsAfter(int k) const
+{
+	if (count_ <= pairsInCache) return;
+	auto list = [this](int k) -> const ContactList<dim>* {
+		const bool listed = k < count_ && slot_[k].kind == Kind::grains;
+		return listed ? inContact_[plan_.pairs[k]] : nullptr;
+	};
+	if (const auto* later = list(k + 2 * pairsAhead)) fetchBytes(later, later + 1);
+	if (const auto* soon = list(k + pairsAhead))
+		fetchBytes(soon->contacts.data(), soon->contacts.data() + soon->contacts.size());
 }
 
 template <int dim> double ContactSolver<dim>::sweep(SweepOrder order)
 {
-	const int ahead = order == SweepOrder::forwards ? 1 : -1;
-	const bool fetching = count_ > pairsInCache;
 	forEachPair(order, [&](int k) {
-		if (fetching) {
-			fetch(k + 2 * ahead, &PairSolver<dim>::fetchConstraints);
-			fetch(k + ahead, &PairSolver<dim>::fetchVelocities);
-		}
+		fetchAfter(k, order);
 		change_[k] = withPair(k, [&](auto& pair) { return pair.sweep(order); });
 	});
 	SweepChange sum;
@@ -250,8 +267,10 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	report.converged = report.residual <= settings_.tolerance;
 	report.visits += static_cast<long>(sweeps) * report.contacts;
 	report.sweeps = static_cast<double>(report.visits) / report.contacts;
-	forEachPair(SweepOrder::forwards,
-		    [&](int k) { withPair(k, [](auto& pair) { pair.finish(); }); });
+	forEachPair(SweepOrder::forwards, [&](int k) {
+		fetch(k + pairsAhead, &PairSolver<dim>::fetchContacts);
+		withPair(k, [](auto& pair) { pair.finish(); });
+	});
 	for (int k = 0; k < count_; ++k)
 		report.active += withPair(k, [](const auto& pair) { return pair.active(); });
 	return report;
@@ -276,8 +295,10 @@ template <int dim> std::vector<ResidualSum> ContactSolver<dim>::residualsOfPairs
 {
 	std::vector<ResidualSum> sums(count_);
 #pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
-	for (int k = 0; k < count_; ++k)
+	for (int k = 0; k < count_; ++k) {
+		fetchAfter(k, SweepOrder::forwards);
 		sums[k] = withPair(k, [](const auto& pair) { return pair.residual(); });
+	}
 	return sums;
 }
 

@@ -77,6 +77,9 @@ private:
 	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit);
 	/// Of pair k, if there is one, as far as it is worth it.
 	void fetch(int k, void (PairSolver<dim>::*what)() const) const;
+	/// What a pass over the velocities will need after pair k.
+	void fetchAfter(int k, SweepOrder order) const;
+	void fetchListsAfter(int k) const;
 	std::vector<ResidualSum> residualsOfPairs() const;
 	/// Brings the violation of pairs down, each on its own, so far that that of all is within
 	/// the tolerance, if pairs do not feel each other; returns the visits of contacts.

@@ -22,11 +22,11 @@ OutlineCurve::Place OutlineCurve::nearestToFar(const Vec<2>& x) const
 	return at(low);
 }
 
-/// y - x_1 - t (x_2 - x_1) = t (1 - t) ((1 - t) (before - edge) - t (next - edge)) / 2.
+/// y - x_1 - t (x_2 - x_1) = -t (1 - t) (quadratic + cubic + t cubic).
 double OutlineCurve::bulge() const
 {
-	return 0.125 *
-	       std::sqrt(std::max((before_ - edge_).squaredNorm(), (next_ - edge_).squaredNorm()));
+	return 0.25 * std::sqrt(std::max((quadratic_ + cubic_).squaredNorm(),
+					 (quadratic_ + 2 * cubic_).squaredNorm()));
 }
 
 } // namespace softgrain

@@ -8,100 +8,132 @@
 
 namespace softgrain {
 
-/// The piece over one facet, from t = 0 at its first node to t = 1 at its second: with the facet's
-/// nodes x_1, x_2 and their neighbours x_0, x_3
+/// What a curve asks of vectors and numbers; lanes of them have the same (VectorLanes.hpp).
+inline Vec<2> toTheRight(const Vec<2>& v) { return { v[1], -v[0] }; }
+inline double withinUnit(double t) { return std::clamp(t, 0., 1.); }
+
+/// The curve from a node x_1 at t = 0 to the next, x_2, at t = 1; with the nodes x_0, x_3 beside
+/// them
 ///
 ///     y(t) = sum_k w_k(t) x_k,      2 w_0 = -t + 2 t^2 - t^3,       2 w_1 = 2 - 5 t^2 + 3 t^3,
 ///                                   2 w_3 = -t^2 + t^3,             2 w_2 = t + 4 t^2 - 3 t^3,
 ///
-/// the cubic with tangents (x_2 - x_0)/2 and (x_3 - x_1)/2 at its ends (Catmull and Rom, 1974). At
-/// a sharp node the outline ends: the neighbour beyond it is the mirror image of the one before,
-/// which leaves a straight side straight. The weights sum to 1, and a place at rest on the curve
-/// moves with sum_k w_k v_k.
-class OutlineCurve {
+/// the cubic with tangents (x_2 - x_0)/2 and (x_3 - x_1)/2 at its ends (Catmull and Rom, 1974). The
+/// weights sum to 1, and a place at rest on the curve moves with sum_k w_k v_k. Vector is Vec<2>,
+/// or VectorLanes for several curves at a time.
+template <class Vector> class CurvePiece {
+public:
+	using Number = typename Vector::Scalar;
+
+	/// From x_1 and the ways x_1 - x_0, x_2 - x_1, x_3 - x_2.
+	CurvePiece(const Vector& start, const Vector& before, const Vector& edge,
+		   const Vector& next)
+		: start_(start)
+		, linear_(0.5 * (before + edge))
+		, quadratic_(1.5 * edge - before - 0.5 * next)
+		, cubic_(0.5 * (before + next) - edge)
+	{
+	}
+
+	struct Place {
+		Number t;
+		Vector position;                                                   ///< y, m
+		Vector tangent;                                                    ///< dy/dt, m
+		Vector normal() const { return toTheRight(tangent).normalized(); } ///< outward
+	};
+	Place at(const Number& t) const
+	{
+		return { t, start_ + t * (linear_ + t * (quadratic_ + t * cubic_)),
+			 linear_ + t * (2. * quadratic_ + 3. * t * cubic_) };
+	}
+	/// The place nearest to `x`, sought from `t`, that of the nearest on the facet.
+	Place nearest(const Vector& x, const Number& t) const
+	{
+		Place place = at(t);
+		for (int step = 0; step < newtonSteps; ++step) {
+			const Number ahead = (x - place.position).dot(place.tangent);
+			place = at(withinUnit(place.t + ahead / place.tangent.squaredNorm()));
+		}
+		return place;
+	}
+	/// Shares w_k(t) of the nodes.
+	static void weights(const Number& t, Number (&w)[4])
+	{
+		const Number tt = t * t, ttt = tt * t;
+		w[0] = 0.5 * (-t + 2. * tt - ttt);
+		w[1] = 0.5 * (2. - 5. * tt + 3. * ttt);
+		w[2] = 0.5 * (t + 4. * tt - 3. * ttt);
+		w[3] = 0.5 * (ttt - tt);
+	}
+
+protected:
+	/// Newton's method from the place on the chord; each step gains a factor of gap times
+	/// curvature.
+	static constexpr int newtonSteps = 2;
+
+	/// y = x_1 + linear t + quadratic t^2 + cubic t^3
+	Vector start_, linear_, quadratic_, cubic_;
+};
+
+/// The piece over a facet of a body. At a sharp node the outline ends: the neighbour beyond it is
+/// the mirror image of the one before, which leaves a straight side straight.
+class OutlineCurve : public CurvePiece<Vec<2>> {
 public:
 	OutlineCurve(const ContactBody<2>& body, int facet);
 
-	struct Place {
-		double t;
-		Vec<2> position; ///< y, m
-		Vec<2> tangent;  ///< dy/dt, m
-	};
-	Place at(double t) const;
-	/// The place of this piece nearest to `x`, sought from `t`, that of the nearest on the
-	/// facet.
-	Place nearest(const Vec<2>& x, double t) const;
-	/// The same for an `x` however far outside, by bisection.
+	/// As `nearest` for an `x` however far outside, by bisection.
 	Place nearestToFar(const Vec<2>& x) const;
-	/// Shares w_k(t) of its nodes.
+	/// Shares of its nodes.
 	std::array<double, 4> weights(double t) const;
 	const std::array<int, 4>& nodes() const { return node_; }
 	/// The curve is nowhere further from its facet, m.
 	double bulge() const;
 
 private:
-	/// Newton's method from the place on the chord; each step gains a factor of gap times
-	/// curvature.
-	static constexpr int newtonSteps = 2;
+	static CurvePiece pieceOver(const ContactBody<2>& body, const std::array<int, 4>& node);
 
 	std::array<int, 4> node_;
 	bool startsSharp_, endsSharp_;
-	Vec<2> start_;                      ///< x_1
-	Vec<2> before_, edge_, next_;       ///< x_1 - x_0, x_2 - x_1, x_3 - x_2
-	Vec<2> linear_, quadratic_, cubic_; ///< y = x_1 + linear t + quadratic t^2 + cubic t^3
 };
 
 // --- inline, since the search consists of it
 // ------------------------------------------------------
 
+inline CurvePiece<Vec<2>> OutlineCurve::pieceOver(const ContactBody<2>& body,
+						  const std::array<int, 4>& node)
+{
+	auto way = [&](int k) -> Vec<2> {
+		return body.position[node[k + 1]] - body.position[node[k]];
+	};
+	const Vec<2> edge = way(1);
+	return { body.position[node[1]], body.isSharp(node[1]) ? edge : way(0), edge,
+		 body.isSharp(node[2]) ? edge : way(2) };
+}
+
 inline OutlineCurve::OutlineCurve(const ContactBody<2>& body, int facet)
-	: node_(body.mesh->carriers(facet))
+	: CurvePiece(pieceOver(body, body.mesh->carriers(facet)))
+	, node_(body.mesh->carriers(facet))
 	, startsSharp_(body.isSharp(node_[1]))
 	, endsSharp_(body.isSharp(node_[2]))
-	, start_(body.position[node_[1]])
-	, edge_(body.position[node_[2]] - start_)
 {
-	before_ = startsSharp_ ? edge_ : Vec<2>(start_ - body.position[node_[0]]);
-	next_ = endsSharp_ ? edge_ : Vec<2>(body.position[node_[3]] - body.position[node_[2]]);
-	linear_ = 0.5 * (before_ + edge_);
-	quadratic_ = 1.5 * edge_ - before_ - 0.5 * next_;
-	cubic_ = 0.5 * (before_ + next_) - edge_;
 }
 
 /// x_0 = 2 x_1 - x_2 at a sharp first node, x_3 = 2 x_2 - x_1 at a sharp second one.
 inline std::array<double, 4> OutlineCurve::weights(double t) const
 {
-	const double tt = t * t, ttt = tt * t;
-	double w0 = 0.5 * (-t + 2 * tt - ttt), w1 = 0.5 * (2 - 5 * tt + 3 * ttt),
-	       w2 = 0.5 * (t + 4 * tt - 3 * ttt), w3 = 0.5 * (ttt - tt);
+	double w[4];
+	CurvePiece::weights(t, w);
 	if (startsSharp_) {
-		w1 += 2 * w0;
-		w2 -= w0;
-		w0 = 0;
+		w[1] += 2 * w[0];
+		w[2] -= w[0];
+		w[0] = 0;
 	}
 	if (endsSharp_) {
-		w2 += 2 * w3;
-		w1 -= w3;
-		w3 = 0;
+		w[2] += 2 * w[3];
+		w[1] -= w[3];
+		w[3] = 0;
 	}
-	return { w0, w1, w2, w3 };
-}
-
-inline OutlineCurve::Place OutlineCurve::at(double t) const
-{
-	return { t, start_ + t * (linear_ + t * (quadratic_ + t * cubic_)),
-		 linear_ + t * (2 * quadratic_ + 3 * t * cubic_) };
-}
-
-inline OutlineCurve::Place OutlineCurve::nearest(const Vec<2>& x, double t) const
-{
-	Place place = at(t);
-	for (int step = 0; step < newtonSteps; ++step) {
-		const double ahead = (x - place.position).dot(place.tangent);
-		place = at(std::clamp(t + ahead / place.tangent.squaredNorm(), 0., 1.));
-		t = place.t;
-	}
-	return place;
+	return std::to_array(w);
 }
 
 } // namespace softgrain

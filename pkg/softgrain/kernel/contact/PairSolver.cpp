@@ -1,6 +1,7 @@
 #include "contact/PairSolver.hpp"
 #include "contact/Bias.hpp"
 #include "contact/CoulombCone.hpp"
+#include "contact/Fetch.hpp"
 #include "contact/Pressure.hpp"
 
 #include <algorithm>
@@ -55,6 +56,8 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
 	}
+	stretch_[0] = stretchOf(*first_);
+	if (second_) stretch_[1] = stretchOf(*second_);
 	if (interface_) engageInterface();
 }
 
@@ -143,26 +146,22 @@ void PairSolver<dim>::pushPartner(const Constraint& c, const Vec<dim>& J, Vec<di
 			pushRow<dim>(body, c.partner[i], c.weight[i], scaled, velocity);
 }
 
-namespace {
-
-constexpr int cacheLine = 64; // bytes
-
-void fetchBytes(const void* from, const void* to)
+/// From the first to the last node in contact and those beside them that feel it (2D: where the
+/// outline closes in between, it is all of them).
+template <int dim>
+typename PairSolver<dim>::Stretch PairSolver<dim>::stretchOf(const ContactBody<dim>& body) const
 {
-	for (auto at = static_cast<const char*>(from); at < to; at += cacheLine)
-		__builtin_prefetch(at, 1);
+	constexpr int nodesAside = 8;
+	const int last = static_cast<int>(body.velocity.size());
+	int low = last, high = 0;
+	for (const Constraint& c : constraints_) {
+		const int node = own(c) == &body ? c.node : c.partner[0];
+		low = std::min(low, node - nodesAside);
+		high = std::max(high, node + nodesAside);
+	}
+	return { body.velocity.data() + std::max(low, 0),
+		 body.velocity.data() + std::min(high, last) };
 }
-
-/// Nodes on either side of a contact that feel it.
-constexpr int nodesAside = 8;
-
-template <int dim> void fetchAround(const std::vector<Vec<dim>>& velocity, int node)
-{
-	fetchBytes(velocity.data() + std::max(node - nodesAside, 0),
-		   velocity.data() + std::min<int>(node + nodesAside, velocity.size()));
-}
-
-} // namespace
 
 template <int dim> void PairSolver<dim>::fetchConstraints() const
 {
@@ -171,10 +170,18 @@ template <int dim> void PairSolver<dim>::fetchConstraints() const
 
 template <int dim> void PairSolver<dim>::fetchVelocities() const
 {
-	for (const Constraint& c : constraints_) {
-		fetchAround<dim>(own(c)->velocity, c.node);
-		if (c.partners > 0) fetchAround<dim>(other(c)->velocity, c.partner[0]);
+	for (const ContactBody<dim>* body : { first_, second_ }) {
+		if (!body) continue;
+		fetchBytes(body, &body->velocityBefore);
+		const Stretch& stretch = stretch_[body == second_];
+		fetchBytes(stretch.begin, stretch.end);
 	}
+}
+
+template <int dim> void PairSolver<dim>::fetchContacts() const
+{
+	fetchBytes(list_->contacts.data(), list_->contacts.data() + list_->contacts.size());
+	fetchBytes(&list_->impulse, &list_->impulse + 1);
 }
 
 template <int dim>

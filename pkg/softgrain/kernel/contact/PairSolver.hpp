@@ -98,9 +98,10 @@ public:
 	/// left by the last step, made admissible for the present normals.
 	void prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
 		     const SolverSettings& settings);
-	/// Ask for the memory that `sweep` will work on: first the one, later the other.
+	/// Ask for the memory that `sweep` and `residual` will work on, and `finish`.
 	void fetchConstraints() const;
 	void fetchVelocities() const;
+	void fetchContacts() const;
 	/// Solves each contact once, the others held.
 	SweepChange sweep(SweepOrder order);
 	/// Solves all contacts together, those of other pairs held, until the violation (that of
@@ -180,6 +181,12 @@ private:
 	double partnerMobility(const Constraint& c) const;
 	void describe(PairProblem<dim>& problem) const;
 
+	/// Velocities of a body that sweeps read and change.
+	struct Stretch {
+		const Vec<dim>*begin, *end;
+	};
+	Stretch stretchOf(const ContactBody<dim>& body) const;
+
 	ContactBody<dim>* first_ = nullptr;
 	ContactBody<dim>* second_ = nullptr; ///< null for a plane
 	ContactList<dim>* list_ = nullptr;   ///< valid for the step
@@ -188,6 +195,7 @@ private:
 	std::array<Vec<dim>, 2> drift_;
 	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
 	double friction_ = 0;
+	std::array<Stretch, 2> stretch_; ///< of both bodies
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;
 };

@@ -56,22 +56,17 @@ constexpr auto anyFacet = [](int) { return true; };
 
 /// Gap and normal at a place on a 2D outline: of the smooth curve over the facet. What leans on the
 /// curve moves and pushes its nodes with the curve's own weights.
-inline void measureGap(const Vec<2>& x, const OutlineCurve& curve, const PlaceOnOutline<2>& place,
+inline void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
 		       Contact<2>& contact)
 {
+	const OutlineCurve curve(body, place.facet);
 	const OutlineCurve::Place foot = curve.nearest(x, place.weight[1]);
 	contact.partners = mostPartners<2>;
 	contact.facet = place.facet;
 	contact.partner = curve.nodes();
 	contact.weight = curve.weights(foot.t);
-	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
+	contact.normal = foot.normal();
 	contact.gap = (x - foot.position).dot(contact.normal);
-}
-
-inline void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
-		       Contact<2>& contact)
-{
-	measureGap(x, OutlineCurve(body, place.facet), place, contact);
 }
 
 /// The same in 3D: between its vertices the outline bulges over the flat facet by
@@ -168,7 +163,12 @@ void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, d
 	const double margin = std::max(reach, contactDepth(body, other));
 	const auto nodes = nodesNear(body, other, reach, margin);
 	if (nodes.empty()) return;
-	const auto facets = facetsIn(other, body.box.grown(margin));
+	auto facets = facetsIn(other, body.box.grown(margin));
+	// as in nodesNear, the ball about the body is the tighter one
+	std::erase_if(facets, [&](const FacetNear<dim>& f) {
+		const double farthest = body.circumradius + margin + f.radius;
+		return (f.centre - body.box.centre()).squaredNorm() > farthest * farthest;
+	});
 	if (facets.empty()) return;
 	list.tested += static_cast<int>(nodes.size());
 	for (int s : nodes)

@@ -121,9 +121,10 @@ void forEachStillThere(const std::vector<Contact<dim>>& last,
 {
 	std::size_t old = 0;
 	for (std::size_t k = 0; k < present.size(); ++k) {
-		while (old < last.size() && last[old].key < present[k].key)
+		const ContactKey& key = present[k].key;
+		while (old < last.size() && last[old].key < key)
 			++old;
-		if (old < last.size() && last[old].key == present[k].key) visit(old, k);
+		if (old < last.size() && last[old].key == key) visit(old++, k);
 	}
 }
 

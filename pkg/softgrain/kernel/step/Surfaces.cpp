@@ -21,11 +21,12 @@ template <class Renew> void Freshness::renew(Renew&& renewNow)
 namespace {
 
 template <int dim>
-double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to)
+double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to,
+		   const Vec<dim>& together)
 {
 	double squared = 0;
 	for (std::size_t s = 0; s < to.size(); ++s)
-		squared = std::max(squared, (to[s] - from[s]).squaredNorm());
+		squared = std::max(squared, (to[s] - from[s] - together).squaredNorm());
 	return std::sqrt(squared);
 }
 
@@ -34,10 +35,13 @@ double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>
 template <int dim> void System<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
+	const Vec<dim> lastCentre = body.box.centre();
 	lastPosition_[g].swap(body.position);
 	surface_[g].expire();
 	renewSurface(g);
-	body.travelled += farthestWay<dim>(lastPosition_[g], body.position);
+	const Vec<dim> together = body.box.centre() - lastCentre;
+	body.carried += together;
+	body.travelled += farthestWay<dim>(lastPosition_[g], body.position, together);
 }
 
 template <int dim> void System<dim>::renewSurface(int g) const
@@ -136,8 +140,7 @@ template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) cons
 	}
 	const ContactBody<dim>& own = body(g);
 	// the outline bulges out of its facets by less than half of an edge
-	return { own.box.centre(),
-		 0.5 * (own.box.high - own.box.low).norm() + 0.5 * own.longestEdge };
+	return { own.box.centre(), own.circumradius + own.nodeRadius + 0.5 * own.longestEdge };
 }
 
 /// Of two outlines that are further apart nothing is a contact: on the common grid each gives mass
@@ -148,12 +151,11 @@ template <int dim> double System<dim>::outsideReach(double reach) const
 }
 
 template <int dim>
-bool System<dim>::areFarApart(int first, int second, const Vec<dim>& shift, double reach) const
+bool System<dim>::areFarApart(int first, int second, const PairImage<dim>& image, double dt) const
 {
-	if (!isRigid(first) && !isRigid(second)) return false;
 	const Ball a = ballAbout(first), b = ballAbout(second);
-	const double distance = a.radius + b.radius + outsideReach(reach);
-	return (a.centre - b.centre - shift).squaredNorm() > distance * distance;
+	const double distance = a.radius + b.radius + outsideReach(reach(first, second, image, dt));
+	return (a.centre - b.centre - image.shift).squaredNorm() > distance * distance;
 }
 
 template <int dim> bool System<dim>::isFarFrom(int g, const Plane<dim>& plane, double reach) const
@@ -181,7 +183,7 @@ const ContactBody<dim>& imageOf(const ContactBody<dim>& body, const PairImage<di
 {
 	if (image.shift.isZero(0)) return body;
 	thread_local ContactBody<dim> displaced;
-	displaced.becomeImage(body, image.shift, image.travelled);
+	displaced.becomeImage(body, image.shift);
 	return displaced;
 }
 
@@ -206,11 +208,9 @@ template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) c
 				     within, list);
 		return !isFar;
 	};
-	if (list.second >= 0) {
-		const double within = reach(list.first, list.second, list.image, dt);
-		return searchWithin(within,
-				    areFarApart(list.first, list.second, list.image.shift, within));
-	}
+	if (list.second >= 0)
+		return searchWithin(reach(list.first, list.second, list.image, dt),
+				    areFarApart(list.first, list.second, list.image, dt));
 	auto searchOn = [&](const auto& surface, double within) {
 		return searchWithin(within, isFarFrom(list.first, surface, within));
 	};
@@ -242,6 +242,7 @@ template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double
 	template double System<dim>::reach(int, const RigidSide<dim>&, const PairImage<dim>&,      \
 					   double) const;                                          \
 	template bool System<dim>::search(ContactList<dim>&, double) const;                        \
+	template bool System<dim>::areFarApart(int, int, const PairImage<dim>&, double) const;     \
 	template bool System<dim>::isInside(int, const Box<dim>&, double) const;
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)

@@ -185,10 +185,13 @@ public:
 	double reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
 		     double dt) const;
 	/// Renews the contacts of a pair (of a grain and a plane or a rigid body) within reach for
-	/// a step of dt; may be called by several threads at a time. Balls about grains that move
-	/// rigidly come first: false if they are so far apart that no surface was looked at, or
+	/// a step of dt; may be called by several threads at a time. Balls about both come
+	/// first: false if they are so far apart that no surface was looked at, or
 	/// both asleep.
 	bool search(ContactList<dim>& list, double dt) const;
+	/// Whether balls about two grains are so far apart that nothing lies within reach for a
+	/// step of dt. False: the search must tell.
+	bool areFarApart(int first, int second, const PairImage<dim>& image, double dt) const;
 	/// Whether the box of a grain grown by a margin lies within a box.
 	bool isInside(int g, const Box<dim>& box, double margin) const;
 
@@ -215,9 +218,6 @@ private:
 	void renewSurface(int g) const;
 	void measureSurface(int g) const;
 	Ball ballAbout(int g) const;
-	/// Whether two bodies, of which one moves rigidly, are so far apart that nothing lies
-	/// within reach. False: the search must tell.
-	bool areFarApart(int first, int second, const Vec<dim>& shift, double reach) const;
 	bool isFarFrom(int g, const Plane<dim>& plane, double reach) const;
 	bool isFarFrom(int g, const RigidSide<dim>& rigid, double reach) const;
 	double outsideReach(double reach) const;

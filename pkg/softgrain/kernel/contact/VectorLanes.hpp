@@ -1,0 +1,50 @@
+// Vectors of the plane, one in every lane.
+#pragma once
+
+#include "material/Lanes.hpp"
+
+#include <cmath>
+
+namespace softgrain {
+
+inline Lanes rootOf(const Lanes& x)
+{
+	Lanes root;
+	for (int i = 0; i < laneWidth; ++i)
+		root[i] = std::sqrt(x[i]);
+	return root;
+}
+
+inline Lanes withinUnit(const Lanes& t)
+{
+	const Lanes zero {}, one = zero + 1;
+	return t < zero ? zero : t > one ? one : t;
+}
+
+/// With the names and the roundings of Vec<2>.
+struct VectorLanes {
+	using Scalar = Lanes;
+	Lanes x, y;
+
+	Lanes dot(const VectorLanes& o) const { return x * o.x + y * o.y; }
+	Lanes squaredNorm() const { return dot(*this); }
+	VectorLanes normalized() const
+	{
+		const Lanes length = rootOf(squaredNorm());
+		return { x / length, y / length };
+	}
+};
+
+inline VectorLanes operator+(const VectorLanes& a, const VectorLanes& b)
+{
+	return { a.x + b.x, a.y + b.y };
+}
+inline VectorLanes operator-(const VectorLanes& a, const VectorLanes& b)
+{
+	return { a.x - b.x, a.y - b.y };
+}
+inline VectorLanes operator*(const Lanes& s, const VectorLanes& v) { return { s * v.x, s * v.y }; }
+inline VectorLanes operator*(double s, const VectorLanes& v) { return { s * v.x, s * v.y }; }
+inline VectorLanes toTheRight(const VectorLanes& v) { return { v.y, -v.x }; }
+
+} // namespace softgrain
