@@ -69,24 +69,27 @@ void checkPlane(const Scene& scene)
 			"only its xx, xy, yx and yy may differ from 0");
 }
 
-/// Two grains have one interaction in YADE, and so may touch on one side only.
-void checkSpan(const Scene& scene, const Body& body, int dim)
+} // namespace
+
+/// Two bodies have one interaction in YADE, and so may touch on one side only.
+void checkSpan(const Scene& scene, const Body& body, int axes)
 {
-	for (int axis = 0; body.bound && axis < dim; ++axis) {
+	for (int axis = 0; body.bound && axis < axes; ++axis) {
 		const Real span = body.bound->max[axis] - body.bound->min[axis],
 			   size = scene.cell->getSize()[axis];
 		if (span <= 0.5 * size) continue;
+		const bool soft = dynamic_cast<const SoftGrain*>(body.shape.get());
 		std::ostringstream message;
-		message << "soft grain #" << body.getId() << " spans " << span
-			<< " m along base vector " << axis << " of the periodic cell (with the "
-			<< "margins of the collider), more than the admissible half of its length "
-			<< size << " m: it might touch the same grain on two sides. Use a larger "
-			<< "cell with more grains";
+		message << (soft ? "soft grain #" : "rigid body #") << body.getId() << " spans "
+			<< span << " m along base vector " << axis
+			<< " of the periodic cell (with the margins of the collider), more than "
+			<< "the admissible half of its length " << size
+			<< " m: it might touch the same " << (soft ? "grain" : "body")
+			<< " on two sides. Use a larger cell"
+			<< (soft ? " with more grains" : "");
 		throw std::runtime_error(message.str());
 	}
 }
-
-} // namespace
 
 void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly)
 {

@@ -42,4 +42,8 @@ Matrix3r toBoxes(const Scene& scene, const Vector3r& cellSize);
 /// Throws std::runtime_error where the periodic cell is one that soft grains cannot be in.
 void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly);
 
+/// The same for a body in the contact dynamics that may touch others on all sides; along the first
+/// `axes` base vectors.
+void checkSpan(const Scene& scene, const Body& body, int axes);
+
 } // namespace yade

@@ -51,6 +51,7 @@ struct RigidContactDescription {
 	double size;        ///< what the spacing of material points is to soft grains, m
 	double friction;    ///< mu
 	Vec3 impulse;       ///< on the second, N s: the last one, after a step the solved one
+	ImageDescription image; ///< of the second, which the first touches
 };
 
 } // namespace softgrain

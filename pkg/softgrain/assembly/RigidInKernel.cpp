@@ -76,7 +76,8 @@ template <int dim> std::optional<RigidContact<dim>> contactOf(const RigidContact
 	}
 	return RigidContact<dim> {
 		d.first, d.second,   toKernel<dim>(d.point),  toKernel<dim>(d.normal), d.gap,
-		d.size,  d.friction, toKernel<dim>(d.impulse)
+		d.size,  d.friction, toKernel<dim>(d.impulse), toKernel<dim>(d.image.shift),
+		toKernel<dim>(d.image.velocity)
 	};
 }
 

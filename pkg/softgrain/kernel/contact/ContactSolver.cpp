@@ -28,6 +28,10 @@ constexpr int pairsInCache = 4000;
 /// (doc/decisions/0020-rigid-contact-dynamics.md).
 constexpr int separatingSweeps = 20;
 
+/// Fewer are enough where the last one moved nothing by more than this, over the overlap that may
+/// stay.
+constexpr double separatedEnough = 0.05;
+
 /// With fewer pairs a colour than this, threads would wait longer than they work.
 constexpr int pairsPerThread = 8;
 
@@ -57,7 +61,11 @@ void ContactSolver<dim>::plan(const std::vector<ContactList<dim>*>& lists, int g
 		}
 	count_ = static_cast<int>(bodiesOf_.size());
 	change_.resize(count_);
-	plan_ = planSweeps(bodiesOf_, grains + (partners ? static_cast<int>(partners->size()) : 0));
+	const int bodies = grains + (partners ? static_cast<int>(partners->size()) : 0);
+	if (bodies == plannedBodies_ && bodiesOf_ == planned_) return;
+	plan_ = planSweeps(bodiesOf_, bodies);
+	planned_ = bodiesOf_;
+	plannedBodies_ = bodies;
 }
 
 template <int dim>
@@ -195,12 +203,17 @@ template <int dim> void ContactSolver<dim>::separateRigidBodies(double dt)
 		if (slot_[k].kind == Kind::rigid)
 			overlaps |= rigidContacts_[slot_[k].index].findSeparation(dt, settings_);
 	if (!overlaps) return;
-	for (int sweep = 0; sweep < separatingSweeps; ++sweep)
+	separated_.assign(count_, 0);
+	double farthest = separatedEnough;
+	for (int sweep = 0; sweep < separatingSweeps && farthest >= separatedEnough; ++sweep) {
 		forEachPair(sweep < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards,
 			    [&](int k) {
 				    if (slot_[k].kind == Kind::rigid)
-					    rigidContacts_[slot_[k].index].separate();
+					    separated_[k] =
+						    rigidContacts_[slot_[k].index].separate();
 			    });
+		farthest = *std::max_element(separated_.begin(), separated_.end());
+	}
 }
 
 template <int dim> double ContactSolver<dim>::residual() const
@@ -224,6 +237,14 @@ template <int dim> ContactWork ContactSolver<dim>::work() const
 	ContactWork work;
 	for (const ContactWork& ofPair : works)
 		work += ofPair;
+	return work;
+}
+
+template <int dim> ContactWork ContactSolver<dim>::rigidWork() const
+{
+	ContactWork work;
+	for (int k = 0; k < count_; ++k)
+		if (slot_[k].kind == Kind::rigid) work += rigidContacts_[slot_[k].index].work();
 	return work;
 }
 

@@ -2,6 +2,7 @@
 #include "contact/Bias.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace softgrain {
 
@@ -15,7 +16,8 @@ void RigidContactSolver<dim>::prepare(RigidContact<dim>& contact,
 	firstMoves_ = first_->moves();
 	secondMoves_ = second_->moves();
 	firstArm_ = contact.point - first_->centre;
-	secondArm_ = contact.point - second_->centre;
+	secondArm_ = contact.point - second_->centre - contact.imageShift;
+	drift_ = contact.imageVelocity;
 	friction_ = contact.friction;
 	c_.normal = contact.normal;
 	c_.bias = std::max(contact.gap, 0.) / dt;
@@ -63,16 +65,42 @@ bool RigidContactSolver<dim>::findSeparation(double dt, const SolverSettings& se
 	return separation_ > 0;
 }
 
-template <int dim> void RigidContactSolver<dim>::separate()
+template <int dim> double RigidContactSolver<dim>::separate()
 {
-	if (!solvable_) return;
+	if (!solvable_) return 0;
 	const Vec<dim> apart = second_->shiftAt(secondArm_) - first_->shiftAt(firstArm_);
 	const double before = pushed_;
 	pushed_ = std::max(0., before + (separation_ - apart.dot(c_.normal)) / c_.Wn);
-	const Vec<dim> push = (pushed_ - before) * c_.normal;
-	if (push.isZero(0)) return;
+	const double pushed = pushed_ - before;
+	if (pushed == 0) return 0;
+	const Vec<dim> push = pushed * c_.normal;
 	if (firstMoves_) first_->displace(firstArm_, -push);
 	if (secondMoves_) second_->displace(secondArm_, push);
+	return std::abs(pushed) * c_.Wn / (restingOverlap * contact_->size);
+}
+
+template <int dim> ContactWork RigidContactSolver<dim>::work() const
+{
+	ContactWork work;
+	if (c_.impulse.isZero(0)) return work;
+	const Vec<dim> normal = c_.impulse.dot(c_.normal) * c_.normal,
+		       across = c_.impulse - normal;
+	auto book = [&](const Vec<dim>& relative, const Vec<dim>& held,
+			double ContactWork::Halves::* half) {
+		work.impact.*half -= 0.5 * normal.dot(relative);
+		work.friction.*half -= 0.5 * across.dot(relative);
+		work.planes.*half += 0.5 * c_.impulse.dot(held);
+		work.cell.*half -= 0.5 * c_.impulse.dot(drift_);
+	};
+	const RigidPartner<dim>&a = *first_, &b = *second_;
+	book(b.velocityBeforeAt(secondArm_) + drift_ - a.velocityBeforeAt(firstArm_),
+	     a.heldAt(firstArm_, a.velocityBefore, a.spinBefore) -
+		     b.heldAt(secondArm_, b.velocityBefore, b.spinBefore),
+	     &ContactWork::Halves::before);
+	book(velocity(),
+	     a.heldAt(firstArm_, a.velocity, a.spin) - b.heldAt(secondArm_, b.velocity, b.spin),
+	     &ContactWork::Halves::after);
+	return work;
 }
 
 template <int dim> void RigidContactSolver<dim>::finish() { contact_->impulse = c_.impulse; }

@@ -365,6 +365,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	predictVelocities(touched, settings);
 	measureBonds(lists);
 	clock.end("predictVelocities");
+	if (settings.trackRigidBodies) free_ = partners_;
 	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads, &partners_,
 			&rigidContacts_);
 	clock.end("prepare");
@@ -376,6 +377,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	fallAsleep(lists, report);
 	if (settings.trackEnergy) {
 		balanceEnergy(workOfContacts(), kickTime(settings.dt), report.droppedEnergy);
+		if (settings.trackRigidBodies) balanceRigidBodies();
 		clock.end("balanceEnergy");
 	}
 	for (const auto& set : sets_)
