@@ -142,7 +142,7 @@ def build_column(aspect, options):
     for k in range(round(area / (0.25 * math.pi * DIAMETER**2))):
         row, column = divmod(k, columns)
         place = (np.array([column, row]) + 0.5) * [width / columns, pitch]
-        place[1] += 0.5 * DIAMETER
+        place[1] += 0.7 * DIAMETER
         radius = 0.5 * DIAMETER * random.uniform(1 - SPREAD, 1 + SPREAD)
         room = 0.5 * pitch - radius
         centre = place + room * random.uniform(-1, 1, 2)

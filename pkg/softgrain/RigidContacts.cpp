@@ -202,9 +202,10 @@ void SoftGrainIntegrator::leaveSeamsOut()
 	}
 }
 
-/// Forces to FrictPhys, and on both bodies, in the order of the sweeps.
+/// Forces to FrictPhys, and their sums in the order of the sweeps on the bodies.
 void SoftGrainIntegrator::publishRigidContacts()
 {
+	reactions_.assign(scene->bodies->size(), Reaction());
 	for (std::size_t k = 0; k < rigidContacts_.size(); ++k) {
 		const RigidContactDescription& d = rigidContacts_[k];
 		const RigidPair& pair = rigidPairs_[k];
@@ -215,11 +216,18 @@ void SoftGrainIntegrator::publishRigidContacts()
 		phys.shearForce = onBody2 - phys.normalForce;
 		if (force.isZero(0)) continue;
 		auto push = [&](const Body& body, const Vector3r& arm, const Vector3r& onBody) {
-			scene->forces.addForce(body.getId(), onBody);
-			scene->forces.addTorque(body.getId(), arm.cross(onBody));
+			Reaction& sum = reactions_[body.getId()];
+			sum.force += onBody;
+			sum.torque += arm.cross(onBody);
 		};
 		push(*pair.first, d.point - pair.first->state->pos, -force);
 		push(*pair.second, d.point - pair.second->state->pos - d.image.shift, force);
+	}
+	for (std::size_t id = 0; id < reactions_.size(); ++id) {
+		const Reaction& sum = reactions_[id];
+		if (sum.force.isZero(0) && sum.torque.isZero(0)) continue;
+		scene->forces.addForce(static_cast<int>(id), sum.force);
+		scene->forces.addTorque(static_cast<int>(id), sum.torque);
 	}
 }
 

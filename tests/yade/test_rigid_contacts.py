@@ -32,6 +32,7 @@ from yade import (
 
 import softgrain as sg
 
+
 @pytest.mark.parametrize("dt", (1e-3, 5e-4))
 def test_sliding_block(dt):
     """A sphere that cannot turn sticks below the angle of friction; above, its velocity is exact

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rigid_scenes import GRAVITY, R, add_incline, add_sphere, pile, run_until, start
+from rigid_scenes import R, add_incline, add_sphere, pile, run_until, start
 from scenes import add_wall, run
 from yade import O
 

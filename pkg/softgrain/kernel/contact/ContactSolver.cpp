@@ -28,10 +28,6 @@ constexpr int pairsInCache = 4000;
 /// (doc/decisions/0020-rigid-contact-dynamics.md).
 constexpr int separatingSweeps = 20;
 
-/// Fewer are enough where the last one moved nothing by more than this, over the overlap that may
-/// stay.
-constexpr double separatedEnough = 0.05;
-
 /// With fewer pairs a colour than this, threads would wait longer than they work.
 constexpr int pairsPerThread = 8;
 
@@ -203,17 +199,12 @@ template <int dim> void ContactSolver<dim>::separateRigidBodies(double dt)
 		if (slot_[k].kind == Kind::rigid)
 			overlaps |= rigidContacts_[slot_[k].index].findSeparation(dt, settings_);
 	if (!overlaps) return;
-	separated_.assign(count_, 0);
-	double farthest = separatedEnough;
-	for (int sweep = 0; sweep < separatingSweeps && farthest >= separatedEnough; ++sweep) {
+	for (int sweep = 0; sweep < separatingSweeps; ++sweep)
 		forEachPair(sweep < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards,
 			    [&](int k) {
 				    if (slot_[k].kind == Kind::rigid)
-					    separated_[k] =
-						    rigidContacts_[slot_[k].index].separate();
+					    rigidContacts_[slot_[k].index].separate();
 			    });
-		farthest = *std::max_element(separated_.begin(), separated_.end());
-	}
 }
 
 template <int dim> double ContactSolver<dim>::residual() const

@@ -115,7 +115,6 @@ private:
 	std::vector<BodiesOfPair> bodiesOf_;           ///< of these, then of the rigid contacts
 	std::vector<BodiesOfPair> planned_;            ///< those that `plan_` is for
 	int plannedBodies_ = 0;
-	std::vector<double> separated_; ///< by pair, in the sweep at hand
 	std::vector<Slot> slot_;                       ///< task by task
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare
 	std::vector<RigidPairSolver<dim>> rigidPairs_; ///< the same with rigid bodies

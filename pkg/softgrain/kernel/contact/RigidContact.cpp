@@ -2,7 +2,6 @@
 #include "contact/Bias.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace softgrain {
 
@@ -65,18 +64,19 @@ bool RigidContactSolver<dim>::findSeparation(double dt, const SolverSettings& se
 	return separation_ > 0;
 }
 
-template <int dim> double RigidContactSolver<dim>::separate()
+template <int dim> void RigidContactSolver<dim>::separate()
 {
-	if (!solvable_) return 0;
+	if (!solvable_) return;
+	// most contacts, where little overlaps
+	if (separation_ <= 0 && pushed_ == 0 && !first_->isDisplaced() && !second_->isDisplaced())
+		return;
 	const Vec<dim> apart = second_->shiftAt(secondArm_) - first_->shiftAt(firstArm_);
 	const double before = pushed_;
 	pushed_ = std::max(0., before + (separation_ - apart.dot(c_.normal)) / c_.Wn);
-	const double pushed = pushed_ - before;
-	if (pushed == 0) return 0;
-	const Vec<dim> push = pushed * c_.normal;
+	const Vec<dim> push = (pushed_ - before) * c_.normal;
+	if (push.isZero(0)) return;
 	if (firstMoves_) first_->displace(firstArm_, -push);
 	if (secondMoves_) second_->displace(secondArm_, push);
-	return std::abs(pushed) * c_.Wn / (restingOverlap * contact_->size);
 }
 
 template <int dim> ContactWork RigidContactSolver<dim>::work() const

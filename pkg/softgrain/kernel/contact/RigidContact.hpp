@@ -40,9 +40,8 @@ public:
 	/// the overlap at the end of the step may stay.
 	bool findSeparation(double dt, const SolverSettings& settings);
 	/// Moves the bodies so far apart by RigidPartner::shift and turn, others held, or back by
-	/// what this contact has moved them before; lets gaps close, but not overlap. How far it
-	/// moved them, over the overlap that may stay.
-	double separate();
+	/// what this contact has moved them before; lets gaps close, but not overlap.
+	void separate();
 	/// What the impulse does to all that it moves; `planes` is the work of prescribed motion.
 	ContactWork work() const;
 	int contacts() const { return 1; }

@@ -82,6 +82,7 @@ template <int dim> struct RigidPartner {
 		return product + omega.dot(solvable.inverse() * turning);
 	}
 	Vec<dim> shiftAt(const Vec<dim>& arm) const { return shift + turned<dim>(turn, arm); }
+	bool isDisplaced() const { return !shift.isZero(0) || !turn.isZero(0); }
 	/// As `push`, by an impulse times a time, kg m.
 	void displace(const Vec<dim>& arm, const Vec<dim>& J)
 	{

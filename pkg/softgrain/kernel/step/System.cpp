@@ -346,7 +346,8 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	}
 
 	for (const RigidContact<dim>& contact : rigidContacts_)
-		report.deepest = std::max(report.deepest, -contact.gap / contact.size);
+		if (partners_[contact.first].moves() || partners_[contact.second].moves())
+			report.deepest = std::max(report.deepest, -contact.gap / contact.size);
 
 	clock.end("sortLists");
 	wakeGrains(lists, report.kick, settings.sleep);
