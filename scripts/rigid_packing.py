@@ -33,7 +33,7 @@ PRESSURE = 1000.0  # Pa, of the cell on spheres; N/m on disks
 CELL_STEP = 3e-4  # s
 CELL_RATE = 0.5  # 1/s, at most
 LOOSE = {2: 0.5, 3: 0.35}  # packing fraction at the start
-STEADY = 0.01  # error of the stress at which a cell counts as at rest
+STEADY = 0.02  # error of the stress at which a cell counts as at rest
 
 
 def parse_options(arguments=None):
@@ -41,7 +41,7 @@ def parse_options(arguments=None):
     add = parser.add_argument
     add("--spheres", type=int, default=2000, help="in the box")
     add("--disks", type=int, default=400, help="squeezed by walls")
-    add("--in-cell", type=int, default=300, help="disks, spheres in a periodic cell")
+    add("--in-cell", type=int, default=100, help="disks, spheres in a periodic cell")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction [-]")
     add("--young", type=command_line.positive, default=1e7, help="of YADE's linear law [Pa]")
     add(
@@ -260,8 +260,8 @@ def press_cell(dim, mu, options):
 
     start = time.process_time()
     O.run(200, True)
-    while O.time < LONGEST and not (error() < STEADY and yade.utils.unbalancedForce() < STILL):
-        O.run(20, True)
+    while O.time < LONGEST and not (error() < STEADY and yade.utils.unbalancedForce() < 2 * STILL):
+        O.run(10, True)
     bearing = [
         i
         for i in O.interactions

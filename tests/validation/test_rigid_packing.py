@@ -28,7 +28,7 @@ def check_cells(cells, scatter):
     """Jammed where packings without friction do, looser with it; `scatter`: of small ones."""
     phi = {}
     for cell in cells:
-        assert cell["error_of_stress"] < 0.01 and cell["unbalanced_force"] < 1e-3
+        assert cell["error_of_stress"] < 0.02 and cell["unbalanced_force"] < 2e-3
         assert cell["largest_overlap_over_R"] < 2e-3
         phi[cell["dim"], bool(cell["mu"])] = cell["packing_fraction"]
         if not cell["mu"]:  # twice as many contacts as degrees of freedom of what bears, or nearly
