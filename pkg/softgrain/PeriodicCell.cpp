@@ -85,8 +85,7 @@ void checkSpan(const Scene& scene, const Body& body, int axes)
 			<< " of the periodic cell (with the margins of the collider), more than "
 			<< "the admissible half of its length " << size
 			<< " m: it might touch the same " << (soft ? "grain" : "body")
-			<< " on two sides. Use a larger cell"
-			<< (soft ? " with more grains" : "");
+			<< " on two sides. Use a larger cell" << (soft ? " with more grains" : "");
 		throw std::runtime_error(message.str());
 	}
 }

@@ -142,7 +142,7 @@ private:
 	struct Reaction {
 		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero();
 	};
-	std::vector<Reaction> reactions_; ///< of rigid contacts, by id of the body
+	std::vector<Reaction> reactions_;           ///< of rigid contacts, by id of the body
 	std::vector<std::pair<int, int>> onPlates_; ///< spheres by id, contact on a facet or box
 	softgrain::PhaseClock clock_;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly

@@ -111,9 +111,9 @@ private:
 		int index;
 	};
 	SweepPlan plan_;
-	std::vector<ContactList<dim>*> inContact_;     ///< lists with contacts
-	std::vector<BodiesOfPair> bodiesOf_;           ///< of these, then of the rigid contacts
-	std::vector<BodiesOfPair> planned_;            ///< those that `plan_` is for
+	std::vector<ContactList<dim>*> inContact_; ///< lists with contacts
+	std::vector<BodiesOfPair> bodiesOf_;       ///< of these, then of the rigid contacts
+	std::vector<BodiesOfPair> planned_;        ///< those that `plan_` is for
 	int plannedBodies_ = 0;
 	std::vector<Slot> slot_;                       ///< task by task
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare

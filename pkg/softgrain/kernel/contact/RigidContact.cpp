@@ -83,8 +83,7 @@ template <int dim> ContactWork RigidContactSolver<dim>::work() const
 {
 	ContactWork work;
 	if (c_.impulse.isZero(0)) return work;
-	const Vec<dim> normal = c_.impulse.dot(c_.normal) * c_.normal,
-		       across = c_.impulse - normal;
+	const Vec<dim> normal = c_.impulse.dot(c_.normal) * c_.normal, across = c_.impulse - normal;
 	auto book = [&](const Vec<dim>& relative, const Vec<dim>& held,
 			double ContactWork::Halves::* half) {
 		work.impact.*half -= 0.5 * normal.dot(relative);

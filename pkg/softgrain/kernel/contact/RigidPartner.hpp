@@ -63,8 +63,7 @@ template <int dim> struct RigidPartner {
 	Vec<dim> heldAt(const Vec<dim>& arm, const Vec<dim>& v, const Spin<dim>& omega) const
 	{
 		const Vec<dim> held = (inverseMass.array() == 0).select(v, 0);
-		const Spin<dim> turning =
-			(inverseInertia.diagonal().array() == 0).select(omega, 0);
+		const Spin<dim> turning = (inverseInertia.diagonal().array() == 0).select(omega, 0);
 		return held + turned<dim>(turning, arm);
 	}
 	/// Sum of mass times the product of two velocities of the body, where it is free, J.

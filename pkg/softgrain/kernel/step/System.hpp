@@ -28,8 +28,8 @@ struct StepError : std::runtime_error {
 	int point; ///< material point, or -1
 };
 
-/// Energies at t_n of rigid bodies as far as they are free, and of their contacts with each other, J.
-/// kinetic = initial + walls + cell + loads - friction - impact, less what they did on grains
+/// Energies at t_n of rigid bodies as far as they are free, and of their contacts with each other,
+/// J. kinetic = initial + walls + cell + loads - friction - impact, less what they did on grains
 /// (EnergyBalance::planes).
 struct RigidBalance {
 	double kinetic = 0; ///< as EnergyBalance::kinetic
@@ -82,8 +82,8 @@ struct StepSettings {
 	SolverSettings solver;
 	bool trackEnergy = false;
 	bool trackRigidBodies = false; ///< the balance of all rigidPartners too
-	bool rigidMotion = true; ///< undeformed grains without contact move as rigid bodies
-	bool sleep = true;       ///< damped grains that came to rest are left alone
+	bool rigidMotion = true;       ///< undeformed grains without contact move as rigid bodies
+	bool sleep = true;             ///< damped grains that came to rest are left alone
 	int threads = 1;
 	PhaseClock* clock = nullptr; ///< gets the times of the phases
 };
