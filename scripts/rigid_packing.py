@@ -2,8 +2,9 @@
 
 Run it with YADE: ``scripts/yade -n -x scripts/rigid_packing.py --out DIR``. ``result.json`` has, of
 a box into which spheres fall, what the solver did and how still they lie in the end, with the
-processor time per step of both laws on that same packing; and of loose disks squeezed by walls
-under a force until they are jammed, packing, overlaps and processor time by both laws.
+processor time per step of both laws on that same packing; of loose disks squeezed by walls
+under a force until they are jammed, packing, overlaps and processor time by both laws; and of disks
+and spheres under pressure in a periodic cell, without and with friction, packing and stress.
 """
 
 import argparse
@@ -14,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import yade.utils
-from yade import FrictMat, O, Sphere
+from yade import FrictMat, O, PeriTriaxController, Sphere, pack
 
 import softgrain as sg
 from softgrain import command_line
@@ -28,6 +29,11 @@ BOX_STEP, BOX_TIME = 2e-4, 2.0  # s
 SQUEEZE_STEP = 5e-4  # s
 STILL = 1e-3  # unbalanced force at which a squeezed packing counts as jammed
 LONGEST = 6.0  # s, of a squeeze
+PRESSURE = 1000.0  # Pa, of the cell on spheres; N/m on disks
+CELL_STEP = 3e-4  # s
+CELL_RATE = 0.5  # 1/s, at most
+LOOSE = {2: 0.5, 3: 0.35}  # packing fraction at the start
+STEADY = 0.02  # error of the stress at which a cell counts as at rest
 
 
 def parse_options(arguments=None):
@@ -35,6 +41,7 @@ def parse_options(arguments=None):
     add = parser.add_argument
     add("--spheres", type=int, default=2000, help="in the box")
     add("--disks", type=int, default=400, help="squeezed by walls")
+    add("--in-cell", type=int, default=100, help="disks, spheres in a periodic cell")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction [-]")
     add("--young", type=command_line.positive, default=1e7, help="of YADE's linear law [Pa]")
     add(
@@ -44,9 +51,12 @@ def parse_options(arguments=None):
         help="folder for results",
     )
     options = parser.parse_args(arguments)
-    for name in ("spheres", "disks"):
+    for name in ("spheres", "disks", "in_cell"):
         if getattr(options, name) < 1:
-            parser.error(f"argument --{name}: {getattr(options, name)} is not one of 1, 2, ...")
+            parser.error(
+                f"argument --{name.replace('_', '-')}: {getattr(options, name)} is not one of "
+                "1, 2, ..."
+            )
     return options
 
 
@@ -195,9 +205,92 @@ def squeeze(options, rigid):
     }
 
 
+def fill_cell(dim, mu, options):
+    """A loose periodic cloud; the sides of its cell along which it is pressed [m]."""
+    O.reset()
+    O.periodic = True
+    grain = math.pi * RADIUS**2 if dim == 2 else 4 / 3 * math.pi * RADIUS**3
+    side = (options.in_cell * grain / LOOSE[dim]) ** (1 / dim)
+    cloud = pack.SpherePack()
+    corner = (side, side, side if dim == 3 else 0)
+    cloud.makeCloud(
+        (0, 0, 0), corner, rMean=RADIUS, rRelFuzz=0.2, num=options.in_cell, periodic=True, seed=1
+    )
+    ids = cloud.toSimulation(material=material(options, mu))
+    O.cell.setBox(side, side, side if dim == 3 else 1)
+    if dim == 2:
+        for k in ids:
+            O.bodies[k].state.blockedDOFs = "zXY"
+        sg.as_disks(ids)
+
+
+def cell_packing_fraction(dim):
+    """In 2D that of the disks."""
+    radii = np.array([b.shape.radius for b in spheres()])
+    sizes = math.pi * radii**2 if dim == 2 else 4 / 3 * math.pi * radii**3
+    return float(sizes.sum() / np.prod(np.array(O.cell.size)[:dim]))
+
+
+def pressure_control(dim):
+    """Of the cell, which moves as a mass of its own: some times that of the grains, or its stress
+    would swing between two steps."""
+    density = sum(b.state.mass for b in spheres()) / O.cell.volume
+    return PeriTriaxController(
+        dynCell=True,
+        mass=3 * density * O.cell.size[0] ** 2,
+        goal=[-PRESSURE] * dim + [0] * (3 - dim),
+        stressMask=2**dim - 1,
+        maxStrainRate=(CELL_RATE,) * 3,
+        growDamping=0.8,
+        globUpdate=1,
+        maxUnbalanced=0,
+    )
+
+
+def press_cell(dim, mu, options):
+    """From a loose cloud to a packing that bears the pressure."""
+    fill_cell(dim, mu, options)
+    made = sg.engines(rigid="nonsmooth", tolerance=1e-3)
+    O.engines = made[:3] + [pressure_control(dim)] + made[3:]
+    O.dt = CELL_STEP
+
+    def error():
+        stress = np.diag(np.array(yade.utils.getStress()))[:dim]
+        return float(np.abs(stress / -PRESSURE - 1).max())
+
+    start = time.process_time()
+    O.run(200, True)
+    while O.time < LONGEST and not (error() < STEADY and yade.utils.unbalancedForce() < 2 * STILL):
+        O.run(10, True)
+    bearing = [
+        i
+        for i in O.interactions
+        if i.isReal and i.phys.normalForce.norm() > 1e-6 * PRESSURE * RADIUS
+    ]
+    touched = {k for i in bearing for k in (i.id1, i.id2)}
+    integrator = sg.integrator()
+    return {
+        "dim": dim,
+        "mu": mu,
+        "grains": len(spheres()),
+        "packing_fraction": cell_packing_fraction(dim),
+        "contacts_per_bearing_grain": 2 * len(bearing) / max(len(touched), 1),
+        "bearing_share": len(touched) / len(spheres()),
+        "error_of_stress": error(),
+        "unbalanced_force": yade.utils.unbalancedForce(),
+        "largest_overlap_over_R": max(i.geom.penetrationDepth for i in bearing) / RADIUS,
+        "time": O.time,
+        "steps": O.iter,
+        "seconds": time.process_time() - start,
+        "sweeps_per_step": integrator.totalSweeps / integrator.steps,
+        "capped_steps": integrator.cappedSteps,
+    }
+
+
 def main():
     options = parse_options()
     result = {
+        "cell": [press_cell(dim, mu, options) for dim in (2, 3) for mu in (0, options.mu)],
         "squeeze": [squeeze(options, rigid) for rigid in ("nonsmooth", "linear")],
         "box": box_at_rest(options),
     }

@@ -115,21 +115,28 @@ void checkPlane(const Scene& scene)
 			"only its xx, xy, yx and yy may differ from 0");
 }
 
-/// Two grains have one interaction in YADE, and so may touch on one side only.
-void checkSpan(const Scene& scene, const Body& body, int dim)
+} // namespace
+
+/// Two bodies have one interaction in YADE, and so may touch on one side only.
+void checkSpan(const Scene& scene, const Body& body, int axes)
 {
+	if (!body.bound) return;
 	const Vector3r span = spanInCell(scene, *body.bound), size = scene.cell->getSize();
-	for (int axis = 0; axis < dim; ++axis) {
+	const bool soft = YADE_PTR_DYN_CAST<SoftGrain>(body.shape) != nullptr;
+	for (int axis = 0; axis < axes; ++axis) {
 		if (span[axis] <= 0.5) continue;
 		std::ostringstream message;
-		message << "soft grain #" << body.getId() << " spans " << span[axis] * size[axis]
-			<< " m along base vector " << axis << " of the periodic cell (with the "
-			<< "margins of the collider), more than the admissible half of its length "
-			<< size[axis] << " m: it might touch the same grain on two sides. Use a "
-			<< "larger cell with more grains";
+		message << (soft ? "soft grain #" : "rigid body #") << body.getId() << " spans "
+			<< span[axis] * size[axis] << " m along base vector " << axis
+			<< " of the periodic cell (with the margins of the collider), more than "
+			<< "the admissible half of its length " << size[axis]
+			<< " m: it might touch the same " << (soft ? "grain" : "body")
+			<< " on two sides. Use a larger cell" << (soft ? " with more grains" : "");
 		throw std::runtime_error(message.str());
 	}
 }
+
+namespace {
 
 /// Whether a body and its images along a base vector make one floor that goes on for ever.
 bool makesFloor(const Scene& scene, const Body& body, int axis)

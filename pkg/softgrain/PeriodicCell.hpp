@@ -55,4 +55,8 @@ bool isSheared(const Scene& scene);
 /// beside them, cannot be in.
 void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly);
 
+/// The same for a body in the contact dynamics that may touch others on all sides; along the first
+/// `axes` base vectors.
+void checkSpan(const Scene& scene, const Body& body, int axes);
+
 } // namespace yade

@@ -140,6 +140,11 @@ namespace {
 constexpr std::array<const char*, 10> energyNames { "kinetic", "elastic", "friction", "impact",
 						    "walls",   "loads",   "damping",  "sleep",
 						    "cell",    "cohesion" };
+constexpr std::array<const char*, 6> rigidEnergyNames { "rigidFriction", "rigidImpact",
+							"rigidKinetic",  "rigidWalls",
+							"rigidCell",     "rigidLoads" };
+/// Of these O.energy has the first; YADE counts kinetic energy and gravity itself.
+constexpr std::size_t rigidEnergiesForYade = 2;
 
 } // namespace
 
@@ -153,6 +158,12 @@ void SoftGrainIntegrator::publishEnergy()
 		name[4] = static_cast<char>(std::toupper(name[4]));
 		scene->energy->set(energies[k], name, energyIds_[k]);
 	}
+	if (!tracksRigidBodies()) return;
+	const softgrain::RigidBalance& r = e.rigid;
+	rigidEnergies = { r.friction, r.impact, r.kinetic, r.walls, r.cell, r.loads };
+	for (std::size_t k = 0; k < rigidEnergiesForYade; ++k)
+		scene->energy->set(rigidEnergies[k], rigidEnergyNames[k],
+				   energyIds_[energies.size() + k]);
 }
 
 py::dict SoftGrainIntegrator::energyDict() const
@@ -160,6 +171,8 @@ py::dict SoftGrainIntegrator::energyDict() const
 	py::dict d;
 	for (std::size_t k = 0; k < energyNames.size(); ++k)
 		d[energyNames[k]] = k < energies.size() ? energies[k] : 0.;
+	for (std::size_t k = 0; k < rigidEnergies.size(); ++k)
+		d[rigidEnergyNames[k]] = rigidEnergies[k];
 	return d;
 }
 
@@ -190,6 +203,8 @@ void SoftGrainIntegrator::saveContinuation()
 		state.sums.damping,  state.sums.sleep,  state.sums.cell,   state.sums.cohesion
 	};
 	bondRate = state.bondRate;
+	const softgrain::RigidBalance& rigid = state.sums.rigid;
+	rigidWorkSums = { rigid.friction, rigid.impact, rigid.walls, rigid.cell, rigid.loads };
 }
 
 /// The collider watches State.pos only; outlines that leave their boxes are watched here.

@@ -6,7 +6,7 @@
 
 #include <limits>
 #include <sstream>
-#include <tuple>
+#include <typeinfo>
 
 namespace yade {
 
@@ -36,40 +36,39 @@ const LawFunctor* nonsmoothLaw(const Scene& scene)
 	return nullptr;
 }
 
-const Sphere* asSphere(const Body& body) { return dynamic_cast<const Sphere*>(body.shape.get()); }
-
-/// The first is that with the lower id if both are spheres, whose places in the interaction may
-/// depend on threads; else #1, as the functors have it.
-struct Bodies {
-	Body::id_t first, second;
-};
-
-Bodies bodiesOf(const Interaction& I, const Scene& scene)
+/// Most shapes are a Sphere itself, which is told at little cost.
+const Sphere* asSphere(const Body& body)
 {
-	const bool twoSpheres = asSphere(*(*scene.bodies)[I.getId1()]);
-	if (twoSpheres && I.getId2() < I.getId1()) return { I.getId2(), I.getId1() };
-	return { I.getId1(), I.getId2() };
+	const Shape* shape = body.shape.get();
+	return shape && typeid(*shape) == typeid(Sphere) ? static_cast<const Sphere*>(shape)
+							 : dynamic_cast<const Sphere*>(shape);
 }
 
 /// Place and gap; sphere against sphere anew, in the order of their ids to the last bit.
-void describePlace(const Body& first, const Body& second, const ScGeom& geom,
+void describePlace(const Body& first, const Body& second, bool twoSpheres, const ScGeom& geom,
 		   RigidContactDescription& d)
 {
-	const Sphere &ball = *asSphere(second), *other = asSphere(first);
-	Real radius = ball.radius;
-	if (other) {
-		const Vec3 branch = second.state->pos - first.state->pos;
+	const Real ball = asSphere(second)->radius;
+	Real radius = ball;
+	if (twoSpheres) {
+		const Real other = asSphere(first)->radius;
+		const Vec3 branch = second.state->pos + d.image.shift - first.state->pos;
 		const Real distance = branch.norm();
 		d.normal = branch / distance;
-		d.gap = distance - other->radius - ball.radius;
-		d.point = first.state->pos + (other->radius + 0.5 * d.gap) * d.normal;
-		radius = std::min(radius, other->radius);
+		d.gap = distance - other - ball;
+		d.point = first.state->pos + (other + 0.5 * d.gap) * d.normal;
+		radius = std::min(radius, other);
 	} else {
 		d.normal = geom.normal;
 		d.gap = -geom.penetrationDepth;
 		d.point = geom.contactPoint;
 	}
 	d.size = sizeOverRadius * radius;
+}
+
+bool isHeld(const softgrain::RigidMotionDescription& motion)
+{
+	return motion.inverseMass.isZero(0) && motion.inverseInertia.isZero(0);
 }
 
 std::string namesOf(const Interaction& I)
@@ -83,54 +82,70 @@ std::string namesOf(const Interaction& I)
 /// depend on threads.
 bool SoftGrainIntegrator::listRigidContacts()
 {
-	rigidInteractions_.clear();
+	found_.clear();
 	const LawFunctor* law = nonsmoothLaw(*scene);
-	if (!law) return false;
-	if (scene->isPeriodic)
-		throw std::invalid_argument(
-			"O.periodic = True: contacts of rigid bodies under "
-			"Law2_ScGeom_FrictPhys_Nonsmooth across the borders of a periodic cell "
-			"are not supported; use YADE's own law for rigid pairs");
-	for (const auto& I : *scene->interactions)
-		if (I->isReal() && I->functorCache.constLaw.get() == law)
-			rigidInteractions_.push_back({ std::min(I->getId1(), I->getId2()),
-						       std::max(I->getId1(), I->getId2()),
-						       I.get() });
-	std::sort(rigidInteractions_.begin(), rigidInteractions_.end(),
-		  [](const RigidInteraction& a, const RigidInteraction& b) {
-			  return std::tie(a.lower, a.higher) < std::tie(b.lower, b.higher);
-		  });
-	return true;
+	if (law)
+		for (const auto& I : *scene->interactions) {
+			if (!I->isReal() || I->functorCache.constLaw.get() != law) continue;
+			const auto [lower, higher] = std::minmax(I->getId1(), I->getId2());
+			found_.push_back(
+				{ std::uint64_t(lower) << 32 | std::uint64_t(higher), I.get() });
+		}
+	if (found_ != kept_) {
+		rigidInteractions_ = found_;
+		std::sort(rigidInteractions_.begin(), rigidInteractions_.end(),
+			  [](const RigidInteraction& a, const RigidInteraction& b) {
+				  return a.ids < b.ids;
+			  });
+		kept_.swap(found_);
+	}
+	if (law && scene->isPeriodic) checkRigidSpans();
+	return law;
+}
+
+void SoftGrainIntegrator::checkRigidSpans() const
+{
+	for (const auto& body : *scene->bodies)
+		if (body && asSphere(*body)) checkSpan(*scene, *body, 3);
+}
+
+SoftGrainIntegrator::RigidPair SoftGrainIntegrator::pairOf(const Interaction& I, const Scene& scene)
+{
+	const Body *body1 = (*scene.bodies)[I.getId1()].get(),
+		   *body2 = (*scene.bodies)[I.getId2()].get();
+	const bool twoSpheres = asSphere(*body1);
+	if (twoSpheres && I.getId2() < I.getId1()) return { body2, body1, true, true };
+	return { body1, body2, twoSpheres, false };
 }
 
 /// Numbers the bodies and describes the contacts. O.forces hold all that else acts on the bodies.
 void SoftGrainIntegrator::describeRigidContacts()
 {
-	rigidContacts_.clear();
-	for (const RigidInteraction& entry : rigidInteractions_) {
-		const Interaction* I = entry.interaction;
-		const Bodies ids = bodiesOf(*I, *scene);
-		const Body &first = *(*scene->bodies)[ids.first],
-			   &second = *(*scene->bodies)[ids.second];
-		const FrictPhys& phys = static_cast<const FrictPhys&>(*I->phys);
-		if (!asSphere(second))
+	rigidPairs_.clear();
+	rigidContacts_.resize(rigidInteractions_.size());
+	for (std::size_t k = 0; k < rigidInteractions_.size(); ++k) {
+		const Interaction& I = *rigidInteractions_[k].interaction;
+		const RigidPair& pair = rigidPairs_.emplace_back(pairOf(I, *scene));
+		const FrictPhys& phys = static_cast<const FrictPhys&>(*I.phys);
+		if (!asSphere(*pair.second))
 			throw std::runtime_error(
-				namesOf(*I) + " (" + first.shape->getClassName() + " and " +
-				second.shape->getClassName() +
+				namesOf(I) + " (" + pair.first->shape->getClassName() + " and " +
+				pair.second->shape->getClassName() +
 				") meet under Law2_ScGeom_FrictPhys_Nonsmooth, which is for a "
 				"Sphere against a Sphere, Facet, Box or Wall");
 		if (!(phys.tangensOfFrictionAngle >= 0))
-			throw std::runtime_error(namesOf(*I) + ": tangensOfFrictionAngle = " +
+			throw std::runtime_error(namesOf(I) + ": tangensOfFrictionAngle = " +
 						 std::to_string(phys.tangensOfFrictionAngle) +
 						 " is outside the admissible range [0, inf)");
-		RigidContactDescription d;
-		describePlace(first, second, static_cast<const ScGeom&>(*I->geom), d);
-		d.first = numberOf(first);
-		d.second = numberOf(second);
+		RigidContactDescription& d = rigidContacts_[k];
+		d.image = imageOf(*scene, I, !pair.swapped);
+		describePlace(*pair.first, *pair.second, pair.twoSpheres,
+			      static_cast<const ScGeom&>(*I.geom), d);
+		d.first = numberOf(*pair.first);
+		d.second = numberOf(*pair.second);
 		d.friction = phys.tangensOfFrictionAngle;
-		const Real sign = ids.second == I->getId2() ? 1 : -1;
-		d.impulse = sign * scene->dt * (phys.normalForce + phys.shearForce);
-		rigidContacts_.push_back(d);
+		d.impulse = (pair.swapped ? -scene->dt : scene->dt) *
+			    (phys.normalForce + phys.shearForce);
 	}
 	stopOnRigidOverlap();
 	leaveSeamsOut();
@@ -141,6 +156,7 @@ void SoftGrainIntegrator::stopOnRigidOverlap() const
 	for (std::size_t k = 0; k < rigidContacts_.size(); ++k) {
 		const RigidContactDescription& d = rigidContacts_[k];
 		if (-d.gap <= maxOverlap * d.size) continue;
+		if (isHeld(partners_[d.first]) && isHeld(partners_[d.second])) continue;
 		std::ostringstream message;
 		message << "rigid " << namesOf(*rigidInteractions_[k].interaction) << " overlap by "
 			<< -d.gap / d.size * sizeOverRadius << " radii of the smaller, more than "
@@ -157,10 +173,9 @@ void SoftGrainIntegrator::leaveSeamsOut()
 {
 	onPlates_.clear();
 	for (std::size_t k = 0; k < rigidContacts_.size(); ++k) {
-		const Interaction& I = *rigidInteractions_[k].interaction;
-		const Body& first = *(*scene->bodies)[I.getId1()];
-		if (asSphere(first) || dynamic_cast<const Wall*>(first.shape.get())) continue;
-		onPlates_.push_back({ I.getId2(), static_cast<int>(k) });
+		const RigidPair& pair = rigidPairs_[k];
+		if (pair.twoSpheres || dynamic_cast<const Wall*>(pair.first->shape.get())) continue;
+		onPlates_.push_back({ pair.second->getId(), static_cast<int>(k) });
 	}
 	if (onPlates_.empty()) return;
 	std::sort(onPlates_.begin(), onPlates_.end());
@@ -172,8 +187,9 @@ void SoftGrainIntegrator::leaveSeamsOut()
 			[](const auto& a, const auto& b) { return a.first < b.first; });
 		for (auto other = begin; other != end; ++other) {
 			const RigidContactDescription& o = rigidContacts_[other->second];
-			const Vec3 place = d.point - 0.5 * d.gap * d.normal, // on the surface
-				lies = o.point - 0.5 * o.gap * o.normal;
+			// on the surface, as the sphere sees it
+			const Vec3 place = d.point - 0.5 * d.gap * d.normal - d.image.shift,
+				   lies = o.point - 0.5 * o.gap * o.normal - o.image.shift;
 			const bool leans = (d.normal - o.normal).squaredNorm() > leaningNormal;
 			if (leans && d.gap >= o.gap &&
 			    std::abs((place - lies).dot(o.normal)) < tolerance) {
@@ -186,25 +202,32 @@ void SoftGrainIntegrator::leaveSeamsOut()
 	}
 }
 
-/// Forces to FrictPhys, and on both bodies, in the order of the sweeps.
+/// Forces to FrictPhys, and their sums in the order of the sweeps on the bodies.
 void SoftGrainIntegrator::publishRigidContacts()
 {
+	reactions_.assign(scene->bodies->size(), Reaction());
 	for (std::size_t k = 0; k < rigidContacts_.size(); ++k) {
 		const RigidContactDescription& d = rigidContacts_[k];
-		const Interaction& I = *rigidInteractions_[k].interaction;
-		const Bodies ids = bodiesOf(I, *scene);
+		const RigidPair& pair = rigidPairs_[k];
 		const Vector3r force = d.impulse / scene->dt;
-		FrictPhys& phys = static_cast<FrictPhys&>(*I.phys);
-		const Real sign = ids.second == I.getId2() ? 1 : -1;
-		phys.normalForce = sign * force.dot(d.normal) * d.normal;
-		phys.shearForce = sign * force - phys.normalForce;
+		FrictPhys& phys = static_cast<FrictPhys&>(*rigidInteractions_[k].interaction->phys);
+		const Vector3r onBody2 = pair.swapped ? Vector3r(-force) : force;
+		phys.normalForce = onBody2.dot(d.normal) * d.normal;
+		phys.shearForce = onBody2 - phys.normalForce;
 		if (force.isZero(0)) continue;
-		for (const auto& [id, onBody] : { std::make_pair(ids.first, Vector3r(-force)),
-						  std::make_pair(ids.second, force) }) {
-			const Vector3r arm = d.point - (*scene->bodies)[id]->state->pos;
-			scene->forces.addForce(id, onBody);
-			scene->forces.addTorque(id, arm.cross(onBody));
-		}
+		auto push = [&](const Body& body, const Vector3r& arm, const Vector3r& onBody) {
+			Reaction& sum = reactions_[body.getId()];
+			sum.force += onBody;
+			sum.torque += arm.cross(onBody);
+		};
+		push(*pair.first, d.point - pair.first->state->pos, -force);
+		push(*pair.second, d.point - pair.second->state->pos - d.image.shift, force);
+	}
+	for (std::size_t id = 0; id < reactions_.size(); ++id) {
+		const Reaction& sum = reactions_[id];
+		if (sum.force.isZero(0) && sum.torque.isZero(0)) continue;
+		scene->forces.addForce(static_cast<int>(id), sum.force);
+		scene->forces.addTorque(static_cast<int>(id), sum.torque);
 	}
 }
 
@@ -212,9 +235,10 @@ void SoftGrainIntegrator::publishRigidContacts()
 void SoftGrainIntegrator::moveApart() const
 {
 	for (std::size_t k = 0; k < partners_.size(); ++k) {
+		const Real angle = partners_[k].turn.norm();
+		if (angle == 0 && partners_[k].shift.isZero(0)) continue;
 		State& state = *(*scene->bodies)[movers_[k]]->state;
 		state.pos += partners_[k].shift;
-		const Real angle = partners_[k].turn.norm();
 		if (angle == 0) continue;
 		state.ori = Quaternionr(AngleAxisr(angle, partners_[k].turn / angle)) * state.ori;
 		state.ori.normalize();

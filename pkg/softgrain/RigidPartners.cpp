@@ -47,7 +47,7 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 			nameOf(body) +
 			" takes part in contact dynamics and is free to move, but state.mass = " +
 			std::to_string(state.mass) + "; admissible: (0, inf) kg");
-	if (turns && YADE_PTR_DYN_CAST<Wall>(body.shape))
+	if (turns && dynamic_cast<const Wall*>(body.shape.get()))
 		throw std::runtime_error(
 			nameOf(body) +
 			" touches soft grains and is free to turn, which a Wall cannot; block "
@@ -70,7 +70,7 @@ void addForces(const Body& body, Scene& scene, Vec3& force, Vec3& torque)
 
 /// What NewtonIntegrator would make of a body in this step without contact dynamics.
 softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
-					   const NewtonIntegrator& newton)
+					   const NewtonIntegrator& newton, const CellFlow& flow)
 {
 	const State& state = *body.state;
 	softgrain::RigidMotionDescription d;
@@ -79,7 +79,6 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 	d.angularVelocity = d.freeAngularVelocity = state.angVel;
 	d.inverseMass.setZero();
 	d.inverseInertia.setZero();
-	const CellFlow flow = cellFlow(scene, newton);
 	if (isMoved(body, newton)) {
 		d.freeVelocity += flow.added(state.pos, state.vel, scene.dt);
 		d.freeAngularVelocity += flow.spinChange;
@@ -151,11 +150,23 @@ void SoftGrainIntegrator::describeRigidBodies(const std::vector<Interaction*>& i
 	movers_.clear();
 	numberOf_.assign(scene->bodies->size(), -1);
 	newton_ = &newtonIntegrator();
+	flow_ = cellFlow(*scene, *newton_);
 	for (const Interaction* I : interactions) {
 		softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
 		if (pair.hasRigidBody()) pair.setPartner(numberOf(rigidBodyOf(*I)));
 	}
 	describeRigidContacts();
+	if (tracksRigidBodies()) describeFreeBodies();
+}
+
+/// The balance of energies of rigid bodies is that of all contacts they have had, and of their
+/// flight between them.
+bool SoftGrainIntegrator::tracksRigidBodies() const { return scene->trackEnergy && nonsmooth_; }
+
+void SoftGrainIntegrator::describeFreeBodies()
+{
+	for (const auto& body : *scene->bodies)
+		if (body && !body->isClumpMember() && isFree(*body, *newton_)) numberOf(*body);
 }
 
 /// Number of the motion of a body in the step at hand, described when first asked for.
@@ -165,7 +176,7 @@ int SoftGrainIntegrator::numberOf(const Body& body)
 	int& number = numberOf_[mover.getId()];
 	if (number < 0) {
 		number = static_cast<int>(partners_.size());
-		partners_.push_back(motionOf(mover, *scene, *newton_));
+		partners_.push_back(motionOf(mover, *scene, *newton_, flow_));
 		movers_.push_back(mover.getId());
 	}
 	return number;

@@ -68,9 +68,9 @@ void SoftGrainIntegrator::action()
 void SoftGrainIntegrator::advance()
 {
 	clock_.start(TimingInfo::enabled);
-	const bool rigidContacts = listRigidContacts();
+	nonsmooth_ = listRigidContacts();
 	assembly_ = assembleScene(*scene);
-	if (!assembly_ && !rigidContacts) return;
+	if (!assembly_ && !nonsmooth_) return;
 	if (!assembly_) {
 		if (!withoutGrains_)
 			withoutGrains_ = softgrain::GrainAssembly::createWithoutGrains();
@@ -128,6 +128,14 @@ void SoftGrainIntegrator::continueSavedRun()
 	loaded_ = false;
 	if (workSums.size() != 8) return;
 	softgrain::Continuation state;
+	if (rigidWorkSums.size() == 5) {
+		softgrain::RigidBalance& rigid = state.sums.rigid;
+		rigid.friction = rigidWorkSums[0];
+		rigid.impact = rigidWorkSums[1];
+		rigid.walls = rigidWorkSums[2];
+		rigid.cell = rigidWorkSums[3];
+		rigid.loads = rigidWorkSums[4];
+	}
 	state.lastStep = lastStep;
 	state.steps = assemblySteps;
 	state.sums.friction = workSums[0];
@@ -443,6 +451,7 @@ softgrain::StepSettings SoftGrainIntegrator::settings()
 	if (assembly_->grains() > 0)
 		s.solver.overlapSpeed = overlapSpeed * assembly_->slowestWave();
 	s.trackEnergy = scene->trackEnergy;
+	s.trackRigidBodies = tracksRigidBodies();
 	s.rigidMotion = rigidMotion;
 	s.sleep = sleep && comingVelGrad(*scene).isZero(0);
 	s.threads = threads();

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "Yade.hpp"
-#include "assembly/GrainAssembly.hpp"
+#include "PeriodicCell.hpp"
+
+#include <cstdint>
 
 #include <set>
 
@@ -61,9 +62,11 @@ public:
 		((long, assemblySteps, 0, Attr::hidden, "Steps of the assembly so far."))
 		((Real, bondRate, 0, Attr::hidden, "Largest squared frequency of bonds in the last step [1/s²]."))
 		((vector<Real>, energies, , Attr::hidden, "Energy balance of the last step [J]."))
-		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads, damping, sleep, cell, cohesion [J].")),
+		((vector<Real>, workSums, , Attr::hidden, "Sums of EnergyBalance: friction, impact, planes, loads, damping, sleep, cell, cohesion [J]."))
+		((vector<Real>, rigidEnergies, , Attr::hidden, "RigidBalance of the last step [J]."))
+		((vector<Real>, rigidWorkSums, , Attr::hidden, "Sums of RigidBalance: friction, impact, walls, cell, loads [J].")),
 		timingDeltas.reset(new TimingDeltas);,
-		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), cell (work done by a periodic cell that deforms, through contacts across its borders), loads (work of body loads, those of :yref:`Cell.homoDeform` among them), damping (dissipated by :yref:`SoftMat.massDamping` and :yref:`SoftMat.stiffnessDamping`), sleep (taken away by grains that fell asleep), cohesion (taken by the tractions of interfaces, negative while they have pulled surfaces together) [J, 2D J/m]. kinetic + elastic + friction + impact + damping + sleep + cohesion − walls − cell − loads stays constant.")
+		.def("energy", &SoftGrainIntegrator::energyDict, "Energy balance at the beginning of the last step, summed while :yref:`O.trackEnergy<Omega.trackEnergy>` is on: dict of kinetic, elastic, friction (dissipated), impact (dissipated by normal impulses), walls (work done by moving walls), cell (work done by a periodic cell that deforms, through contacts across its borders), loads (work of body loads, those of :yref:`Cell.homoDeform` among them), damping (dissipated by :yref:`SoftMat.massDamping` and :yref:`SoftMat.stiffnessDamping`), sleep (taken away by grains that fell asleep), cohesion (taken by the tractions of interfaces, negative while they have pulled surfaces together) [J, 2D J/m]. kinetic + elastic + friction + impact + damping + sleep + cohesion − walls − cell − loads stays constant. Where O.engines have :yref:`Law2_ScGeom_FrictPhys_Nonsmooth`, the same of all free rigid bodies and their contacts with each other: rigidKinetic, rigidFriction, rigidImpact (0 or more but for rounding), rigidWalls (work of bodies that move as prescribed), rigidCell (work of the deforming cell), rigidLoads (work of all that acts on them besides contact dynamics, :yref:`NewtonIntegrator.gravity` among it) [J]; rigidKinetic + rigidFriction + rigidImpact − rigidWalls − rigidCell − rigidLoads stays constant while they touch no soft grain (what they do on those is in *walls*), up to what overlaps that are worked off change of their height, and the error of YADE's integrator for aspherical bodies (clumps). :yref:`O.energy<Omega.energy>` has rigidFriction and rigidImpact beside YADE's kinetic and gravWork.")
 		.def("rates", &SoftGrainIntegrator::ratesDict, "Grains by their rate: dict of steps from one computation of the forces of a grain to the next : number of grains. {1: all} without :yref:`SoftGrainIntegrator.multirate`; empty before the first step.")
 		.def("contactProblem", &SoftGrainIntegrator::contactProblem, "Contact problem of the last step as a dict of numpy arrays, with n contacts in dim dimensions, ready for ``numpy.savez``. Find impulses r with u = u_free + W r that satisfy 0 ≤ u_n + b ⊥ r_n ≥ 0, \\|r_t\\| ≤ mu r_n, sliding opposite to u_t at the bound. Keys: *normal* (n, dim), unit; *free_velocity* (n, dim), u_free [m/s]; *bias* (n), b [m/s]; *friction* (n), mu; *delassus_offset*, *delassus_column*, *delassus_value*, W [1/kg] in compressed sparse rows, n x n, each entry standing for itself times the identity of dim dimensions; *start* (n, dim), impulses the sweeps started from [N s]; *impulse* (n, dim), those they found [N s]. In 2D everything is per metre of thickness. Empty arrays before the first step.")
 	);
@@ -89,6 +92,9 @@ private:
 	const Body& rigidBodyOf(const Interaction& I) const;
 	const SoftGrain& softGrainOf(const Interaction& I) const;
 	bool listRigidContacts();
+	void checkRigidSpans() const;
+	bool tracksRigidBodies() const;
+	void describeFreeBodies();
 	void describeRigidBodies(const std::vector<Interaction*>& interactions);
 	void describeRigidContacts();
 	int numberOf(const Body& body);
@@ -111,19 +117,39 @@ private:
 	std::shared_ptr<softgrain::GrainAssembly> withoutGrains_; ///< for scenes of rigid bodies
 	// of the step at hand
 	const NewtonIntegrator* newton_ = nullptr;
+	CellFlow flow_;          ///< of a periodic cell
+	bool nonsmooth_ = false; ///< whether O.engines have Law2_ScGeom_FrictPhys_Nonsmooth
 	std::vector<softgrain::RigidMotionDescription> partners_;
 	std::vector<int> movers_;   ///< ids of the bodies that move so
 	std::vector<int> numberOf_; ///< in `partners_`, by id; -1: none
 	struct RigidInteraction {
-		int lower, higher; ///< ids of its bodies
+		std::uint64_t ids; ///< of its bodies, the lower one first
 		Interaction* interaction;
+
+		bool operator==(const RigidInteraction& other) const
+		{
+			return ids == other.ids && interaction == other.interaction;
+		}
 	};
-	std::vector<RigidInteraction> rigidInteractions_; ///< of Law2_ScGeom_FrictPhys_Nonsmooth
+	/// Of Law2_ScGeom_FrictPhys_Nonsmooth, as YADE keeps them, and in the order of the sweeps.
+	std::vector<RigidInteraction> kept_, found_, rigidInteractions_;
+	/// Bodies of a rigid interaction: its two or, if both are spheres, the other way round
+	/// where that puts the lower id first, since YADE's order may depend on threads.
+	struct RigidPair {
+		const Body *first, *second;
+		bool twoSpheres, swapped;
+	};
+	static RigidPair pairOf(const Interaction& I, const Scene& scene);
+	std::vector<RigidPair> rigidPairs_;                             ///< one for each
 	std::vector<softgrain::RigidContactDescription> rigidContacts_; ///< one for each
+	struct Reaction {
+		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero();
+	};
+	std::vector<Reaction> reactions_;           ///< of rigid contacts, by id of the body
 	std::vector<std::pair<int, int>> onPlates_; ///< spheres by id, contact on a facet or box
 	softgrain::PhaseClock clock_;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
-	int energyIds_[10] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, -1 };
+	int energyIds_[12] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1 };
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);
 

@@ -24,8 +24,25 @@ def check_squeeze(cases):
     assert nonsmooth["steps"] < 0.3 * linear["steps"]
 
 
+def check_cells(cells, scatter):
+    """Jammed where packings without friction do, looser with it; `scatter`: of small ones."""
+    phi = {}
+    for cell in cells:
+        assert cell["error_of_stress"] < 0.02 and cell["unbalanced_force"] < 2e-3
+        assert cell["largest_overlap_over_R"] < 2e-3
+        phi[cell["dim"], bool(cell["mu"])] = cell["packing_fraction"]
+        if not cell["mu"]:  # twice as many contacts as degrees of freedom of what bears, or nearly
+            isostatic = 2 * cell["dim"]
+            assert cell["contacts_per_bearing_grain"] == pytest.approx(isostatic, rel=0.12)
+    assert phi[2, False] == pytest.approx(0.84, abs=0.01 + scatter)
+    assert phi[3, False] == pytest.approx(0.64, abs=0.01 + scatter)
+    assert phi[2, True] < phi[2, False] - 0.01 and phi[3, True] < phi[3, False] - 0.01
+
+
 def test_small(tmp_path):
-    result = run_case("rigid_packing", tmp_path, "--spheres", "200", "--disks", "100")
+    sizes = ("--spheres", "200", "--disks", "100", "--in-cell", "60")
+    result = run_case("rigid_packing", tmp_path, *sizes)
+    check_cells(result["cell"], 0.02)
     check_box(result["box"])
     check_squeeze(result["squeeze"])
 
@@ -33,5 +50,6 @@ def test_small(tmp_path):
 @pytest.mark.slow
 def test_two_thousand_spheres(tmp_path):
     result = run_case("rigid_packing", tmp_path)
+    check_cells(result["cell"], 0)
     check_box(result["box"])
     check_squeeze(result["squeeze"])

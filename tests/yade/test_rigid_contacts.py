@@ -1,16 +1,26 @@
 """Rigid bodies of YADE against each other in contact dynamics."""
 
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, assert_done, ready, run, run_python, soft_material
+from rigid_scenes import (
+    GRAVITY,
+    R,
+    add_incline,
+    add_sphere,
+    material,
+    pile,
+    run_until,
+    spheres,
+    start,
+    state,
+)
+from scenes import add_disk, add_wall, assert_done, ready, run, run_python, soft_material
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
     ForceResetter,
-    FrictMat,
     InsertionSortCollider,
     InteractionLoop,
     Ip2_FrictMat_FrictMat_FrictPhys,
@@ -21,40 +31,6 @@ from yade import (
 )
 
 import softgrain as sg
-
-R = RADIUS
-GRAVITY = 10.0
-
-
-def material(friction=0.3, density=2000.0):
-    return FrictMat(young=1e7, poisson=0.3, density=density, frictionAngle=math.atan(friction))
-
-
-def add_sphere(centre, radius=R, friction=0.3, velocity=(0, 0, 0), blocked=""):
-    body = utils.sphere(centre, radius, material=material(friction))
-    body.state.blockedDOFs, body.state.vel = blocked, velocity
-    O.bodies.append(body)
-    return body
-
-
-def start(dt, gravity=(0, 0, -GRAVITY), **integrator):
-    O.engines = sg.engines(gravity=gravity, rigid="nonsmooth", **integrator)
-    O.dt = dt
-
-
-def run_until(time):
-    while O.time < time - 0.5 * O.dt:
-        O.step()
-
-
-def spheres():
-    return [b for b in O.bodies if type(b.shape).__name__ == "Sphere"]
-
-
-def add_incline(angle):
-    """A floor and the gravity that makes it an incline [deg] towards x."""
-    add_wall(0, 2, friction=0.5)
-    return (GRAVITY * math.sin(math.radians(angle)), 0, -GRAVITY * math.cos(math.radians(angle)))
 
 
 @pytest.mark.parametrize("dt", (1e-3, 5e-4))
@@ -116,6 +92,21 @@ def test_clump_slides():
     assert np.linalg.norm(sledge.state.angVel) < 1e-4
     normal = sum(O.forces.f(i)[2] for i in ids)
     assert normal == pytest.approx(-gravity[2] * sledge.state.mass, rel=1e-5)
+
+
+def test_clump_comes_to_rest():
+    """After v^2/(2 mu g), of which half a step of v is done already."""
+    add_wall(0, 2, friction=0.5)
+    places = [(x, y, R) for x in (-2 * R, 2 * R) for y in (-2 * R, 2 * R)]
+    members = [utils.sphere(p, R, material=material(0.5)) for p in places]
+    clump, _ = O.bodies.appendClumped(members)
+    sledge = O.bodies[clump]
+    sledge.state.vel = (1, 0, 0)
+    start(5e-4, tolerance=1e-8, maxSweeps=2000)
+    run_until(0.25)
+    assert sledge.state.vel.norm() < 1e-9
+    way = 1 / (2 * 0.5 * GRAVITY)
+    assert sledge.state.pos[0] == pytest.approx(way - 0.5 * O.dt, abs=1e-5)
 
 
 @pytest.mark.parametrize("dim", (2, 3))
@@ -230,25 +221,6 @@ def test_deep_overlap_stops():
         run(2)
 
 
-def pile(dim=3, columns=4, layers=3):
-    """Spheres dropped into a box, a little out of order."""
-    random = np.random.default_rng(3)
-    up, side = dim - 1, 2.2 * R * columns
-    for axis in range(dim - 1):
-        add_wall(0, axis, friction=0.4)
-        add_wall(side, axis, friction=0.4)
-    add_wall(0, up, friction=0.4)
-    shape = [columns] * (dim - 1) + [layers]
-    for place in np.ndindex(*shape):
-        centre = np.zeros(3)
-        centre[:dim] = (np.array(place) + 0.5) * 2.2 * R + 0.1 * R * random.uniform(-1, 1, dim)
-        blocked = "zXY" if dim == 2 else ""
-        add_sphere(tuple(centre), R * random.uniform(0.8, 1), 0.4, blocked=blocked)
-    gravity = [0, 0, 0]
-    gravity[up] = -GRAVITY
-    start(2e-4, gravity)
-
-
 def test_box_at_rest():
     """The small one of tests/validation/test_rigid_packing.py."""
     pile()
@@ -355,10 +327,6 @@ def test_in_a_list_of_engines_of_ones_own():
     assert O.forces.f(ball.id)[2] == pytest.approx(GRAVITY * ball.state.mass, rel=1e-9)
 
 
-def state():
-    return np.array([[*b.state.pos, *b.state.vel, *b.state.angVel] for b in spheres()])
-
-
 def test_threads_change_nothing():
     found = []
     for threads in (1, 2):
@@ -383,7 +351,7 @@ def test_goes_on_after_saving(tmp_path):
         from yade import O
         O.load("scene.yade.bz2")
         from scenes import run
-        from test_rigid_contacts import state
+        from rigid_scenes import state
         import numpy as np
         run(300)
         np.testing.assert_array_equal(state(), np.load("expected.npy"))
@@ -418,16 +386,6 @@ def test_wrong_use_is_refused():
     O.engines[-1].damping = 0.2
     with pytest.raises(RuntimeError, match="NewtonIntegrator.damping = 0.2"):
         run(2)
-
-
-def test_periodic_cell_is_refused():
-    O.periodic = True
-    O.cell.setBox(10 * R, 10 * R, 10 * R)
-    add_sphere((5 * R, 5 * R, 5 * R))
-    O.engines = sg.engines(rigid="nonsmooth")
-    O.dt = 1e-4
-    with pytest.raises(RuntimeError, match="Law2_ScGeom_FrictPhys_Nonsmooth across the borders"):
-        run(1)
 
 
 def test_out_of_plane_is_refused_in_2d():

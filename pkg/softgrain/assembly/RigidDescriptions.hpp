@@ -45,12 +45,13 @@ struct RigidMotionDescription {
 
 /// Two rigid bodies where they touch, or may in the coming step.
 struct RigidContactDescription {
-	int first, second;  ///< numbers of their RigidMotionDescription
-	Vec3 point, normal; ///< m; unit, from the first to the second
-	double gap;         ///< m, negative for an overlap
-	double size;        ///< what the spacing of material points is to soft grains, m
-	double friction;    ///< mu
-	Vec3 impulse;       ///< on the second, N s: the last one, after a step the solved one
+	int first, second;      ///< numbers of their RigidMotionDescription
+	Vec3 point, normal;     ///< m; unit, from the first to the second
+	double gap;             ///< m, negative for an overlap
+	double size;            ///< what the spacing of material points is to soft grains, m
+	double friction;        ///< mu
+	Vec3 impulse;           ///< on the second, N s: the last one, after a step the solved one
+	ImageDescription image; ///< of the second, which the first touches
 };
 
 } // namespace softgrain

@@ -74,10 +74,16 @@ template <int dim> std::optional<RigidContact<dim>> contactOf(const RigidContact
 			"two rigid bodies touch out of the plane of 2D soft grains: put their "
 			"centres into that plane");
 	}
-	return RigidContact<dim> {
-		d.first, d.second,   toKernel<dim>(d.point),  toKernel<dim>(d.normal), d.gap,
-		d.size,  d.friction, toKernel<dim>(d.impulse)
-	};
+	return RigidContact<dim> { d.first,
+				   d.second,
+				   toKernel<dim>(d.point),
+				   toKernel<dim>(d.normal),
+				   d.gap,
+				   d.size,
+				   d.friction,
+				   toKernel<dim>(d.impulse),
+				   toKernel<dim>(d.image.shift),
+				   toKernel<dim>(d.image.velocity) };
 }
 
 RigidBodyDescription displaced(RigidBodyDescription body, const Vec3& shift)

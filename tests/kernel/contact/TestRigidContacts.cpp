@@ -27,8 +27,18 @@ template <int dim> struct RigidBodies {
 	}
 	Vec<dim> velocityAt(const RigidContact<dim>& c) const
 	{
-		return body[c.second].velocityAt(c.point - body[c.second].centre) -
+		const Vec<dim> image = body[c.second].centre + c.imageShift;
+		return body[c.second].velocityAt(c.point - image) + c.imageVelocity -
 		       body[c.first].velocityAt(c.point - body[c.first].centre);
+	}
+	/// Of all free bodies, at the velocities of that time, J.
+	double kinetic(Vec<dim> RigidPartner<dim>::* velocity,
+		       Spin<dim> RigidPartner<dim>::* spin) const
+	{
+		double sum = 0;
+		for (const RigidPartner<dim>& p : body)
+			sum += 0.5 * p.massProduct(p.*velocity, p.*spin, p.*velocity, p.*spin);
+		return sum;
 	}
 };
 
@@ -100,6 +110,62 @@ TEMPLATE_TEST_CASE_SIG("contacts of rigid bodies hold all conditions, one by one
 	CHECK(conditions.open > 10);
 	CHECK(conditions.stick > 3);
 	CHECK(conditions.slip > 10);
+}
+
+TEMPLATE_TEST_CASE_SIG("a body and its image that moves along with it are the same partner",
+		       "[rigid]", ((int dim), dim), 2, 3)
+{
+	auto here = randomBodies<dim>(3, 6, 0.6, 0.5, 0.2);
+	auto there = here;
+	Random random(4);
+	for (RigidContact<dim>& c : there.contacts) {
+		c.imageShift = random.vector<dim>(); // its body lies elsewhere,
+		there.body.push_back(there.body[c.second]);
+		there.body.back().centre -= c.imageShift;
+		there.body.back().inverseMass.setZero();
+		there.body.back().inverseInertia.setZero();
+		c.imageVelocity = random.vector<dim>(); // and moves otherwise
+		there.body.back().velocity -= c.imageVelocity;
+		c.second = static_cast<int>(there.body.size()) - 1;
+	}
+	for (std::size_t k = 0; k < here.contacts.size(); ++k) { // held in both
+		RigidContact<dim>& c = here.contacts[k];
+		here.body.push_back(here.body[c.second]);
+		here.body.back().inverseMass.setZero();
+		here.body.back().inverseInertia.setZero();
+		c.second = static_cast<int>(here.body.size()) - 1;
+	}
+	REQUIRE(here.solve(1e-13).converged);
+	REQUIRE(there.solve(1e-13).converged);
+	for (std::size_t k = 0; k < here.contacts.size(); ++k)
+		CHECK((here.contacts[k].impulse - there.contacts[k].impulse).norm() < 1e-10);
+}
+
+TEMPLATE_TEST_CASE_SIG("work of contacts between rigid bodies is the change of kinetic energy",
+		       "[rigid]", ((int dim), dim), 2, 3)
+{
+	auto bodies = randomBodies<dim>(5, 8, 0.5, 0.4, 0.3);
+	Random random(6);
+	for (RigidContact<dim>& c : bodies.contacts)
+		c.imageVelocity = 0.3 * random.vector<dim>();
+	bodies.body[1].inverseMass[0] = 0; // held along one axis
+	bodies.body[2].inverseInertia.setZero();
+	for (RigidPartner<dim>& p : bodies.body) {
+		p.velocityBefore = p.velocity;
+		p.spinBefore = p.spin;
+	}
+	using Body = RigidPartner<dim>;
+	const double before = bodies.kinetic(&Body::velocityBefore, &Body::spinBefore);
+	REQUIRE(bodies.solve(1e-10).converged);
+	const double after = bodies.kinetic(&Body::velocity, &Body::spin);
+	const ContactWork work = bodies.solver.rigidWork();
+	auto sum = [](const ContactWork::Halves& halves) { return halves.before + halves.after; };
+	CHECK(sum(work.friction) > 0.01 * before);
+	CHECK(std::abs(sum(work.planes)) > 1e-3 * before);
+	CHECK(std::abs(sum(work.cell)) > 1e-3 * before);
+	const double done =
+		sum(work.planes) + sum(work.cell) - sum(work.friction) - sum(work.impact);
+	CHECK(std::abs(after - before - done) < 1e-12 * before);
 }
 
 TEST_CASE("a stack of ten bears its weight", "[rigid]")

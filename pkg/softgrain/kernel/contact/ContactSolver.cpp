@@ -92,7 +92,11 @@ void ContactSolver<dim>::plan(const std::vector<ContactList<dim>*>& lists, int g
 		}
 	count_ = static_cast<int>(bodiesOf_.size());
 	change_.resize(count_);
-	plan_ = planSweeps(bodiesOf_, grains + (partners ? static_cast<int>(partners->size()) : 0));
+	const int bodies = grains + (partners ? static_cast<int>(partners->size()) : 0);
+	if (bodies == plannedBodies_ && bodiesOf_ == planned_) return;
+	plan_ = planSweeps(bodiesOf_, bodies);
+	planned_ = bodiesOf_;
+	plannedBodies_ = bodies;
 }
 
 template <int dim>
@@ -316,6 +320,14 @@ template <int dim> ContactWork ContactSolver<dim>::work() const
 	ContactWork work;
 	for (const ContactWork& ofPair : works)
 		work += ofPair;
+	return work;
+}
+
+template <int dim> ContactWork ContactSolver<dim>::rigidWork() const
+{
+	ContactWork work;
+	for (int k = 0; k < count_; ++k)
+		if (slot_[k].kind == Kind::rigid) work += rigidContacts_[slot_[k].index].work();
 	return work;
 }
 

@@ -61,6 +61,8 @@ public:
 	double residual() const;
 	/// Of the contacts of grains.
 	ContactWork work() const;
+	/// Of the contacts of rigid bodies with each other (RigidContactSolver::work).
+	ContactWork rigidWork() const;
 	/// The problem and its solution, of the last `solve`, in the order of the sweeps. Lists are
 	/// not needed any more; velocities and mobility tables of the bodies are, as they were
 	/// then. Throws std::logic_error where a rigid body that impulses move is in contact: its
@@ -119,8 +121,10 @@ private:
 		int index;
 	};
 	SweepPlan plan_;
-	std::vector<ContactList<dim>*> inContact_;     ///< lists with contacts
-	std::vector<BodiesOfPair> bodiesOf_;           ///< of these, then of the rigid contacts
+	std::vector<ContactList<dim>*> inContact_; ///< lists with contacts
+	std::vector<BodiesOfPair> bodiesOf_;       ///< of these, then of the rigid contacts
+	std::vector<BodiesOfPair> planned_;        ///< those that `plan_` is for
+	int plannedBodies_ = 0;
 	std::vector<Slot> slot_;                       ///< task by task
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare
 	std::vector<RigidPairSolver<dim>> rigidPairs_; ///< the same with rigid bodies

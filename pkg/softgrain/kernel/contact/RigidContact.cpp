@@ -15,7 +15,8 @@ void RigidContactSolver<dim>::prepare(RigidContact<dim>& contact,
 	firstMoves_ = first_->moves();
 	secondMoves_ = second_->moves();
 	firstArm_ = contact.point - first_->centre;
-	secondArm_ = contact.point - second_->centre;
+	secondArm_ = contact.point - second_->centre - contact.imageShift;
+	drift_ = contact.imageVelocity;
 	friction_ = contact.friction;
 	c_.normal = contact.normal;
 	c_.bias = std::max(contact.gap, 0.) / dt;
@@ -66,6 +67,9 @@ bool RigidContactSolver<dim>::findSeparation(double dt, const SolverSettings& se
 template <int dim> void RigidContactSolver<dim>::separate()
 {
 	if (!solvable_) return;
+	// most contacts, where little overlaps
+	if (separation_ <= 0 && pushed_ == 0 && !first_->isDisplaced() && !second_->isDisplaced())
+		return;
 	const Vec<dim> apart = second_->shiftAt(secondArm_) - first_->shiftAt(firstArm_);
 	const double before = pushed_;
 	pushed_ = std::max(0., before + (separation_ - apart.dot(c_.normal)) / c_.Wn);
@@ -73,6 +77,29 @@ template <int dim> void RigidContactSolver<dim>::separate()
 	if (push.isZero(0)) return;
 	if (firstMoves_) first_->displace(firstArm_, -push);
 	if (secondMoves_) second_->displace(secondArm_, push);
+}
+
+template <int dim> ContactWork RigidContactSolver<dim>::work() const
+{
+	ContactWork work;
+	if (c_.impulse.isZero(0)) return work;
+	const Vec<dim> normal = c_.impulse.dot(c_.normal) * c_.normal, across = c_.impulse - normal;
+	auto book = [&](const Vec<dim>& relative, const Vec<dim>& held,
+			double ContactWork::Halves::* half) {
+		work.impact.*half -= 0.5 * normal.dot(relative);
+		work.friction.*half -= 0.5 * across.dot(relative);
+		work.planes.*half += 0.5 * c_.impulse.dot(held);
+		work.cell.*half -= 0.5 * c_.impulse.dot(drift_);
+	};
+	const RigidPartner<dim>&a = *first_, &b = *second_;
+	book(b.velocityBeforeAt(secondArm_) + drift_ - a.velocityBeforeAt(firstArm_),
+	     a.heldAt(firstArm_, a.velocityBefore, a.spinBefore) -
+		     b.heldAt(secondArm_, b.velocityBefore, b.spinBefore),
+	     &ContactWork::Halves::before);
+	book(velocity(),
+	     a.heldAt(firstArm_, a.velocity, a.spin) - b.heldAt(secondArm_, b.velocity, b.spin),
+	     &ContactWork::Halves::after);
+	return work;
 }
 
 template <int dim> void RigidContactSolver<dim>::finish() { contact_->impulse = c_.impulse; }

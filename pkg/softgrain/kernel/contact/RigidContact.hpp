@@ -23,6 +23,9 @@ template <int dim> struct RigidContact {
 	double friction;   ///< mu
 	/// On the second body, N s: what the solve starts from, afterwards its result.
 	Vec<dim> impulse;
+	/// In a periodic cell: from the second body to its image that the first one sees, m, and
+	/// the velocity of that, m/s.
+	Vec<dim> imageShift = Vec<dim>::Zero(), imageVelocity = Vec<dim>::Zero();
 };
 
 /// The rigid counterpart of PairSolver for one contact of two rigid bodies.
@@ -39,18 +42,21 @@ public:
 	/// Moves the bodies so far apart by RigidPartner::shift and turn, others held, or back by
 	/// what this contact has moved them before; lets gaps close, but not overlap.
 	void separate();
+	/// What the impulse does to all that it moves; `planes` is the work of prescribed motion.
+	ContactWork work() const;
 	int contacts() const { return 1; }
 	int active() const { return c_.impulse.isZero(0) ? 0 : 1; }
 
 private:
 	Vec<dim> velocity() const
 	{
-		return second_->velocityAt(secondArm_) - first_->velocityAt(firstArm_);
+		return second_->velocityAt(secondArm_) + drift_ - first_->velocityAt(firstArm_);
 	}
 	void push(const Vec<dim>& J); ///< an impulse on both bodies
 
 	TwoStepContact<dim> c_;
 	Vec<dim> firstArm_, secondArm_; ///< of the place from the centres of mass, m
+	Vec<dim> drift_;                ///< velocity of the image of the second body, m/s
 	RigidPartner<dim>*first_, *second_;
 	bool firstMoves_, secondMoves_, solvable_;
 	double friction_;

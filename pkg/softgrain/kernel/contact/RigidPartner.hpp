@@ -59,7 +59,29 @@ template <int dim> struct RigidPartner {
 		velocity += inverseMass.cwiseProduct(J);
 		spin += inverseInertia * moment<dim>(arm, J);
 	}
+	/// What is prescribed of the velocity of its point, where that of the body is v, omega.
+	Vec<dim> heldAt(const Vec<dim>& arm, const Vec<dim>& v, const Spin<dim>& omega) const
+	{
+		const Vec<dim> held = (inverseMass.array() == 0).select(v, 0);
+		const Spin<dim> turning = (inverseInertia.diagonal().array() == 0).select(omega, 0);
+		return held + turned<dim>(turning, arm);
+	}
+	/// Sum of mass times the product of two velocities of the body, where it is free, J.
+	double massProduct(const Vec<dim>& v, const Spin<dim>& omega, const Vec<dim>& v2,
+			   const Spin<dim>& omega2) const
+	{
+		double product = 0;
+		for (int a = 0; a < dim; ++a)
+			if (inverseMass[a] > 0) product += v[a] * v2[a] / inverseMass[a];
+		const Spin<dim> held =
+			(inverseInertia.diagonal().array() == 0).template cast<double>();
+		Eigen::Matrix<double, spins, spins> solvable = inverseInertia;
+		solvable.diagonal() += held;
+		const Spin<dim> turning = omega2 - held.cwiseProduct(omega2);
+		return product + omega.dot(solvable.inverse() * turning);
+	}
 	Vec<dim> shiftAt(const Vec<dim>& arm) const { return shift + turned<dim>(turn, arm); }
+	bool isDisplaced() const { return !shift.isZero(0) || !turn.isZero(0); }
 	/// As `push`, by an impulse times a time, kg m.
 	void displace(const Vec<dim>& arm, const Vec<dim>& J)
 	{

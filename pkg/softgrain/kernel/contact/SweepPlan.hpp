@@ -9,6 +9,11 @@ namespace softgrain {
 /// is -1 where they do not: a wall, a rigid body that no impulse moves.
 struct BodiesOfPair {
 	int first, second;
+
+	bool operator==(const BodiesOfPair& other) const
+	{
+		return first == other.first && second == other.second;
+	}
 };
 
 /// Bodies are gathered in *clusters* of neighbours. The pairs within a cluster are one *task*,

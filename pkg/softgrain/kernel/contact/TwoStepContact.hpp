@@ -29,7 +29,8 @@ inline double largestAcross(const Mat<3>& W, const Vec<3>& n)
 {
 	const Vec<3> s = n.unitOrthogonal(), t = n.cross(s);
 	const double ss = s.dot(W * s), tt = t.dot(W * t), st = s.dot(W * t);
-	return 0.5 * (ss + tt) + std::hypot(0.5 * (ss - tt), st);
+	const double half = 0.5 * (ss - tt);
+	return 0.5 * (ss + tt) + std::sqrt(half * half + st * st);
 }
 
 template <int dim> struct TwoStepContact {

@@ -346,7 +346,8 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	}
 
 	for (const RigidContact<dim>& contact : rigidContacts_)
-		report.deepest = std::max(report.deepest, -contact.gap / contact.size);
+		if (partners_[contact.first].moves() || partners_[contact.second].moves())
+			report.deepest = std::max(report.deepest, -contact.gap / contact.size);
 
 	clock.end("sortLists");
 	wakeGrains(lists, report.kick, settings.sleep);
@@ -365,6 +366,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	predictVelocities(touched, settings);
 	measureBonds(lists);
 	clock.end("predictVelocities");
+	if (settings.trackRigidBodies) free_ = partners_;
 	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads, &partners_,
 			&rigidContacts_);
 	clock.end("prepare");
@@ -376,6 +378,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	fallAsleep(lists, report);
 	if (settings.trackEnergy) {
 		balanceEnergy(workOfContacts(), kickTime(settings.dt), report.droppedEnergy);
+		if (settings.trackRigidBodies) balanceRigidBodies();
 		clock.end("balanceEnergy");
 	}
 	for (const auto& set : sets_)

@@ -28,6 +28,17 @@ struct StepError : std::runtime_error {
 	int point; ///< material point, or -1
 };
 
+/// Energies at t_n of rigid bodies as far as they are free, and of their contacts with each other,
+/// J. kinetic = initial + walls + cell + loads - friction - impact, less what they did on grains
+/// (EnergyBalance::planes).
+struct RigidBalance {
+	double kinetic = 0; ///< as EnergyBalance::kinetic
+	double friction = 0, impact = 0;
+	double walls = 0; ///< work of bodies (degrees of freedom) that move as prescribed
+	double cell = 0;  ///< work of moving images
+	double loads = 0; ///< work of all that acts on them besides contact dynamics
+};
+
 /// Energies at t_n, J (2D: J/m). kinetic + elastic = initial + work - friction - impact - damping
 /// - sleep - cohesion up to rounding and the second-order error of the time integration.
 struct EnergyBalance {
@@ -41,6 +52,7 @@ struct EnergyBalance {
 	double damping = 0;  ///< dissipated by damping since the start
 	double sleep = 0;    ///< taken away by grains falling asleep since the start
 	double cohesion = 0; ///< taken by the tractions of interfaces since the start
+	RigidBalance rigid;  ///< as far as StepSettings::trackRigidBodies was on
 };
 
 /// Work done since the end of the last step, in counts: a change can be judged by them on a busy
@@ -69,8 +81,9 @@ struct StepSettings {
 	double dt = 0; ///< s
 	SolverSettings solver;
 	bool trackEnergy = false;
-	bool rigidMotion = true; ///< undeformed grains without contact move as rigid bodies
-	bool sleep = true;       ///< damped grains that came to rest are left alone
+	bool trackRigidBodies = false; ///< the balance of all rigidPartners too
+	bool rigidMotion = true;       ///< undeformed grains without contact move as rigid bodies
+	bool sleep = true;             ///< damped grains that came to rest are left alone
 	int threads = 1;
 	PhaseClock* clock = nullptr; ///< gets the times of the phases
 };
@@ -247,6 +260,7 @@ private:
 	void gatherContacts(int g, bool trackEnergy);
 	void correctVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void balanceEnergy(const ContactWork& work, double kick, double dropped);
+	void balanceRigidBodies();
 
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
 	std::vector<Place> place_;
@@ -263,6 +277,7 @@ private:
 	double sleepersStiffening_ = 1, sleepersRateStiffening_ = 1; ///< largest
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
+	std::vector<RigidPartner<dim>> free_;     ///< the same before the solve, for their balance
 	std::vector<RigidContact<dim>> rigidContacts_;
 	std::vector<int> rate_; ///< by grain
 	bool multirate_ = false, ratesChosen_ = false;

@@ -1,0 +1,103 @@
+"""Rigid bodies by contact dynamics in a periodic cell."""
+
+import numpy as np
+import pytest
+from rigid_scenes import R, add_sphere, spheres, start
+from scenes import run
+from test_rigid_energy import balance
+from yade import Matrix3, O
+
+import softgrain as sg
+
+SIDE = 7.8 * R
+
+
+def lattice(shift=(0, 0, 0), dim=2, friction=0.3, clumps=False):
+    """Disks (balls) that nearly touch on a square lattice with noise, in a cell of 4 x 4 (x 4),
+    where `shift` would put them or, if they are in no clumps, their images in the cell there;
+    returns how far from where they would be without."""
+    shifts = []
+    random = np.random.default_rng(5)
+    O.periodic = True
+    O.cell.setBox(SIDE, SIDE, SIDE)
+    for place in np.ndindex(*[4] * dim):
+        centre = np.zeros(3)
+        centre[:dim] = (np.array(place) + 0.5) * SIDE / 4 + 0.02 * R * random.uniform(-1, 1, dim)
+        radius = R * random.uniform(0.92, 0.96)
+        blocked = "zXY" if dim == 2 else ""
+        moved = centre + shift
+        if not clumps:
+            moved %= SIDE
+        shifts.append(moved - centre)
+        add_sphere(tuple(moved), radius, friction, blocked=blocked)
+    if clumps:
+        O.bodies.clump([0, 1])
+        O.bodies.clump([3, 7])
+    return np.array(shifts)
+
+
+def flow(**components):
+    """Velocity gradient of the cell, xx=, xy=, ... [1/s]."""
+    gradient = np.zeros((3, 3))
+    for name, value in components.items():
+        gradient["xyz".index(name[0]), "xyz".index(name[1])] = value
+    O.cell.velGrad = Matrix3(*gradient.ravel())
+
+
+def bearing_across_borders():
+    """Pairs of ids."""
+    return {
+        (min(i.id1, i.id2), max(i.id1, i.id2))
+        for i in O.interactions
+        if i.isReal and tuple(i.cellDist) != (0, 0, 0) and i.phys.normalForce.norm() > 0
+    }
+
+
+@pytest.mark.parametrize("dim, clumps", ((2, False), (3, False), (3, True)))
+def test_where_the_border_lies_does_not_matter(dim, clumps):
+    results, pairs = [], []
+    for shift in np.array(((0, 0, 0), (0.37, -0.21, 0 if dim == 2 else 1.6))) * SIDE:
+        O.reset()
+        shifts = lattice(shift, dim, clumps=clumps)
+        start(2e-4, (0, 0, 0), tolerance=1e-10, maxSweeps=5000)
+        flow(xx=-0.5, yy=-0.5, zz=-0.5 if dim == 3 else 0, xy=0.7)
+        pairs.append(set())
+        for _ in range(400):
+            run(1)
+            pairs[-1] |= bearing_across_borders()
+        # the cell follows the bodies at the beginning of the next step
+        growth = (np.eye(3) + O.dt * np.array(O.cell.velGrad)) @ np.array(O.cell.trsf)
+        results.append([b.state.pos - growth @ s for b, s in zip(spheres(), shifts)])
+    assert len(pairs[0]) > 1 and (clumps or len(pairs[1] - pairs[0]) > 1)
+    np.testing.assert_allclose(*results, rtol=0, atol=1e-6 * R)
+
+
+@pytest.mark.parametrize("homo", (0, 2))
+def test_energy(homo):
+    """What contacts lose the cell has done; and momentum is kept where images alone drive."""
+    lattice()
+    O.cell.homoDeform = homo
+    O.trackEnergy = True
+    start(2e-4, (0, 0, 0))
+    flow(xx=-0.5, yy=-0.5, xy=2)
+    run(1)
+    before = balance()[0]
+    run(500)
+    after, energy = balance()
+    lost = energy["rigidFriction"] + energy["rigidImpact"]
+    assert energy["rigidFriction"] > 0 and energy["rigidImpact"] > 0
+    assert after == pytest.approx(before, abs=1e-10 * lost)
+    if homo == 0:
+        momentum = sum(b.state.mass * np.array(b.state.vel) for b in spheres())
+        largest = max(b.state.mass * b.state.vel.norm() for b in spheres())
+        assert largest > 0 and np.linalg.norm(momentum) < 1e-10 * largest
+
+
+def test_body_too_long_for_its_cell_is_refused():
+    O.periodic = True
+    O.cell.setBox(3.9 * R, 10 * R, 10 * R)
+    add_sphere((5 * R, 5 * R, 5 * R))
+    O.engines = sg.engines(rigid="nonsmooth")
+    O.dt = 1e-4
+    with pytest.raises(RuntimeError, match="rigid body #0 spans .* along base vector 0"):
+        run(2)

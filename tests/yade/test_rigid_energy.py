@@ -1,0 +1,114 @@
+"""Energies of rigid bodies in contact dynamics."""
+
+import numpy as np
+import pytest
+from rigid_scenes import R, add_incline, add_sphere, pile, run_until, start
+from scenes import add_wall, run
+from yade import O
+
+import softgrain as sg
+
+
+def kinetic_energy():
+    """Of the bodies, at half steps [J]."""
+    states = [b.state for b in O.bodies if b.isStandalone and b.state.mass > 0]
+    return 0.5 * sum(
+        s.mass * s.vel.squaredNorm() + np.dot(s.inertia, np.square(s.angVel)) for s in states
+    )
+
+
+def balance():
+    """What stays constant [J], and the energies."""
+    e = sg.integrator().energy()
+    lost = e["rigidFriction"] + e["rigidImpact"]
+    return e["rigidKinetic"] + lost - e["rigidWalls"] - e["rigidCell"] - e["rigidLoads"], e
+
+
+@pytest.mark.parametrize("offset", (0, 0.8 * R))
+def test_impact(offset):
+    """Head on: what the centres lose of their motion; obliquely friction takes its share."""
+    first = add_sphere((-1.2 * R, 0, 0), velocity=(1, 0, 0))
+    second = add_sphere((1.2 * R, offset, 0), 0.7 * R, velocity=(-1, 0, 0))
+    O.trackEnergy = True
+    start(1e-4, (0, 0, 0))
+    run(1)
+    before = balance()[0]
+    assert before == pytest.approx(kinetic_energy(), rel=1e-12)
+    run(200)
+    after, energy = balance()
+    assert after == pytest.approx(before, rel=1e-12)
+    assert energy["rigidKinetic"] == pytest.approx(kinetic_energy(), rel=1e-12)
+    assert O.energy["rigidImpact"] == energy["rigidImpact"] > 0.1 * before
+    assert O.energy.total() == pytest.approx(before, rel=1e-12)  # with YADE's kinetic energy
+    if offset == 0:
+        masses = first.state.mass, second.state.mass
+        lost = 0.5 * np.prod(masses) / sum(masses) * 2**2
+        assert energy["rigidImpact"] == pytest.approx(lost, rel=1e-12)
+        assert energy["rigidFriction"] == pytest.approx(0, abs=1e-15)
+    else:
+        assert energy["rigidFriction"] > 0.01 * before
+
+
+def test_sliding_to_rest():
+    """All it had goes into friction."""
+    add_wall(0, 2, friction=0.5)
+    block = add_sphere((0, 0, R), friction=0.5, velocity=(1, 0, 0), blocked="XYZ")
+    O.trackEnergy = True
+    start(5e-4)
+    run_until(0.3)
+    energy = balance()[1]
+    at_start = 0.5 * block.state.mass
+    assert block.state.vel.norm() < 1e-12
+    assert energy["rigidFriction"] == pytest.approx(at_start, rel=1e-9)
+    assert energy["rigidImpact"] == pytest.approx(0, abs=1e-9 * at_start)
+
+
+def test_sliding_down_an_incline():
+    """Gravity gives what motion and friction take."""
+    gravity = add_incline(35)
+    block = add_sphere((0, 0, R), friction=0.5, blocked="XYZ")
+    O.trackEnergy = True
+    start(5e-4, gravity)
+    run(1)
+    before = balance()[0]
+    run(400)
+    after, energy = balance()
+    fell = gravity[0] * block.state.mass * block.state.pos[0]
+    assert after == pytest.approx(before, abs=1e-12 * fell)
+    assert energy["rigidLoads"] == pytest.approx(fell, rel=0.01)  # within a step
+    assert energy["rigidFriction"] == pytest.approx(
+        -0.5 * gravity[2] / gravity[0] * energy["rigidLoads"], rel=1e-3
+    )
+
+
+def test_moving_wall_and_many_contacts():
+    """A wall is moved into a pile; bodies that fly count from the start. After loading the run goes
+    on with what was summed."""
+    pile(columns=3, layers=2)
+    O.trackEnergy = True
+    run(1)
+    before = balance()[0]
+    run(400)
+    O.bodies[0].state.vel = (0.1, 0, 0)
+    run(200)
+    O.saveTmp("moving")
+    energies = []
+    for _ in range(2):
+        run(200)
+        after, energy = balance()
+        scale = energy["rigidLoads"]
+        assert energy["rigidWalls"] > 0.001 * scale > 0
+        assert energy["rigidFriction"] > 0.01 * scale
+        assert after == pytest.approx(before, abs=1e-9 * scale)
+        energies.append(energy)
+        O.loadTmp("moving")
+    assert energies[0] == energies[1]
+
+
+def test_only_where_energies_are_tracked():
+    add_wall(0, 2)
+    add_sphere((0, 0, R))
+    start(5e-4)
+    run(10)
+    assert "rigidKinetic" not in sg.integrator().energy()
+    assert "rigidFriction" not in dict(O.energy.items())
