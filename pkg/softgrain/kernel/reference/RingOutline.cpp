@@ -164,7 +164,8 @@ std::optional<Moments<2>> RingOutline::cut(const Vec<2>& centre, const Vec<2>& s
 
 namespace {
 
-/// A facet turns by no more than this from the next (rad), if that takes no more than twice the vertices.
+/// A facet turns by no more than this from the next (rad), if that takes no more than twice the
+/// vertices.
 constexpr double mostTurn = 0.5;
 constexpr double leastSpacingShare = 0.5;
 
