@@ -24,7 +24,7 @@ def table(tmp_path_factory):
     assert done.returncode == 0, done.stderr
     with open(out / "here.csv") as file:
         rows = list(csv.DictReader(file))
-    assert (out / "here.md").read_text().count("| updateForces |") == 1
+    assert (out / "here.md").read_text().count("| updateForces |") == 2
     return {(r["case"], r["section"], r["quantity"]): r["value"] for r in rows}
 
 

@@ -235,12 +235,14 @@ long ContactSolver<dim>::solvePairsAlone(const std::vector<ResidualSum>& residua
 	return std::accumulate(visits_.begin(), visits_.end(), 0L);
 }
 
-template <int dim> SolverReport ContactSolver<dim>::solve()
+template <int dim> bool ContactSolver<dim>::hasGrains() const
 {
-	SolverReport report;
-	for (int k = 0; k < count_; ++k)
-		report.contacts += withPair(k, [](const auto& pair) { return pair.contacts(); });
-	if (report.contacts == 0) return report;
+	return std::any_of(slot_.begin(), slot_.end(),
+			   [](const Slot& slot) { return slot.kind == Kind::grains; });
+}
+
+template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& report)
+{
 	const int cap = settings_.maxSweeps, bothWays = 2 * sweepsEachWay;
 	int sweeps = 0;
 	double change = 0;
@@ -254,9 +256,7 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	while (sweeps < std::min(bothWays, cap))
 		sweepAll(sweeps < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards);
 	report.residual = std::numeric_limits<double>::infinity(); // until measured
-	const bool grains = std::any_of(slot_.begin(), slot_.end(),
-					[](const Slot& slot) { return slot.kind == Kind::grains; });
-	if (grains || isPromising()) {
+	if (hasGrains() || isPromising()) {
 		const std::vector<ResidualSum> residuals = residualsOfPairs();
 		report.residual = sumOf(residuals).value();
 		if (report.residual > settings_.tolerance && sweeps < cap) {
@@ -271,6 +271,15 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	report.converged = report.residual <= settings_.tolerance;
 	report.visits += static_cast<long>(sweeps) * report.contacts;
 	report.sweeps = static_cast<double>(report.visits) / report.contacts;
+}
+
+template <int dim> SolverReport ContactSolver<dim>::solve()
+{
+	SolverReport report;
+	for (int k = 0; k < count_; ++k)
+		report.contacts += withPair(k, [](const auto& pair) { return pair.contacts(); });
+	if (report.contacts == 0) return report;
+	sweepToTolerance(report);
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		fetch(k + pairsAhead, &PairSolver<dim>::fetchContacts);
 		withPair(k, [](auto& pair) { pair.finish(); });

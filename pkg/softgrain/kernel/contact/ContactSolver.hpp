@@ -82,6 +82,9 @@ private:
 	/// What a pass over the velocities will need after pair k.
 	void fetchAfter(int k, SweepOrder order) const;
 	void fetchListsAfter(int k) const;
+	bool hasGrains() const;
+	/// The sweeps of `solve`; adds to the report what they came to.
+	void sweepToTolerance(SolverReport& report);
 	std::vector<ResidualSum> residualsOfPairs() const;
 	/// Brings the violation of pairs down, each on its own, so far that that of all is within
 	/// the tolerance, if pairs do not feel each other; returns the visits of contacts.
