@@ -24,6 +24,7 @@ void followBodies(const ContactBody<dim>& first, const ContactBody<dim>& second,
 {
 	const Vec<dim> apart = first.carried - second.carried;
 	const double travelled = first.travelled + second.travelled;
+	if (travelled < candidates.travelled) candidates = {}; // those of other bodies
 	candidates.approached += (apart - candidates.apart).norm() +
 				 wayOfPlaces * (travelled - candidates.travelled);
 	candidates.apart = apart;
