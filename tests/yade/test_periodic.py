@@ -275,8 +275,9 @@ def test_stress_control_by_yade(mass):
 
 @pytest.mark.parametrize("dim", (2, 3))
 def test_full_stress_and_strain_control_by_yade(dim):
-    """Peri3dController: stresses follow their way to the goal within 0.5 % (3D: 1 %, rms),
-    strains keep to theirs. In 2D both normal stresses and the shear strain, in 3D all normal stresses."""
+    """Peri3dController: stresses follow their way to the goal within 0.5 % (3D: 1 %, rms), strains
+    keep to theirs. In 2D both normal stresses and the shear strain, in 3D all normal stresses.
+    """
     stress = -0.05 * YOUNG
     if dim == 2:
         irregular_packing(massDamping=400.0)
