@@ -69,7 +69,11 @@ bool nested(const ContactBody<dim>& body, const BallSurface<dim>& ball, bool apa
 	const double radius =
 		std::min(body.inradius, 0.5 * (body.box.high - body.box.low).minCoeff());
 	const double distance = (body.box.centre() - ball.centre).norm();
-	return distance < std::max(radius - ball.radius, 0.2 * std::min(radius, ball.radius));
+	if (distance < 0.2 * std::min(radius, ball.radius)) return true;
+	// The centre of a grain that is pressed flat may be so near to what touches it (in 3D it
+	// counts as nested).
+	const bool outside = dim == 2 && body.isSurface() && !body.encloses(ball.centre);
+	return distance < radius - ball.radius && !outside;
 }
 
 } // namespace
