@@ -1,5 +1,6 @@
 #include "HostChecks.hpp"
 #include "SoftContact.hpp"
+#include "SoftSearch.hpp"
 #include "Yade.hpp"
 
 #include <map>

@@ -38,17 +38,22 @@ class Law2_ScGeom_FrictPhys_Nonsmooth : public LawFunctor {
 public:
 	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
 	FUNCTOR2D(ScGeom, FrictPhys);
-	YADE_CLASS_BASE_DOC(
+	YADE_CLASS_BASE_DOC_ATTRS(
 		Law2_ScGeom_FrictPhys_Nonsmooth, LawFunctor,
 		"Contact dynamics of a :yref:`Sphere`, free, held or member of a clump, with a "
-		":yref:`Sphere`, :yref:`Facet`, :yref:`Box` or :yref:`Wall`: unilateral contact, "
-		"without restitution, and Coulomb friction, without stiffness "
+		":yref:`Sphere`, :yref:`Facet`, :yref:`Box` or :yref:`Wall`: unilateral contact "
+		"with Coulomb friction, without stiffness "
 		"(:yref:`NormShearPhys.kn` and *ks* are not used). It keeps the books of the "
 		"pair; all contacts of the step, those of soft grains among them, are solved "
 		"together by :yref:`SoftGrainIntegrator`, which puts the forces into "
 		":yref:`NormShearPhys.normalForce` and *shearForce* and on both bodies. It is "
 		"meant for interactions that exist before bodies touch: see "
-		":yref:`Ig2_Sphere_Sphere_ScGeom_Ahead` and its like.");
+		":yref:`Ig2_Sphere_Sphere_ScGeom_Ahead` and its like.",
+		((shared_ptr<MatchMaker>, restitution, , ,
+		  "Coefficient of restitution e by pair of materials, in [0, 1] [-]; a number "
+		  "stands for all pairs, None for 0: what comes into contact in a step leaves with "
+		  "e times the normal speed at which it came (Newton). Bodies that rest on each "
+		  "other are not shaken by it. Values are checked in the step.")));
 	DECLARE_LOGGER;
 
 private:

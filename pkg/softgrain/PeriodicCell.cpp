@@ -138,13 +138,16 @@ void checkSpan(const Scene& scene, const Body& body, int axes)
 
 namespace {
 
+/// Cosine from which a side of a box counts as along a base vector, up to rounding.
+constexpr Real alongSide = 1 - 1e-9;
+
 /// Whether a body and its images along a base vector make one floor that goes on for ever.
 bool makesFloor(const Scene& scene, const Body& body, int axis)
 {
 	if (!YADE_PTR_DYN_CAST<::yade::Box>(body.shape)) return false;
 	const Vector3r period = scene.cell->hSize.col(axis);
 	const Vector3r inBox = body.state->ori.conjugate() * period.normalized();
-	return inBox.cwiseAbs().maxCoeff() > 1 - 1e-9 && (comingVelGrad(scene) * period).isZero(0);
+	return inBox.cwiseAbs().maxCoeff() > alongSide && (comingVelGrad(scene) * period).isZero(0);
 }
 
 /// The first sort of the collider passes over partners of a body that is longer than the cell along

@@ -1,9 +1,10 @@
-// Contacts of rigid bodies with each other in a step: from YADE's interactions to the kernel, and
-// the forces back.
+#include "RigidContacts.hpp"
 #include "NonsmoothLaw.hpp"
+#include "PeriodicCell.hpp"
+#include "RigidPartners.hpp"
 #include "SceneAssembly.hpp"
-#include "SoftGrainIntegrator.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <sstream>
 #include <typeinfo>
@@ -24,14 +25,15 @@ constexpr Real leaningNormal = 1e-12;
 constexpr Real sizeOverRadius = 0.1;
 
 /// The law, if O.engines have it.
-const LawFunctor* nonsmoothLaw(const Scene& scene)
+const Law2_ScGeom_FrictPhys_Nonsmooth* nonsmoothLaw(const Scene& scene)
 {
 	for (const auto& engine : scene.engines) {
 		const auto* loop = dynamic_cast<const InteractionLoop*>(engine.get());
 		if (!loop) continue;
 		for (const auto& law : loop->lawDispatcher->functors)
-			if (dynamic_cast<const Law2_ScGeom_FrictPhys_Nonsmooth*>(law.get()))
-				return law.get();
+			if (const auto* found =
+				    dynamic_cast<const Law2_ScGeom_FrictPhys_Nonsmooth*>(law.get()))
+				return found;
 	}
 	return nullptr;
 }
@@ -66,50 +68,59 @@ void describePlace(const Body& first, const Body& second, bool twoSpheres, const
 	d.size = sizeOverRadius * radius;
 }
 
-bool isHeld(const softgrain::RigidMotionDescription& motion)
+void checkSpans(const Scene& scene)
 {
-	return motion.inverseMass.isZero(0) && motion.inverseInertia.isZero(0);
+	if (!scene.isPeriodic) return;
+	for (const auto& body : *scene.bodies)
+		if (body && asSphere(*body)) checkSpan(scene, *body, 3);
 }
 
-std::string namesOf(const Interaction& I)
+/// Where a contact lies on the surface of the first body, as the second sees it.
+Vec3 placeOnSurface(const RigidContactDescription& d)
 {
-	return "bodies #" + std::to_string(I.getId1()) + " and #" + std::to_string(I.getId2());
+	return d.point - 0.5 * d.gap * d.normal - d.image.shift;
+}
+
+void refuse(const Interaction& I, const std::string& name, Real value, const std::string& range)
+{
+	throw std::runtime_error(namesOf(I) + ": " + name + " = " + std::to_string(value) +
+				 " is outside the admissible range " + range);
+}
+
+/// By the materials of the pair; 0 where the law has none for them.
+Real restitutionOf(const Law2_ScGeom_FrictPhys_Nonsmooth& law, const Interaction& I,
+		   const Body& first, const Body& second)
+{
+	if (!law.restitution) return 0;
+	const Real e = (*law.restitution)(first.material->id, second.material->id, 0, 0);
+	if (!(e >= 0 && e <= 1)) refuse(I, "restitution", e, "[0, 1]");
+	return e;
 }
 
 } // namespace
 
-/// Whether O.engines have the law; its interactions in the order of the sweeps, which must not
-/// depend on threads.
-bool SoftGrainIntegrator::listRigidContacts()
+void RigidContacts::list(const Scene& scene)
 {
 	found_.clear();
-	const LawFunctor* law = nonsmoothLaw(*scene);
+	const LawFunctor* law = nonsmoothLaw(scene);
+	hasLaw_ = law;
 	if (law)
-		for (const auto& I : *scene->interactions) {
+		for (const auto& I : *scene.interactions) {
 			if (!I->isReal() || I->functorCache.constLaw.get() != law) continue;
 			const auto [lower, higher] = std::minmax(I->getId1(), I->getId2());
 			found_.push_back(
 				{ std::uint64_t(lower) << 32 | std::uint64_t(higher), I.get() });
 		}
 	if (found_ != kept_) {
-		rigidInteractions_ = found_;
-		std::sort(rigidInteractions_.begin(), rigidInteractions_.end(),
-			  [](const RigidInteraction& a, const RigidInteraction& b) {
-				  return a.ids < b.ids;
-			  });
+		interactions_ = found_;
+		std::sort(interactions_.begin(), interactions_.end(),
+			  [](const Listed& a, const Listed& b) { return a.ids < b.ids; });
 		kept_.swap(found_);
 	}
-	if (law && scene->isPeriodic) checkRigidSpans();
-	return law;
+	if (law) checkSpans(scene);
 }
 
-void SoftGrainIntegrator::checkRigidSpans() const
-{
-	for (const auto& body : *scene->bodies)
-		if (body && asSphere(*body)) checkSpan(*scene, *body, 3);
-}
-
-SoftGrainIntegrator::RigidPair SoftGrainIntegrator::pairOf(const Interaction& I, const Scene& scene)
+RigidContacts::Pair RigidContacts::pairOf(const Interaction& I, const Scene& scene)
 {
 	const Body *body1 = (*scene.bodies)[I.getId1()].get(),
 		   *body2 = (*scene.bodies)[I.getId2()].get();
@@ -118,47 +129,51 @@ SoftGrainIntegrator::RigidPair SoftGrainIntegrator::pairOf(const Interaction& I,
 	return { body1, body2, twoSpheres, false };
 }
 
-/// Numbers the bodies and describes the contacts. O.forces hold all that else acts on the bodies.
-void SoftGrainIntegrator::describeRigidContacts()
+void RigidContacts::requireTreatable(const Interaction& I, const Pair& pair)
 {
-	rigidPairs_.clear();
-	rigidContacts_.resize(rigidInteractions_.size());
-	for (std::size_t k = 0; k < rigidInteractions_.size(); ++k) {
-		const Interaction& I = *rigidInteractions_[k].interaction;
-		const RigidPair& pair = rigidPairs_.emplace_back(pairOf(I, *scene));
+	if (!asSphere(*pair.second))
+		throw std::runtime_error(
+			namesOf(I) + " (" + pair.first->shape->getClassName() + " and " +
+			pair.second->shape->getClassName() +
+			") meet under Law2_ScGeom_FrictPhys_Nonsmooth, which is for a "
+			"Sphere against a Sphere, Facet, Box or Wall");
+	const Real friction = static_cast<const FrictPhys&>(*I.phys).tangensOfFrictionAngle;
+	if (!(friction >= 0)) refuse(I, "tangensOfFrictionAngle", friction, "[0, inf)");
+}
+
+void RigidContacts::describe(const Scene& scene, RigidPartners& partners, Real maxOverlap)
+{
+	const Law2_ScGeom_FrictPhys_Nonsmooth* law = nonsmoothLaw(scene);
+	pairs_.clear();
+	contacts_.resize(interactions_.size());
+	for (std::size_t k = 0; k < interactions_.size(); ++k) {
+		const Interaction& I = *interactions_[k].interaction;
+		const Pair& pair = pairs_.emplace_back(pairOf(I, scene));
+		requireTreatable(I, pair);
 		const FrictPhys& phys = static_cast<const FrictPhys&>(*I.phys);
-		if (!asSphere(*pair.second))
-			throw std::runtime_error(
-				namesOf(I) + " (" + pair.first->shape->getClassName() + " and " +
-				pair.second->shape->getClassName() +
-				") meet under Law2_ScGeom_FrictPhys_Nonsmooth, which is for a "
-				"Sphere against a Sphere, Facet, Box or Wall");
-		if (!(phys.tangensOfFrictionAngle >= 0))
-			throw std::runtime_error(namesOf(I) + ": tangensOfFrictionAngle = " +
-						 std::to_string(phys.tangensOfFrictionAngle) +
-						 " is outside the admissible range [0, inf)");
-		RigidContactDescription& d = rigidContacts_[k];
-		d.image = imageOf(*scene, I, !pair.swapped);
+		RigidContactDescription& d = contacts_[k];
+		d.image = imageOf(scene, I, !pair.swapped);
 		describePlace(*pair.first, *pair.second, pair.twoSpheres,
 			      static_cast<const ScGeom&>(*I.geom), d);
-		d.first = numberOf(*pair.first);
-		d.second = numberOf(*pair.second);
+		d.first = partners.numberOf(*pair.first);
+		d.second = partners.numberOf(*pair.second);
 		d.friction = phys.tangensOfFrictionAngle;
-		d.impulse = (pair.swapped ? -scene->dt : scene->dt) *
+		d.restitution = restitutionOf(*law, I, *pair.first, *pair.second);
+		d.impulse = (pair.swapped ? -scene.dt : scene.dt) *
 			    (phys.normalForce + phys.shearForce);
 	}
-	stopOnRigidOverlap();
+	stopOnOverlap(partners, maxOverlap);
 	leaveSeamsOut();
 }
 
-void SoftGrainIntegrator::stopOnRigidOverlap() const
+void RigidContacts::stopOnOverlap(const RigidPartners& partners, Real maxOverlap) const
 {
-	for (std::size_t k = 0; k < rigidContacts_.size(); ++k) {
-		const RigidContactDescription& d = rigidContacts_[k];
+	for (std::size_t k = 0; k < contacts_.size(); ++k) {
+		const RigidContactDescription& d = contacts_[k];
 		if (-d.gap <= maxOverlap * d.size) continue;
-		if (isHeld(partners_[d.first]) && isHeld(partners_[d.second])) continue;
+		if (partners.isHeld(d.first) && partners.isHeld(d.second)) continue;
 		std::ostringstream message;
-		message << "rigid " << namesOf(*rigidInteractions_[k].interaction) << " overlap by "
+		message << "rigid " << namesOf(*interactions_[k].interaction) << " overlap by "
 			<< -d.gap / d.size * sizeOverRadius << " radii of the smaller, more than "
 			<< sizeOverRadius << " maxOverlap = " << sizeOverRadius * maxOverlap
 			<< ". Hint: start from less overlap, reduce O.dt, or load more slowly";
@@ -166,82 +181,75 @@ void SoftGrainIntegrator::stopOnRigidOverlap() const
 	}
 }
 
-/// A sphere that lies on a facet (box) beside another touches the edge of that other one only at a
-/// place in the plane that it lies on already: such a contact, whose normal leans, would stop it at
-/// the seam. It is taken to bear nothing.
-void SoftGrainIntegrator::leaveSeamsOut()
+void RigidContacts::listContactsOnPlates()
 {
 	onPlates_.clear();
-	for (std::size_t k = 0; k < rigidContacts_.size(); ++k) {
-		const RigidPair& pair = rigidPairs_[k];
+	for (std::size_t k = 0; k < contacts_.size(); ++k) {
+		const Pair& pair = pairs_[k];
 		if (pair.twoSpheres || dynamic_cast<const Wall*>(pair.first->shape.get())) continue;
 		onPlates_.push_back({ pair.second->getId(), static_cast<int>(k) });
 	}
-	if (onPlates_.empty()) return;
 	std::sort(onPlates_.begin(), onPlates_.end());
+}
+
+/// Whether a contact of a sphere lies in the plane of another one of its contacts, which is no
+/// farther off, but leans against it.
+bool RigidContacts::isSeam(const RigidContactDescription& d, int sphere) const
+{
+	const Vec3 place = placeOnSurface(d);
+	const auto [begin, end] =
+		std::equal_range(onPlates_.begin(), onPlates_.end(), std::make_pair(sphere, 0),
+				 [](const auto& a, const auto& b) { return a.first < b.first; });
+	return std::any_of(begin, end, [&](const auto& other) {
+		const RigidContactDescription& o = contacts_[other.second];
+		const bool leans = (d.normal - o.normal).squaredNorm() > leaningNormal;
+		return leans && d.gap >= o.gap &&
+		       std::abs((place - placeOnSurface(o)).dot(o.normal)) < seamTolerance * d.size;
+	});
+}
+
+/// A sphere that lies on a facet (box) beside another touches the edge of that other one only at a
+/// place in the plane that it lies on already: such a contact, whose normal leans, would stop it at
+/// the seam. It is taken to bear nothing.
+void RigidContacts::leaveSeamsOut()
+{
+	listContactsOnPlates();
 	for (const auto& [sphere, k] : onPlates_) {
-		RigidContactDescription& d = rigidContacts_[k];
-		const Real tolerance = seamTolerance * d.size;
-		const auto [begin, end] = std::equal_range(
-			onPlates_.begin(), onPlates_.end(), std::make_pair(sphere, 0),
-			[](const auto& a, const auto& b) { return a.first < b.first; });
-		for (auto other = begin; other != end; ++other) {
-			const RigidContactDescription& o = rigidContacts_[other->second];
-			// on the surface, as the sphere sees it
-			const Vec3 place = d.point - 0.5 * d.gap * d.normal - d.image.shift,
-				   lies = o.point - 0.5 * o.gap * o.normal - o.image.shift;
-			const bool leans = (d.normal - o.normal).squaredNorm() > leaningNormal;
-			if (leans && d.gap >= o.gap &&
-			    std::abs((place - lies).dot(o.normal)) < tolerance) {
-				d.friction = 0;
-				d.impulse.setZero();
-				d.gap = std::numeric_limits<Real>::infinity();
-				break;
-			}
-		}
+		RigidContactDescription& d = contacts_[k];
+		if (!isSeam(d, sphere)) continue;
+		d.friction = 0;
+		d.impulse.setZero();
+		d.gap = std::numeric_limits<Real>::infinity();
 	}
 }
 
-/// Forces to FrictPhys, and their sums in the order of the sweeps on the bodies.
-void SoftGrainIntegrator::publishRigidContacts()
+void RigidContacts::addReaction(const Body& body, const Vector3r& arm, const Vector3r& force)
 {
-	reactions_.assign(scene->bodies->size(), Reaction());
-	for (std::size_t k = 0; k < rigidContacts_.size(); ++k) {
-		const RigidContactDescription& d = rigidContacts_[k];
-		const RigidPair& pair = rigidPairs_[k];
-		const Vector3r force = d.impulse / scene->dt;
-		FrictPhys& phys = static_cast<FrictPhys&>(*rigidInteractions_[k].interaction->phys);
+	Reaction& sum = reactions_[body.getId()];
+	sum.force += force;
+	sum.torque += arm.cross(force);
+}
+
+void RigidContacts::publish(Scene& scene)
+{
+	reactions_.assign(scene.bodies->size(), Reaction());
+	for (std::size_t k = 0; k < contacts_.size(); ++k) {
+		const RigidContactDescription& d = contacts_[k];
+		const Pair& pair = pairs_[k];
+		const Vector3r force = d.impulse / scene.dt;
+		FrictPhys& phys = static_cast<FrictPhys&>(*interactions_[k].interaction->phys);
 		const Vector3r onBody2 = pair.swapped ? Vector3r(-force) : force;
 		phys.normalForce = onBody2.dot(d.normal) * d.normal;
 		phys.shearForce = onBody2 - phys.normalForce;
 		if (force.isZero(0)) continue;
-		auto push = [&](const Body& body, const Vector3r& arm, const Vector3r& onBody) {
-			Reaction& sum = reactions_[body.getId()];
-			sum.force += onBody;
-			sum.torque += arm.cross(onBody);
-		};
-		push(*pair.first, d.point - pair.first->state->pos, -force);
-		push(*pair.second, d.point - pair.second->state->pos - d.image.shift, force);
+		addReaction(*pair.first, d.point - pair.first->state->pos, -force);
+		addReaction(*pair.second, d.point - pair.second->state->pos - d.image.shift, force);
 	}
 	for (std::size_t id = 0; id < reactions_.size(); ++id) {
 		const Reaction& sum = reactions_[id];
 		if (sum.force.isZero(0) && sum.torque.isZero(0)) continue;
-		scene->forces.addForce(static_cast<int>(id), sum.force);
-		scene->forces.addTorque(static_cast<int>(id), sum.torque);
-	}
-}
-
-/// Out of overlaps, besides what NewtonIntegrator will do; it takes members of clumps along.
-void SoftGrainIntegrator::moveApart() const
-{
-	for (std::size_t k = 0; k < partners_.size(); ++k) {
-		const Real angle = partners_[k].turn.norm();
-		if (angle == 0 && partners_[k].shift.isZero(0)) continue;
-		State& state = *(*scene->bodies)[movers_[k]]->state;
-		state.pos += partners_[k].shift;
-		if (angle == 0) continue;
-		state.ori = Quaternionr(AngleAxisr(angle, partners_[k].turn / angle)) * state.ori;
-		state.ori.normalize();
+		scene.forces.addForce(static_cast<int>(id), sum.force);
+		scene.forces.addTorque(static_cast<int>(id), sum.torque);
 	}
 }
 

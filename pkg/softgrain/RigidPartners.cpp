@@ -1,9 +1,4 @@
-// Rigid bodies in the contacts of a step: what NewtonIntegrator will do with them, and the
-// reactions that it is to do it with.
-#include "PeriodicCell.hpp"
-#include "SceneAssembly.hpp"
-#include "SoftContact.hpp"
-#include "SoftGrainIntegrator.hpp"
+#include "RigidPartners.hpp"
 
 namespace yade {
 
@@ -23,8 +18,8 @@ bool isMoved(const Body& body, const NewtonIntegrator& newton)
 	return newton.mask <= 0 || body.maskCompatible(newton.mask);
 }
 
-/// Whether forces change the motion of a body.
-bool isFree(const Body& body, const NewtonIntegrator& newton)
+/// Whether forces change the motion that it gives to a body.
+bool isFreeUnder(const Body& body, const NewtonIntegrator& newton)
 {
 	return isMoved(body, newton) && body.state->blockedDOFs != State::DOF_ALL;
 }
@@ -59,7 +54,7 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 }
 
 /// All that acts on a body: what is in O.forces, and for a clump what acts on its members.
-void addForces(const Body& body, Scene& scene, Vec3& force, Vec3& torque)
+void forcesOn(const Body& body, Scene& scene, Vec3& force, Vec3& torque)
 {
 	force = scene.forces.getForce(body.getId());
 	torque = scene.forces.getTorque(body.getId());
@@ -68,9 +63,9 @@ void addForces(const Body& body, Scene& scene, Vec3& force, Vec3& torque)
 			.addForceTorqueFromMembers(body.state.get(), &scene, force, torque);
 }
 
-/// What NewtonIntegrator would make of a body in this step without contact dynamics.
-softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
-					   const NewtonIntegrator& newton, const CellFlow& flow)
+/// The motion that a body has, with what the cell adds to it.
+softgrain::RigidMotionDescription
+undisturbedMotion(const Body& body, Real dt, const NewtonIntegrator& newton, const CellFlow& flow)
 {
 	const State& state = *body.state;
 	softgrain::RigidMotionDescription d;
@@ -80,14 +75,52 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 	d.inverseMass.setZero();
 	d.inverseInertia.setZero();
 	if (isMoved(body, newton)) {
-		d.freeVelocity += flow.added(state.pos, state.vel, scene.dt);
+		d.freeVelocity += flow.added(state.pos, state.vel, dt);
 		d.freeAngularVelocity += flow.spinChange;
 	}
-	if (!isFree(body, newton)) return d;
+	return d;
+}
+
+bool turnsAsAspherical(const Body& body, const NewtonIntegrator& newton)
+{
+	const bool freely = (body.state->blockedDOFs & State::DOF_RXRYRZ) == State::DOF_NONE;
+	return newton.exactAsphericalRot && body.isAspherical() && freely;
+}
+
+/// In the axes of space, along which NewtonIntegrator takes the components of `inertia` where a
+/// body does not turn as an aspherical one.
+Matrix3r inverseInertia(const State& state, Real scaling, bool aspherical)
+{
+	if (aspherical) {
+		const Matrix3r axes = state.ori.toRotationMatrix();
+		return scaling * axes * state.inertia.cwiseInverse().asDiagonal() *
+		       axes.transpose();
+	}
+	Matrix3r inverse = Matrix3r::Zero();
+	for (int a = 0; a < 3; ++a)
+		if (!(state.blockedDOFs & State::axisDOF(a, true)))
+			inverse(a, a) = scaling / state.inertia[a];
+	return inverse;
+}
+
+Vec3 gyroscopicTorque(const State& state)
+{
+	const Matrix3r axes = state.ori.toRotationMatrix();
+	const Matrix3r inertia = axes * state.inertia.asDiagonal() * axes.transpose();
+	return state.angVel.cross(inertia * state.angVel);
+}
+
+/// What NewtonIntegrator would make of a body in this step without contact dynamics.
+softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
+					   const NewtonIntegrator& newton, const CellFlow& flow)
+{
+	softgrain::RigidMotionDescription d = undisturbedMotion(body, scene.dt, newton, flow);
+	if (!isFreeUnder(body, newton)) return d;
 	requireExactReactions(body, newton);
 
+	const State& state = *body.state;
 	Vec3 force, torque;
-	addForces(body, scene, force, torque);
+	forcesOn(body, scene, force, torque);
 	const Real scaling = newton.densityScaling ? state.densityScaling : 1;
 	for (int a = 0; a < 3; ++a) {
 		if (state.blockedDOFs & State::axisDOF(a, false)) continue;
@@ -95,121 +128,69 @@ softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
 		d.freeVelocity[a] +=
 			scene.dt * scaling * (force[a] / state.mass + newton.gravity[a]);
 	}
-	const bool turnsFreely = (state.blockedDOFs & State::DOF_RXRYRZ) == State::DOF_NONE;
-	if (newton.exactAsphericalRot && body.isAspherical() && turnsFreely) {
-		const Matrix3r axes = state.ori.toRotationMatrix();
-		const Matrix3r inertia = axes * state.inertia.asDiagonal() * axes.transpose();
-		d.inverseInertia = scaling * axes * state.inertia.cwiseInverse().asDiagonal() *
-				   axes.transpose();
-		torque -= state.angVel.cross(inertia * state.angVel);
+	const bool aspherical = turnsAsAspherical(body, newton);
+	d.inverseInertia = inverseInertia(state, scaling, aspherical);
+	if (aspherical) {
+		torque -= gyroscopicTorque(state);
 		d.freeAngularVelocity -= flow.spinChange; // Newton's integrator leaves it out here
-	} else // as NewtonIntegrator has it: components of inertia along the axes of space
-		for (int a = 0; a < 3; ++a)
-			if (!(state.blockedDOFs & State::axisDOF(a, true)))
-				d.inverseInertia(a, a) = scaling / state.inertia[a];
+	}
 	d.freeAngularVelocity += scene.dt * d.inverseInertia * torque;
 	return d;
 }
 
-/// Change of the force on a wall over the way that it moves within a step, for engines that choose
-/// that way (doc/decisions/0023-laboratory-loading.md): a wave gets no further than c dt by then,
-/// so it is rho c A/dt, tens of times what a grain as a whole resists with.
-Real stiffnessWithinStep(const SoftGrain& grain, const Scene& scene)
-{
-	const SoftMat& material = materialOf(scene, grain.assembly->idOf(grain.index));
-	const auto constants = material.constants();
-	const Real impedance = constants.density * constants.waveSpeed(grain.condition(material));
-	const Real diameter = 2 * grain.radius;
-	return impedance * (grain.dim == 2 ? diameter : diameter * diameter) / scene.dt;
-}
-
-/// The body whose motion is that of a rigid body: itself, or its clump.
-const Body& moverOf(const Body& body, const Scene& scene)
-{
-	return body.isClumpMember() ? *(*scene.bodies)[body.clumpId] : body;
-}
-
 } // namespace
 
-const Body& SoftGrainIntegrator::rigidBodyOf(const Interaction& I) const
+void RigidPartners::begin(Scene& scene, const NewtonIntegrator& newton, const CellFlow& flow)
 {
-	const auto &b1 = (*scene->bodies)[I.getId1()], &b2 = (*scene->bodies)[I.getId2()];
-	return YADE_PTR_DYN_CAST<SoftGrain>(b1->shape) ? *b2 : *b1;
-}
-
-const SoftGrain& SoftGrainIntegrator::softGrainOf(const Interaction& I) const
-{
-	const Body::id_t rigid = rigidBodyOf(I).getId();
-	return grainOf(*scene, I.getId1() == rigid ? I.getId2() : I.getId1());
-}
-
-/// Numbers the rigid bodies in contact; O.forces hold all that else acts on them.
-void SoftGrainIntegrator::describeRigidBodies(const std::vector<Interaction*>& interactions)
-{
-	partners_.clear();
+	scene_ = &scene;
+	newton_ = &newton;
+	flow_ = flow;
+	motions_.clear();
 	movers_.clear();
-	numberOf_.assign(scene->bodies->size(), -1);
-	newton_ = &newtonIntegrator();
-	flow_ = cellFlow(*scene, *newton_);
-	for (const Interaction* I : interactions) {
-		softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
-		if (pair.hasRigidBody()) pair.setPartner(numberOf(rigidBodyOf(*I)));
-	}
-	describeRigidContacts();
-	if (tracksRigidBodies()) describeFreeBodies();
+	numberOf_.assign(scene.bodies->size(), -1);
 }
 
-/// The balance of energies of rigid bodies is that of all contacts they have had, and of their
-/// flight between them.
-bool SoftGrainIntegrator::tracksRigidBodies() const { return scene->trackEnergy && nonsmooth_; }
-
-void SoftGrainIntegrator::describeFreeBodies()
+const Body& RigidPartners::moverOf(const Body& body) const
 {
-	for (const auto& body : *scene->bodies)
-		if (body && !body->isClumpMember() && isFree(*body, *newton_)) numberOf(*body);
+	return body.isClumpMember() ? *(*scene_->bodies)[body.clumpId] : body;
 }
 
-/// Number of the motion of a body in the step at hand, described when first asked for.
-int SoftGrainIntegrator::numberOf(const Body& body)
+int RigidPartners::numberOf(const Body& body)
 {
-	const Body& mover = moverOf(body, *scene);
+	const Body& mover = moverOf(body);
 	int& number = numberOf_[mover.getId()];
 	if (number < 0) {
-		number = static_cast<int>(partners_.size());
-		partners_.push_back(motionOf(mover, *scene, *newton_, flow_));
+		number = static_cast<int>(motions_.size());
+		motions_.push_back(motionOf(mover, *scene_, *newton_, flow_));
 		movers_.push_back(mover.getId());
 	}
 	return number;
 }
 
-/// Bodies that soft grains cannot touch as they stand.
-void SoftGrainIntegrator::checkRigidBodies(const std::vector<Interaction*>& interactions) const
+void RigidPartners::addFreeBodies()
 {
-	for (const Interaction* I : interactions) {
-		const softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I->geom).pair;
-		if (!pair.hasRigidBody()) continue;
-		const Body& body = rigidBodyOf(*I);
-		const auto described =
-			describeRigid(*body.shape, *body.state, body.getId(), softGrainOf(*I));
-		if (described) assembly_->checkRigidBody(*described);
-	}
+	for (const auto& body : *scene_->bodies)
+		if (body && !body->isClumpMember() && isFree(*body)) numberOf(*body);
 }
 
-/// A free body is to get the impulse itself, which NewtonIntegrator makes of a force in the step
-/// dt; on others it is the mean force of the step.
-void SoftGrainIntegrator::publishReactions(const Interaction& I, Real kick)
+bool RigidPartners::isFree(const Body& body) const { return isFreeUnder(moverOf(body), *newton_); }
+
+bool RigidPartners::isHeld(int number) const
 {
-	const softgrain::PairContacts& pair = *static_cast<SoftGeom&>(*I.geom).pair;
-	const softgrain::SumOfImpulses sum = pair.impulse();
-	const Body& body = rigidBodyOf(I);
-	const bool free = isFree(moverOf(body, *scene), *newton_);
-	SoftPhys& phys = static_cast<SoftPhys&>(*I.phys);
-	phys.kn = phys.ks = free ? 0 : stiffnessWithinStep(softGrainOf(I), *scene);
-	if (sum.active == 0) return;
-	const Real time = free ? scene->dt : kick;
-	scene->forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);
-	if (!YADE_PTR_DYN_CAST<Wall>(body.shape)) // which has no place, and cannot turn
-		scene->forces.addTorque(body.getId(), sum.moment / time);
+	return motions_[number].inverseMass.isZero(0) && motions_[number].inverseInertia.isZero(0);
+}
+
+void RigidPartners::moveApart() const
+{
+	for (std::size_t k = 0; k < motions_.size(); ++k) {
+		const Real angle = motions_[k].turn.norm();
+		if (angle == 0 && motions_[k].shift.isZero(0)) continue;
+		State& state = *(*scene_->bodies)[movers_[k]]->state;
+		state.pos += motions_[k].shift;
+		if (angle == 0) continue;
+		state.ori = Quaternionr(AngleAxisr(angle, motions_[k].turn / angle)) * state.ori;
+		state.ori.normalize();
+	}
 }
 
 } // namespace yade

@@ -50,26 +50,19 @@ void checkBody(const Body& body)
 			"(SoftGrainIntegrator moves the grain, in 2D within its plane)");
 }
 
-std::vector<Body*> softBodies(Scene& scene)
+void checkPeriodic(const Body& body, const Scene& scene)
 {
-	std::vector<Body*> bodies;
-	for (const shared_ptr<Body>& body : *scene.bodies) {
-		if (!body || !body->shape) continue;
-		if (scene.isPeriodic && isA<Wall>(body->shape))
-			throw std::invalid_argument(
-				name(*body) +
-				" is a Wall, but O.periodic = True: the collider of YADE never "
-				"ends with its infinite box in a periodic cell; leave it out");
-		if (scene.isPeriodic && isA<Box>(body->shape) && isSheared(scene))
-			throw std::invalid_argument(
-				name(*body) +
-				" is a Box in a sheared periodic cell, where the collider of YADE "
-				"would end the process; use Facets, or keep O.cell.hSize and "
-				"O.cell.velGrad diagonal");
-		checkBody(*body);
-		if (isA<SoftGrain>(body->shape)) bodies.push_back(body.get());
-	}
-	return bodies;
+	if (isA<Wall>(body.shape))
+		throw std::invalid_argument(
+			name(body) +
+			" is a Wall, but O.periodic = True: the collider of YADE never ends with "
+			"its infinite box in a periodic cell; leave it out");
+	if (isA<Box>(body.shape) && isSheared(scene))
+		throw std::invalid_argument(name(body) +
+					    " is a Box in a sheared periodic cell, where the "
+					    "collider of YADE would end "
+					    "the process; use Facets, or keep O.cell.hSize and "
+					    "O.cell.velGrad diagonal");
 }
 
 bool sameConstants(const softgrain::ElasticConstants& a, const softgrain::ElasticConstants& b)
@@ -85,60 +78,89 @@ bool isAsAssembled(const SoftGrain& grain, const SoftMat& material)
 	       grain.assembledCondition == material.condition;
 }
 
-bool isCurrent(const std::vector<Body*>& bodies)
+/// The soft bodies of a scene, and the assembly of them all as they are, if there is one.
+struct SoftScene {
+	std::vector<Body*> bodies;
+	std::shared_ptr<softgrain::GrainAssembly> assembly;
+};
+
+bool belongsTo(const softgrain::GrainAssembly* assembly, const Body& body)
 {
-	const auto& assembly = static_cast<SoftGrain&>(*bodies.front()->shape).assembly;
-	if (!assembly || assembly->grains() != static_cast<int>(bodies.size())) return false;
-	for (const Body* body : bodies) {
-		const SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
-		const SoftMat& material = static_cast<SoftMat&>(*body->material);
-		if (grain.assembly != assembly || assembly->idOf(grain.index) != body->getId() ||
-		    !isAsAssembled(grain, material))
-			return false;
+	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
+	return assembly && grain.assembly.get() == assembly &&
+	       assembly->idOf(grain.index) == body.getId() &&
+	       isAsAssembled(grain, static_cast<const SoftMat&>(*body.material));
+}
+
+/// In one pass: all bodies are visited in every step, and most of it is waiting for memory.
+SoftScene softScene(const Scene& scene)
+{
+	SoftScene soft;
+	bool isCurrent = true;
+	for (const shared_ptr<Body>& body : *scene.bodies) {
+		if (!body || !body->shape) continue;
+		if (scene.isPeriodic) checkPeriodic(*body, scene);
+		checkBody(*body);
+		if (!isA<SoftGrain>(body->shape)) continue;
+		if (soft.bodies.empty())
+			soft.assembly = static_cast<SoftGrain&>(*body->shape).assembly;
+		soft.bodies.push_back(body.get());
+		isCurrent = isCurrent && belongsTo(soft.assembly.get(), *body);
 	}
-	return true;
+	const std::size_t assembled = soft.assembly ? soft.assembly->grains() : 0;
+	if (!isCurrent || assembled != soft.bodies.size()) soft.assembly = nullptr;
+	return soft;
+}
+
+/// What a grain goes on from; it is awake if its material changed since it was assembled.
+softgrain::GrainDescription describePresent(const Body& body)
+{
+	SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+	const bool changed = grain.assembly &&
+			     !isAsAssembled(grain, static_cast<const SoftMat&>(*body.material));
+	grain.fetchState();
+	if (grain.assembly) grain.savedForces.clear(); // materials may have changed
+	softgrain::GrainDescription description = grain.describe(body);
+	if (changed) description.state.rest.clear();
+	return description;
+}
+
+/// Tells a grain its place in the assembly, and with what it went there.
+void join(const Body& body, const std::shared_ptr<softgrain::GrainAssembly>& assembly, int index)
+{
+	SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+	const SoftMat& material = static_cast<const SoftMat&>(*body.material);
+	grain.assembly = assembly;
+	grain.index = index;
+	grain.assembledConstants = material.constants();
+	grain.assembledLaw = material.law;
+	grain.assembledCondition = material.condition;
+	grain.assembledDamping = material.damping();
+	grain.written = assembly->motion(index);
+	grain.writtenAsleep = false;
 }
 
 std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 {
-	const auto bodies = softBodies(scene);
+	const auto [bodies, current] = softScene(scene);
 	if (bodies.empty()) return nullptr;
 	checkHost(scene);
-	if (isCurrent(bodies)) return static_cast<SoftGrain&>(*bodies.front()->shape).assembly;
+	if (current) return current;
 
 	std::vector<softgrain::GrainDescription> grains;
-	softgrain::Continuation continuation;
 	std::shared_ptr<softgrain::GrainAssembly> last;
 	for (const Body* body : bodies) {
-		SoftGrain& grain = static_cast<SoftGrain&>(*body->shape);
-		if (grain.assembly) last = grain.assembly;
-		const bool changed =
-			grain.assembly &&
-			!isAsAssembled(grain, static_cast<const SoftMat&>(*body->material));
-		grain.fetchState();
-		if (grain.assembly) grain.savedForces.clear(); // materials may have changed
-		grains.push_back(grain.describe(*body));
-		if (changed) grains.back().state.rest.clear(); // awake
+		const auto& present = static_cast<SoftGrain&>(*body->shape).assembly;
+		if (present) last = present;
+		grains.push_back(describePresent(*body));
 	}
-	if (last) continuation = last->continuation();
 	const auto assembly = softgrain::GrainAssembly::create(grains, last.get());
-	assembly->continueFrom(continuation);
+	assembly->continueFrom(last ? last->continuation() : softgrain::Continuation());
 	for (const auto& engine : scene.engines)
 		if (const auto integrator = YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
 			assembly->setInterfaceRange(integrator->interfaceRange);
-	for (int g = 0; g < assembly->grains(); ++g) {
-		SoftGrain& grain = grainOf(scene, assembly->idOf(g));
-		const Body& body = *(*scene.bodies)[assembly->idOf(g)];
-		const SoftMat& material = static_cast<SoftMat&>(*body.material);
-		grain.assembly = assembly;
-		grain.index = g;
-		grain.assembledConstants = material.constants();
-		grain.assembledLaw = material.law;
-		grain.assembledCondition = material.condition;
-		grain.assembledDamping = material.damping();
-		grain.written = assembly->motion(g);
-		grain.writtenAsleep = false;
-	}
+	for (int g = 0; g < assembly->grains(); ++g)
+		join(*(*scene.bodies)[assembly->idOf(g)], assembly, g);
 	return assembly;
 }
 
@@ -160,6 +182,11 @@ SoftGrain& grainOf(const Scene& scene, int id)
 const SoftMat& materialOf(const Scene& scene, int id)
 {
 	return static_cast<const SoftMat&>(*(*scene.bodies)[id]->material);
+}
+
+std::string namesOf(const Interaction& I)
+{
+	return "bodies #" + std::to_string(I.getId1()) + " and #" + std::to_string(I.getId2());
 }
 
 const NewtonIntegrator* newtonIntegratorOf(const Scene& scene)

@@ -5,9 +5,11 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace yade {
 class Body;
+class Interaction;
 class NewtonIntegrator;
 class Scene;
 class SoftGrain;
@@ -31,6 +33,9 @@ SoftGrain& grainOf(const Scene& scene, int id);
 
 /// Material of the same.
 const SoftMat& materialOf(const Scene& scene, int id);
+
+/// "bodies #1 and #2", for messages.
+std::string namesOf(const Interaction& I);
 
 /// The first one of O.engines; null if there is none.
 const NewtonIntegrator* newtonIntegratorOf(const Scene& scene);

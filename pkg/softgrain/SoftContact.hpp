@@ -1,13 +1,11 @@
 // Contacts of soft grains as YADE sees them: one interaction per pair of bodies, its many contact
-// points in one SoftGeom, solved together by SoftGrainIntegrator.
+// points in one SoftGeom, found by the functors of SoftSearch.hpp and solved together by
+// SoftGrainIntegrator.
 #pragma once
 
-#include "SoftGrain.hpp"
 #include "SoftMat.hpp"
 #include "Yade.hpp"
 #include "assembly/GrainAssembly.hpp"
-
-#include <optional>
 
 namespace yade {
 
@@ -37,14 +35,11 @@ public:
 	);
 	// clang-format on
 	REGISTER_CLASS_INDEX(SoftGeom, GenericSpheresContact);
+
+private:
+	std::vector<softgrain::ContactRecord> savedRecords() const;
 };
 REGISTER_SERIALIZABLE(SoftGeom);
-
-/// What a soft grain sees of a rigid body with a shape that it can touch; none of another shape,
-/// nor of a Wall that is held or moved: that is a plane (softgrain::WallDescription). A free Wall,
-/// which has a mass, is the face of a block next to the grain and wider than it.
-std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
-							     int id, const SoftGrain& grain);
 
 class SoftInterface : public Serializable {
 public:
@@ -91,97 +86,6 @@ public:
 	REGISTER_CLASS_INDEX(SoftPhys, NormShearPhys);
 };
 REGISTER_SERIALIZABLE(SoftPhys);
-
-class Ig2_SoftGrain_SoftGrain_SoftGeom : public IGeomFunctor {
-public:
-	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
-		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
-	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
-		       const State&, const Vector3r& shift2, const bool& force,
-		       const shared_ptr<Interaction>&) override;
-	FUNCTOR2D(SoftGrain, SoftGrain);
-	DEFINE_FUNCTOR_ORDER_2D(SoftGrain, SoftGrain);
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(
-		Ig2_SoftGrain_SoftGrain_SoftGeom, IGeomFunctor,
-		"Finds the contact points of two :yref:`SoftGrains<SoftGrain>`.", ,
-		timingDeltas.reset(new TimingDeltas););
-};
-REGISTER_SERIALIZABLE(Ig2_SoftGrain_SoftGrain_SoftGeom);
-
-class Ig2_Wall_SoftGrain_SoftGeom : public IGeomFunctor {
-public:
-	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
-		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
-	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
-		       const State&, const Vector3r& shift2, const bool& force,
-		       const shared_ptr<Interaction>&) override;
-	FUNCTOR2D(Wall, SoftGrain);
-	DEFINE_FUNCTOR_ORDER_2D(Wall, SoftGrain);
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(
-		Ig2_Wall_SoftGrain_SoftGeom, IGeomFunctor,
-		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Wall`, "
-		"which moves as its :yref:`State.vel` says.",
-		, timingDeltas.reset(new TimingDeltas););
-};
-REGISTER_SERIALIZABLE(Ig2_Wall_SoftGrain_SoftGeom);
-
-class Ig2_Sphere_SoftGrain_SoftGeom : public IGeomFunctor {
-public:
-	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
-		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
-	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
-		       const State&, const Vector3r& shift2, const bool& force,
-		       const shared_ptr<Interaction>&) override;
-	FUNCTOR2D(Sphere, SoftGrain);
-	DEFINE_FUNCTOR_ORDER_2D(Sphere, SoftGrain);
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(
-		Ig2_Sphere_SoftGrain_SoftGeom, IGeomFunctor,
-		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Sphere` that is free, "
-		"held, "
-		"moved, or member of a clump. In 2D the sphere is a disk in the plane of the "
-		"grains, "
-		"with the mass and inertia of its :yref:`State`; see sg.as_disks().",
-		, timingDeltas.reset(new TimingDeltas););
-};
-REGISTER_SERIALIZABLE(Ig2_Sphere_SoftGrain_SoftGeom);
-
-class Ig2_Facet_SoftGrain_SoftGeom : public IGeomFunctor {
-public:
-	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
-		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
-	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
-		       const State&, const Vector3r& shift2, const bool& force,
-		       const shared_ptr<Interaction>&) override;
-	FUNCTOR2D(Facet, SoftGrain);
-	DEFINE_FUNCTOR_ORDER_2D(Facet, SoftGrain);
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(Ig2_Facet_SoftGrain_SoftGeom, IGeomFunctor,
-				       "Finds the contact points of a :yref:`SoftGrain` on a "
-				       ":yref:`Facet`, which is touched "
-				       "from both sides and has no thickness. In 2D the facet is "
-				       "the segment in which it cuts "
-				       "the plane of the grains.",
-				       , timingDeltas.reset(new TimingDeltas););
-};
-REGISTER_SERIALIZABLE(Ig2_Facet_SoftGrain_SoftGeom);
-
-class Ig2_Box_SoftGrain_SoftGeom : public IGeomFunctor {
-public:
-	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
-		const Vector3r& shift2, const bool& force, const shared_ptr<Interaction>&) override;
-	bool goReverse(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&,
-		       const State&, const Vector3r& shift2, const bool& force,
-		       const shared_ptr<Interaction>&) override;
-	FUNCTOR2D(Box, SoftGrain);
-	DEFINE_FUNCTOR_ORDER_2D(Box, SoftGrain);
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(Ig2_Box_SoftGrain_SoftGeom, IGeomFunctor,
-				       "Finds the contact points of a :yref:`SoftGrain` on a "
-				       ":yref:`Box`. In 2D the box is a "
-				       "rectangle, turned about z only. In 3D an edge of the box "
-				       "is felt at contact nodes and "
-				       "by the corners of the box.",
-				       , timingDeltas.reset(new TimingDeltas););
-};
-REGISTER_SERIALIZABLE(Ig2_Box_SoftGrain_SoftGeom);
 
 /// What the functors of both kinds of pairs have in common.
 class Ip2_SoftPhys : public IPhysFunctor {

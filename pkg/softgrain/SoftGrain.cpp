@@ -107,7 +107,7 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.orientation = body.state->ori;
 	d.origin = stateOrigin;
 	d.state = { savedPositions, savedVelocities, savedGradients, savedRigidMotion,
-		    savedForces,    savedRest,       savedSleep };
+		    savedForces,    savedStiffening, savedRest,      savedSleep };
 	return d;
 }
 
@@ -120,6 +120,7 @@ void SoftGrain::fetchState()
 	savedGradients = std::move(state.F);
 	savedRigidMotion = std::move(state.rigid);
 	savedForces = std::move(state.held);
+	savedStiffening = std::move(state.stiffening);
 	savedRest = std::move(state.rest);
 	savedSleep = std::move(state.sleep);
 }
@@ -198,14 +199,7 @@ py::dict SoftGrain::energyDict()
 
 Real SoftGrain::undeformedVolume() { return assembled().undeformedVolume(index); }
 
-Real SoftGrain::presentVolume()
-{
-	const auto fields = assembled().points(index);
-	Real sum = 0;
-	for (Real v : fields.volume)
-		sum += v;
-	return sum;
-}
+Real SoftGrain::presentVolume() { return assembled().presentVolume(index); }
 
 void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound,
 			    const Se3r& se3, const Body*)

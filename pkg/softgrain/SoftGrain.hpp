@@ -72,6 +72,7 @@ public:
 		((vector<Real>, savedGradients, , Attr::hidden, "Deformation gradients of the state as last fetched (formulation 'updated')."))
 		((vector<Real>, savedRigidMotion, , Attr::hidden, "Motion of a grain that moves rigidly as last fetched; else empty."))
 		((vector<Real>, savedForces, , Attr::hidden, "Forces that act beyond the next step (SoftGrainIntegrator.multirate) as last fetched; else empty."))
+		((vector<Real>, savedStiffening, , Attr::hidden, "How much deformation shortens the critical time step, as last measured; else empty."))
 		((vector<Real>, savedRest, , Attr::hidden, "What a grain that comes to rest or sleeps goes on from, as last fetched; else empty."))
 		((vector<Real>, savedSleep, , Attr::hidden, "Load and number of pairs with which a grain sleeps as last fetched; else empty.")),
 		createIndex();,

@@ -1,17 +1,16 @@
 #pragma once
 
-#include "PeriodicCell.hpp"
-
-#include <cstdint>
-
-#include <set>
+#include "EnergyBooks.hpp"
+#include "RigidContacts.hpp"
+#include "RigidPartners.hpp"
+#include "Yade.hpp"
+#include "assembly/GrainAssembly.hpp"
 
 namespace yade {
 
-class SoftGeom;
-class SoftGrain;
-class SoftPhys;
-
+/// Conducts the step: its attributes are the user's settings and what is to be known of a step, and
+/// its action calls in order those who do it: SceneAssembly, SoftBodies, SoftInteractions,
+/// RigidPartners, RigidContacts and the kernel.
 class SoftGrainIntegrator : public GlobalEngine {
 public:
 	void action() override;
@@ -74,82 +73,28 @@ public:
 
 private:
 	void advance();
+	bool assemble();
+	void checkEngines() const;
 	void continueSavedRun();
 	void saveContinuation();
-	void checkEngines() const;
 	void chooseTimeStep();
 	void followDeformation(Real undeformed);
 	bool hasTimeStepper() const;
-	std::set<int> applyUserMotions();
-	void applyLoads();
-	std::vector<Interaction*> softInteractions() const;
-	void renewContacts(const std::vector<Interaction*>& interactions,
-			   const std::set<int>& wrapped) const;
-	void moveImages(const std::vector<Interaction*>& interactions) const;
-	void checkInterfaces(const std::vector<Interaction*>& interactions) const;
-	void stopOnOverlap(const std::vector<Interaction*>& interactions) const;
-	softgrain::StepSettings settings();
-	const Body& rigidBodyOf(const Interaction& I) const;
-	const SoftGrain& softGrainOf(const Interaction& I) const;
-	bool listRigidContacts();
-	void checkRigidSpans() const;
 	bool tracksRigidBodies() const;
-	void describeFreeBodies();
-	void describeRigidBodies(const std::vector<Interaction*>& interactions);
-	void describeRigidContacts();
-	int numberOf(const Body& body);
-	void stopOnRigidOverlap() const;
-	void leaveSeamsOut();
-	void publishRigidContacts();
-	void moveApart() const;
-	void checkRigidBodies(const std::vector<Interaction*>& interactions) const;
-	void publishForces(const std::vector<Interaction*>& interactions, Real kick);
-	void publishReactions(const Interaction& I, Real kick);
-	void publishMotions();
+	softgrain::StepSettings settings();
+	void keepBooks(const softgrain::StepReport& report);
 	void publishReport(const softgrain::StepReport& report);
 	void publishEnergy();
 	void publishTimes();
-	void callColliderIfNeeded() const;
-	const NewtonIntegrator& newtonIntegrator() const;
 	int threads() const;
 
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
 	std::shared_ptr<softgrain::GrainAssembly> withoutGrains_; ///< for scenes of rigid bodies
-	// of the step at hand
-	const NewtonIntegrator* newton_ = nullptr;
-	CellFlow flow_;          ///< of a periodic cell
-	bool nonsmooth_ = false; ///< whether O.engines have Law2_ScGeom_FrictPhys_Nonsmooth
-	std::vector<softgrain::RigidMotionDescription> partners_;
-	std::vector<int> movers_;   ///< ids of the bodies that move so
-	std::vector<int> numberOf_; ///< in `partners_`, by id; -1: none
-	struct RigidInteraction {
-		std::uint64_t ids; ///< of its bodies, the lower one first
-		Interaction* interaction;
-
-		bool operator==(const RigidInteraction& other) const
-		{
-			return ids == other.ids && interaction == other.interaction;
-		}
-	};
-	/// Of Law2_ScGeom_FrictPhys_Nonsmooth, as YADE keeps them, and in the order of the sweeps.
-	std::vector<RigidInteraction> kept_, found_, rigidInteractions_;
-	/// Bodies of a rigid interaction: its two or, if both are spheres, the other way round
-	/// where that puts the lower id first, since YADE's order may depend on threads.
-	struct RigidPair {
-		const Body *first, *second;
-		bool twoSpheres, swapped;
-	};
-	static RigidPair pairOf(const Interaction& I, const Scene& scene);
-	std::vector<RigidPair> rigidPairs_;                             ///< one for each
-	std::vector<softgrain::RigidContactDescription> rigidContacts_; ///< one for each
-	struct Reaction {
-		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero();
-	};
-	std::vector<Reaction> reactions_;           ///< of rigid contacts, by id of the body
-	std::vector<std::pair<int, int>> onPlates_; ///< spheres by id, contact on a facet or box
+	RigidPartners partners_;
+	RigidContacts rigidContacts_;
+	EnergyBooks energyBooks_;
 	softgrain::PhaseClock clock_;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
-	int energyIds_[12] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1 };
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);
 

@@ -6,25 +6,12 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <stdexcept>
-#include <tuple>
+#include <utility>
 
 namespace softgrain {
 
 namespace {
-
-/// Gaps are differences of positions in space: 1e8 radii from the origin they are good to 1e-7 dr.
-void requireDigits(const GrainDescription& d)
-{
-	constexpr double farthest = 1e8; // in radii
-	const double distance = d.position.norm() / d.radius;
-	if (distance <= farthest) return;
-	throw std::invalid_argument("grain #" + std::to_string(d.id) + " lies " +
-				    std::to_string(distance) +
-				    " radii from the origin, more than the admissible 1e8, where "
-				    "gaps lose their digits; move the scene nearer");
-}
 
 template <int dim> class GrainAssemblyOf : public GrainAssembly {
 public:
@@ -32,15 +19,10 @@ public:
 	GrainAssemblyOf(const std::vector<GrainDescription>& grains, const GrainAssembly* last)
 		: z_(dim == 2 ? grains.front().position[2] : 0.)
 	{
-		for (const GrainDescription& d : grains) {
-			if (dim == 2 && std::abs(d.position[2] - z_) > 1e-6 * d.radius)
-				throw std::invalid_argument(
-					"grain #" + std::to_string(d.id) +
-					": 2D soft grains must lie in one plane z = const");
-			requireDigits(d);
-		}
 		const auto* assembly = dynamic_cast<const GrainAssemblyOf*>(last);
-		addSets(grains, assembly ? assembly->templates_ : Templates());
+		const Templates<dim> none, &known = assembly ? assembly->templates_ : none;
+		for (auto& described : makeSets<dim>(grains, known, templates_))
+			add(described);
 		system_.updateSurfaces(1);
 		slowestWave_ = std::numeric_limits<double>::infinity();
 		for (int g = 0; g < system_.grains(); ++g)
@@ -53,10 +35,7 @@ public:
 	int templates() const override { return static_cast<int>(templates_.size()); }
 	int idOf(int g) const override { return id_[g]; }
 	double criticalTimeStep() const override { return system_.criticalTimeStep(); }
-	double presentCriticalTimeStep() const override
-	{
-		return system_.presentCriticalTimeStep();
-	}
+	double presentCriticalTimeStep() override { return system_.presentCriticalTimeStep(); }
 	void setMultirate(bool on) override { system_.setMultirate(on); }
 	int rate(int g) const override { return system_.rate(g); }
 	double pointSpacing(int g) const override
@@ -116,24 +95,18 @@ public:
 		list.second = -1 - body.id;
 		list.rigid.emplace();
 		std::optional<RigidSurface<dim>> surface;
+		double overlap = 0;
 		try {
 			surface = surfaceOf(displaced(body, image.shift));
 		} catch (const std::invalid_argument&) {
-			list.clearContacts();
-			list.deepest = std::numeric_limits<double>::infinity();
-			return;
+			overlap = std::numeric_limits<double>::infinity();
 		}
 		if (!surface) {
 			list.clearContacts();
+			list.deepest = overlap;
 			return;
 		}
-		const BallSurface<dim> about = ballAbout<dim>(*surface);
-		list.rigid->surface = *surface;
-		list.rigid->pivot = toKernel<dim>(body.position) + list.image.shift;
-		list.rigid->speed =
-			body.velocity.norm() +
-			body.angularVelocity.norm() *
-				((about.centre - list.rigid->pivot).norm() + about.radius);
+		describe(*list.rigid, *surface, body, list.image.shift);
 		if (system_.search(list, dt)) countSearch(list);
 	}
 	void checkRigidBody(const RigidBodyDescription& body) const override { surfaceOf(body); }
@@ -297,6 +270,11 @@ public:
 		return fields;
 	}
 
+	double presentVolume(int g) const override
+	{
+		return system_.setOf(g).presentVolume(system_.indexInSet(g));
+	}
+
 	double undeformedVolume(int g) const override
 	{
 		const GrainParameters<dim>& grain = parameters(g);
@@ -354,6 +332,17 @@ private:
 		return surfaceIn<dim>(body, z_);
 	}
 
+	static void describe(RigidSide<dim>& side, const RigidSurface<dim>& surface,
+			     const RigidBodyDescription& body, const Vec<dim>& shift)
+	{
+		const BallSurface<dim> about = ballAbout<dim>(surface);
+		side.surface = surface;
+		side.pivot = toKernel<dim>(body.position) + shift;
+		side.speed = body.velocity.norm() +
+			     body.angularVelocity.norm() *
+				     ((about.centre - side.pivot).norm() + about.radius);
+	}
+
 	/// Searches run in parallel.
 	void countSearch(const ContactList<dim>& list) const
 	{
@@ -366,63 +355,20 @@ private:
 		return system_.setOf(g).parameters(system_.indexInSet(g));
 	}
 
-	using Templates = std::map<TemplateRecipe, std::shared_ptr<const GrainTemplate<dim>>>;
-
-	/// Grains with equal recipe, scheme, law and condition form a set; sets keep the order of
-	/// ids within. Templates that are known already are taken over.
-	void addSets(const std::vector<GrainDescription>& grains, const Templates& known)
+	void add(DescribedSet<dim>& described)
 	{
-		using Kind = std::tuple<TemplateRecipe, Scheme, Law, Condition>;
-		std::map<Kind, std::vector<const GrainDescription*>> kinds;
-		for (const GrainDescription& d : grains)
-			kinds[{ d.recipe, d.scheme, d.law, d.condition }].push_back(&d);
-		for (const auto& [kind, members] : kinds) {
-			const auto& [recipe, scheme, law, condition] = kind;
-			std::vector<GrainParameters<dim>> parameters;
-			for (const GrainDescription* d : members)
-				parameters.push_back(
-					{ d->radius, d->constants,
-					  toKernel<dim>(d->state.x.empty() ? d->position
-									   : d->origin),
-					  d->damping });
-			auto& reference = templates_[recipe];
-			const auto old = known.find(recipe);
-			if (!reference)
-				reference = old != known.end() ? old->second
-							       : makeGrainTemplate<dim>(recipe);
-			auto set = makeGrainSet<dim>(reference, law, condition, parameters, scheme);
-			for (int k = 0; k < set->grains(); ++k) {
-				setState(*set, k, *members[k]);
-				id_.push_back(members[k]->id);
-			}
-			const int first = system_.grains();
-			system_.add(std::move(set));
-			for (std::size_t k = 0; k < members.size(); ++k)
-				system_.restoreSleep(first + static_cast<int>(k),
-						     members[k]->state.sleep);
-		}
-	}
-
-	static void setState(GrainSet<dim>& set, int k, const GrainDescription& d)
-	{
-		if (d.state.x.empty()) {
-			set.place(k, rotationToKernel<dim>(d.orientation),
-				  toKernel<dim>(d.velocity),
-				  spinMatrix<dim>(angularToKernel<dim>(d.angularVelocity)));
-			return;
-		}
-		try {
-			set.setState(k, d.state);
-		} catch (const std::invalid_argument& e) {
-			throw std::invalid_argument("grain #" + std::to_string(d.id) + ": " +
-						    e.what());
+		int g = system_.grains();
+		system_.add(std::move(described.set));
+		for (const GrainDescription* d : described.members) {
+			id_.push_back(d->id);
+			system_.restoreSleep(g++, d->state.sleep);
 		}
 	}
 
 	mutable std::atomic<long> searchedPairs_ = 0,
 				  testedCandidates_ = 0; ///< since the last step
 	System<dim> system_;
-	Templates templates_;
+	Templates<dim> templates_;
 	/// Where the impulses of the system's rigid contacts go, in the step at hand.
 	std::vector<RigidContactDescription*> solvedContacts_;
 	std::vector<int> id_; ///< of the YADE body by index in the system
@@ -435,20 +381,7 @@ private:
 std::shared_ptr<GrainAssembly> GrainAssembly::create(const std::vector<GrainDescription>& grains,
 						     const GrainAssembly* last)
 {
-	if (grains.empty()) throw std::invalid_argument("there is no soft grain to assemble");
-	for (const GrainDescription& d : grains) {
-		const GrainDescription& first = grains.front();
-		if (d.dim != first.dim)
-			throw std::invalid_argument(
-				"grains #" + std::to_string(first.id) + " and #" +
-				std::to_string(d.id) +
-				" have different dim; a scene is either 2D or 3D");
-		if (d.recipe.contact != first.recipe.contact)
-			throw std::invalid_argument("grains #" + std::to_string(first.id) +
-						    " and #" + std::to_string(d.id) +
-						    " have different contact geometries; a scene "
-						    "uses 'surface', 'points' or 'nodes' for all");
-	}
+	requireOneSystem(grains);
 	if (grains.front().dim == 2) return std::make_shared<GrainAssemblyOf<2>>(grains, last);
 	return std::make_shared<GrainAssemblyOf<3>>(grains, last);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "assembly/ContactProblemArrays.hpp"
+#include "assembly/GrainDescription.hpp"
 #include "assembly/PairContacts.hpp"
 #include "assembly/RigidDescriptions.hpp"
 #include "step/System.hpp"
@@ -11,25 +12,6 @@
 #include <vector>
 
 namespace softgrain {
-
-/// One grain to be assembled. Throughout, 2D grains lie in the xy-plane.
-struct GrainDescription {
-	int id = -1; ///< of the YADE body
-	int dim = 2;
-	TemplateRecipe recipe;
-	Scheme scheme;
-	Law law = Law::neoHookean;
-	Condition condition = Condition::planeStrain;
-	ElasticConstants constants;
-	Damping damping;
-	double radius = 0;                   ///< m
-	Vec3 position = Vec3::Zero();        ///< of the centre, m
-	Vec3 velocity = Vec3::Zero();        ///< m/s
-	Vec3 angularVelocity = Vec3::Zero(); ///< 1/s
-	Rotation orientation = Rotation::Identity();
-	Vec3 origin = Vec3::Zero(); ///< of the positions in `state`, m
-	GrainState state;           ///< to go on from; empty: undeformed
-};
 
 /// One grain as a rigid body would show.
 struct GrainMotion {
@@ -65,8 +47,8 @@ public:
 	virtual int grains() const = 0;
 	virtual int templates() const = 0; ///< that the grains share
 	virtual int idOf(int g) const = 0;
-	virtual double criticalTimeStep() const = 0;        ///< of the undeformed grains, s
-	virtual double presentCriticalTimeStep() const = 0; ///< as deformed now, s
+	virtual double criticalTimeStep() const = 0;  ///< of the undeformed grains, s
+	virtual double presentCriticalTimeStep() = 0; ///< as deformed now, s
 	/// System::setMultirate and System::rate.
 	virtual void setMultirate(bool on) = 0;
 	virtual int rate(int g) const = 0;
@@ -128,6 +110,7 @@ public:
 	/// empty with contact 'points'.
 	virtual std::vector<int> facets(int g) const = 0;
 	virtual PointFields points(int g) const = 0;
+	virtual double presentVolume(int g) const = 0;    ///< m^2 (m^3)
 	virtual double undeformedVolume(int g) const = 0; ///< m^2 (m^3)
 	/// Of the background nodes, `dim` numbers a node.
 	virtual std::vector<double> nodePositions(int g) const = 0;

@@ -50,6 +50,7 @@ struct RigidContactDescription {
 	double gap;             ///< m, negative for an overlap
 	double size;            ///< what the spacing of material points is to soft grains, m
 	double friction;        ///< mu
+	double restitution;     ///< e
 	Vec3 impulse;           ///< on the second, N s: the last one, after a step the solved one
 	ImageDescription image; ///< of the second, which the first touches
 };

@@ -5,6 +5,17 @@
 
 namespace softgrain {
 
+namespace {
+
+/// Cosine from which an axis counts as that of the plane, up to rounding.
+constexpr double alongAxis = 1 - 1e-12;
+/// Over the side of a triangle: cuts that are shorter are none.
+constexpr double shortestCut = 1e-9;
+/// Of a unit normal that YADE computed.
+constexpr double normalRounding = 1e-9;
+
+} // namespace
+
 void refuse(const RigidBodyDescription& body, const std::string& why)
 {
 	throw std::invalid_argument("rigid body #" + std::to_string(body.id) + " " + why);
@@ -15,7 +26,7 @@ template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescripti
 	using Form = RigidBodyDescription::Form;
 	const Vec<2> centre = body.position.head<2>();
 	if (body.form == Form::ball) {
-		if (std::abs(body.position[2] - z) > 1e-6 * body.size[0])
+		if (std::abs(body.position[2] - z) > planeTolerance * body.size[0])
 			refuse(body, "is a Sphere near 2D soft grains with its centre out of their "
 				     "plane z = " +
 					     std::to_string(z) + "; put it into that plane");
@@ -23,7 +34,7 @@ template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescripti
 	}
 	if (body.form == Form::block) {
 		const Mat3 axes = body.orientation.toRotationMatrix();
-		if (std::abs(axes(2, 2)) < 1 - 1e-12)
+		if (std::abs(axes(2, 2)) < alongAxis)
 			refuse(body,
 			       "is a Box near 2D soft grains that is turned about x or y; turn "
 			       "it about z only");
@@ -38,7 +49,7 @@ template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescripti
 		cut.push_back((a + ha / (ha - hb) * (b - a)).head<2>());
 	}
 	const double size = (body.corner[1] - body.corner[0]).norm();
-	if (cut.size() < 2 || (cut[1] - cut[0]).norm() < 1e-9 * size) return std::nullopt;
+	if (cut.size() < 2 || (cut[1] - cut[0]).norm() < shortestCut * size) return std::nullopt;
 	return PlateSurface<2> { { cut[0], cut[1] } };
 }
 
@@ -67,9 +78,8 @@ template <int dim> RigidPartner<dim> partnerOf(const RigidMotionDescription& d)
 
 template <int dim> std::optional<RigidContact<dim>> contactOf(const RigidContactDescription& d)
 {
-	constexpr double rounding = 1e-9; // of a unit normal that YADE computed
-	if (dim == 2 && std::abs(d.normal[2]) > rounding) {
-		if (std::abs(d.normal[2]) > 1 - rounding) return std::nullopt;
+	if (dim == 2 && std::abs(d.normal[2]) > normalRounding) {
+		if (std::abs(d.normal[2]) > 1 - normalRounding) return std::nullopt;
 		throw std::invalid_argument(
 			"two rigid bodies touch out of the plane of 2D soft grains: put their "
 			"centres into that plane");
@@ -83,7 +93,8 @@ template <int dim> std::optional<RigidContact<dim>> contactOf(const RigidContact
 				   d.friction,
 				   toKernel<dim>(d.impulse),
 				   toKernel<dim>(d.image.shift),
-				   toKernel<dim>(d.image.velocity) };
+				   toKernel<dim>(d.image.velocity),
+				   d.restitution };
 }
 
 RigidBodyDescription displaced(RigidBodyDescription body, const Vec3& shift)

@@ -14,6 +14,9 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Rotation = Eigen::Quaterniond;
 
+/// How far a centre may be out of the plane of 2D grains, over the radius.
+constexpr double planeTolerance = 1e-6;
+
 template <int dim> Vec<dim> toKernel(const Vec3& v) { return v.head<dim>(); }
 template <int dim> Vec3 toSpace(const Vec<dim>& v, double z = 0)
 {

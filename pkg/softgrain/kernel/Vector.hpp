@@ -12,12 +12,26 @@ namespace softgrain {
 template <int dim> using Vec = Eigen::Matrix<double, dim, 1>;
 template <int dim> using Mat = Eigen::Matrix<double, dim, dim>;
 
-/// sum += a v, for the innermost loops. (The host turns Eigen's own vectorisation off.)
-template <int dim> void addScaled(Vec<dim>& sum, double a, const Vec<dim>& v) { sum += a * v; }
-template <> inline void addScaled<2>(Vec<2>& sum, double a, const Vec<2>& v)
+/// Both components of a Vec<2> in one load or store. (The host turns Eigen's own vectorisation
+/// off.)
+using BothComponents [[gnu::vector_size(16), gnu::aligned(8), gnu::may_alias]] = double;
+
+/// sum = u + a v, for the innermost loops. (What was stored component by component and is loaded as
+/// a pair at once waits for both stores: never `sum = u` and then `addScaled`.)
+template <int dim> void setToSum(Vec<dim>& sum, const Vec<dim>& u, double a, const Vec<dim>& v)
 {
-	using Pair [[gnu::vector_size(16), gnu::aligned(8), gnu::may_alias]] = double;
-	reinterpret_cast<Pair&>(sum) += a * reinterpret_cast<const Pair&>(v);
+	sum = u + a * v;
+}
+template <> inline void setToSum<2>(Vec<2>& sum, const Vec<2>& u, double a, const Vec<2>& v)
+{
+	reinterpret_cast<BothComponents&>(sum) = reinterpret_cast<const BothComponents&>(u) +
+						 a * reinterpret_cast<const BothComponents&>(v);
+}
+
+/// sum += a v
+template <int dim> void addScaled(Vec<dim>& sum, double a, const Vec<dim>& v)
+{
+	setToSum<dim>(sum, sum, a, v);
 }
 
 template <int dim> double largestNorm(const Vec<dim>* vectors, std::size_t count)

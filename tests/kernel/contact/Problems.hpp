@@ -2,10 +2,10 @@
 #pragma once
 
 #include "Helpers.hpp"
+#include "contact/ContactConditions.hpp"
 #include "contact/ContactProblem.hpp"
 
 #include <Eigen/Dense>
-#include <catch2/catch_test_macros.hpp>
 
 namespace softgrain::testing {
 
@@ -84,35 +84,15 @@ template <int dim> ContactProblem<dim> tower(int blocks, int redundancy, double 
 	return assembled<dim>(touches, Eigen::VectorXd::Ones(blocks), velocity);
 }
 
-/// Counts of what a solution shows.
-struct States {
-	int open = 0, stick = 0, slip = 0;
-};
-
 /// Signorini's and Coulomb's conditions, one by one, with velocities summed anew.
 template <int dim> States checkConditions(const ContactProblem<dim>& problem, double tolerance)
 {
 	States states;
 	const std::vector<Vec<dim>> velocity = problem.velocity();
-	for (int k = 0; k < problem.contacts(); ++k) {
-		const Vec<dim>&n = problem.normal[k], &r = problem.impulse[k];
-		const double un = velocity[k].dot(n) + problem.bias[k], rn = r.dot(n),
-			     bound = problem.friction[k] * rn;
-		const Vec<dim> ut = velocity[k] - velocity[k].dot(n) * n, rt = r - rn * n;
-		CHECK(un > -tolerance);
-		CHECK(rn >= 0);
-		CHECK(std::abs(un * rn) < tolerance);
-		CHECK(rt.norm() < bound + tolerance);
-		if (rn < tolerance)
-			++states.open;
-		else if (ut.norm() < tolerance)
-			++states.stick;
-		else {
-			++states.slip;
-			CHECK(std::abs(rt.norm() - bound) < tolerance);
-			CHECK(std::abs(ut.dot(rt) + ut.norm() * rt.norm()) < tolerance);
-		}
-	}
+	for (int k = 0; k < problem.contacts(); ++k)
+		states += checkContact<dim>(problem.normal[k], problem.impulse[k], velocity[k],
+					    problem.bias[k], problem.friction[k],
+					    { tolerance, tolerance });
 	return states;
 }
 

@@ -102,10 +102,7 @@ TEMPLATE_TEST_CASE_SIG("Problem: random contacts are solved to any tolerance", "
 				CHECK(std::abs(problem.residual() - report.residual) < 1e-13);
 			}
 			CAPTURE(friction, seed);
-			const States states = checkConditions(problem, 1e-9);
-			seen.open += states.open;
-			seen.stick += states.stick;
-			seen.slip += states.slip;
+			seen += checkConditions(problem, 1e-9);
 		}
 	CHECK(seen.open > 100);
 	CHECK(seen.stick > 10);

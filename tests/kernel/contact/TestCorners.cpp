@@ -20,6 +20,22 @@ std::shared_ptr<const GrainTemplate<2>> blockTemplate(double zeta, double surfac
 	return makeGrainTemplate<2>(r);
 }
 
+/// Contacts of a block about the origin, two wide on each side of it and one high, with a congruent
+/// one about another place.
+struct TwoBlocks {
+	std::shared_ptr<const GrainTemplate<2>> reference;
+	ContactBody<2> first, second;
+	ContactList<2> list = pairList<2>();
+
+	TwoBlocks(double zeta, const Vec<2>& place, double reach)
+		: reference(blockTemplate(zeta))
+		, first(contactBody<2>(*reference, 1, { 0, 0 }))
+		, second(contactBody<2>(*reference, 1, place))
+	{
+		findContacts(first, second, reach, list);
+	}
+};
+
 } // namespace
 
 TEST_CASE("Corners: blocks side by side touch on their sides alone", "[contact]")
@@ -43,14 +59,11 @@ TEST_CASE("Corners: blocks side by side touch on their sides alone", "[contact]"
 TEST_CASE("Corners: nodes beyond the end of a side do not touch it", "[contact]")
 {
 	// a block upon another, half a length aside: the sides meet over one unit of length
-	const auto reference = blockTemplate(0.5);
-	const auto lower = contactBody<2>(*reference, 1, { 0, 0 });
-	const auto upper = contactBody<2>(*reference, 1, { 3, 2 - 1e-3 });
-	auto list = pairList<2>();
-	findContacts(lower, upper, 0.02, list);
-	CHECK(list.contacts.size() == 6);
-	for (const Contact<2>& c : list.contacts) {
-		const auto& x = (c.key.side == 0 ? lower : upper).position[c.key.node];
+	const TwoBlocks blocks(0.5, { 3, 2 - 1e-3 }, 0.02);
+	CHECK(blocks.list.contacts.size() == 6);
+	for (const Contact<2>& c : blocks.list.contacts) {
+		const auto& own = c.key.side == 0 ? blocks.first : blocks.second;
+		const auto& x = own.position[c.key.node];
 		CHECK((x[0] > 1 - 1e-9 && x[0] < 2 + 1e-9));
 		CHECK(std::abs(std::abs(c.normal[1]) - 1) < 1e-12);
 		CHECK(std::abs(c.gap + 1e-3) < 1e-12);
@@ -59,13 +72,9 @@ TEST_CASE("Corners: nodes beyond the end of a side do not touch it", "[contact]"
 
 TEST_CASE("Corners: corner against corner touches across the distance", "[contact]")
 {
-	const auto reference = blockTemplate(0.5);
-	const auto lower = contactBody<2>(*reference, 1, { 0, 0 });
-	const auto upper = contactBody<2>(*reference, 1, { 4.03, 2.04 });
-	auto list = pairList<2>();
-	findContacts(lower, upper, 0.1, list);
-	REQUIRE(list.contacts.size() == 2);
-	for (const Contact<2>& c : list.contacts) {
+	const TwoBlocks blocks(0.5, { 4.03, 2.04 }, 0.1);
+	REQUIRE(blocks.list.contacts.size() == 2);
+	for (const Contact<2>& c : blocks.list.contacts) {
 		CHECK(std::abs(c.gap - 0.05) < 1e-12);
 		const double sign = c.key.side == 0 ? -1 : 1;
 		CHECK((c.normal - sign * Vec<2>(0.6, 0.8)).norm() < 1e-12);
@@ -74,12 +83,8 @@ TEST_CASE("Corners: corner against corner touches across the distance", "[contac
 
 TEST_CASE("Corners: a deep overlap of blocks is still noticed", "[contact]")
 {
-	const auto reference = blockTemplate(0.25);
-	const auto lower = contactBody<2>(*reference, 1, { 0, 0 });
-	const auto upper = contactBody<2>(*reference, 1, { 0.3, 1 });
-	auto list = pairList<2>();
-	findContacts(lower, upper, 0.02, list);
-	CHECK(list.deepest > 2);
+	const TwoBlocks blocks(0.25, { 0.3, 1 }, 0.02);
+	CHECK(blocks.list.deepest > 2);
 }
 
 TEST_CASE("Pressure: uniform forces give a uniform pressure on both sides", "[contact]")

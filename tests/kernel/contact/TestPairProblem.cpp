@@ -116,10 +116,7 @@ TEMPLATE_TEST_CASE_SIG("Pair on its own: all conditions", "[contact]", ((int dim
 		const int sweeps = solveAsPair(problem, 1e-26, 100000);
 		CAPTURE(seed, sweeps);
 		CHECK(problem.residual() < 1e-11);
-		const States states = checkConditions(problem, 1e-9);
-		seen.open += states.open;
-		seen.stick += states.stick;
-		seen.slip += states.slip;
+		seen += checkConditions(problem, 1e-9);
 	}
 	CHECK(seen.open > 10);
 	CHECK(seen.stick > 10);

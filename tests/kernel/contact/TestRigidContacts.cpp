@@ -252,3 +252,60 @@ TEST_CASE("rigid contacts: the same bits with any number of threads", "[rigid]")
 	CHECK(solved(2) == one);
 	CHECK(solved(3) == one);
 }
+
+TEST_CASE("rigid contacts: what closes leaves with e times its speed, the rest does not", "[rigid]")
+{
+	const double e = 0.6;
+	auto after = [&](double gap, double speedBefore, double freeSpeed) {
+		RigidBodies<2> pair; // steps of 1 s
+		pair.body.resize(2);
+		pair.body[1].inverseMass.setOnes();
+		pair.body[1].velocityBefore = Vec<2>(0, speedBefore);
+		pair.body[1].velocity = Vec<2>(0, freeSpeed);
+		pair.contacts.push_back(
+			{ 0, 1, Vec<2>(0, 0), Vec<2>(0, 1), gap, 1, 0.5, Vec<2>(0, 0) });
+		pair.contacts[0].restitution = e;
+		REQUIRE(pair.solve(1e-13).converged);
+		return pair.body[1].velocity[1];
+	};
+	CHECK(std::abs(after(0.5, -1, -1.2) - e) < 1e-12);   // closes
+	CHECK(std::abs(after(-0.1, -1, -1.2) - e) < 1e-12);  // has closed
+	CHECK(std::abs(after(1.1, -1, -1.2) + 1.1) < 1e-12); // closes by what acts in this step
+	CHECK(std::abs(after(2, -1, -1.2) + 1.2) < 1e-12);   // does not
+	CHECK(std::abs(after(0, 0, -0.2)) < 1e-12);          // rests
+	CHECK(std::abs(after(0, 1, 0.8) - 0.8) < 1e-12);     // leaves
+}
+
+TEMPLATE_TEST_CASE_SIG("rigid contacts: an impact without friction leaves e^2 of its energy",
+		       "[rigid]", ((int dim), dim), 2, 3)
+{
+	using Body = RigidPartner<dim>;
+	int impacts = 0;
+	for (const double e : { 0.5, 1. })
+		for (unsigned seed = 1; seed < 30; ++seed) {
+			auto bodies = randomBodies<dim>(seed, 2, 1, 0, 0.3);
+			bodies.body[0].velocity.setZero(); // it is held
+			bodies.body[0].spin.setZero();
+			for (Body& p : bodies.body) {
+				p.velocityBefore = p.velocity;
+				p.spinBefore = p.spin;
+			}
+			RigidContact<dim>& c = bodies.contacts[0];
+			c.restitution = e;
+			c.gap = 0;
+			c.impulse.setZero();
+			const double speed = bodies.velocityAt(c).dot(c.normal);
+			if (speed > 0) continue;
+			++impacts;
+			REQUIRE(bodies.solve(1e-13).converged);
+			CHECK(std::abs(bodies.velocityAt(c).dot(c.normal) + e * speed) < 1e-12);
+			const double lost = -0.5 * (1 - e) * speed * c.impulse.dot(c.normal);
+			const double before =
+				bodies.kinetic(&Body::velocityBefore, &Body::spinBefore);
+			const double after = bodies.kinetic(&Body::velocity, &Body::spin);
+			const auto impact = bodies.solver.rigidWork().impact;
+			CHECK(std::abs(impact.before + impact.after - lost) < 1e-12);
+			CHECK(std::abs(before - after - lost) < 1e-12);
+		}
+	CHECK(impacts > 10);
+}

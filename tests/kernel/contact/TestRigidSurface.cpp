@@ -154,6 +154,35 @@ TEST_CASE("nodes near a ball and the ball itself are contacts", "[rigid]")
 	}
 }
 
+TEMPLATE_TEST_CASE_SIG("what touches a grain pressed flat is not inside it", "[contact][rigid]",
+		       ((int dim), dim), 2, 3)
+{
+	// semi-axes 1.6 and 0.3, aslant: the box is wide, its centre near to whatever touches
+	Mat<dim> turn = Mat<dim>::Identity(), stretch = Mat<dim>::Identity();
+	turn.template topLeftCorner<2, 2>() = Eigen::Rotation2Dd(0.25 * M_PI).toRotationMatrix();
+	stretch(0, 0) = 1.6;
+	stretch(1, 1) = 0.3;
+	const auto reference = makeGrainTemplate<dim>(recipe(0.2));
+	const ContactBody<dim> flat =
+		contactBody<dim>(*reference, 1, Vec<dim>::Zero(), turn * stretch);
+	for (const double radius : { 0.1, 0.3 })
+		for (const double along : { 0., 0.5 }) {
+			const bool inside = along > 0 && radius < 0.2;
+			const Vec<dim> centre = inside ? Vec<dim>(along * turn.col(0))
+						       : Vec<dim>((0.3 + radius) * turn.col(1) +
+								  along * turn.col(0));
+			auto ball = listWith<dim>(BallSurface<dim> { centre, radius });
+			findContacts<dim>(flat, 0.01, ball);
+			auto pair = pairList<dim>();
+			const auto grain = contactBody<dim>(*reference, radius, centre);
+			findContacts<dim>(flat, grain, 0.01, pair);
+			auto back = pairList<dim>();
+			findContacts<dim>(grain, flat, 0.01, back);
+			for (const auto& list : { ball, pair, back })
+				CHECK(std::isinf(list.deepest) == inside);
+		}
+}
+
 TEST_CASE("a grain on a seam of two plates touches it as one", "[rigid]")
 {
 	const auto reference = makeGrainTemplate<2>(recipe(0.1));

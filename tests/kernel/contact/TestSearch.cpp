@@ -1,4 +1,4 @@
-#include "Helpers.hpp"
+#include "contact/Balls.hpp"
 #include "contact/Search.hpp"
 
 #include <algorithm>
@@ -10,142 +10,6 @@
 
 using namespace softgrain;
 using namespace softgrain::testing;
-
-namespace {
-
-/// Balls and the meshes they stand on; the tables that only the solver needs are left out.
-template <int dim> struct Balls {
-	std::vector<OutlineMesh<dim>> mesh;
-	std::vector<ContactBody<dim>> body;
-	std::vector<Vec<dim>> centre;
-	std::vector<double> radius;
-
-	Balls() { mesh.reserve(10); }
-	void add(double R, const Vec<dim>& c, const Mat<dim>& Q, double spacing)
-	{
-		mesh.push_back(UnitBall<dim>().mesh(spacing / R));
-		ContactBody<dim> b;
-		b.mesh = &mesh.back();
-		b.pointSpacing = spacing;
-		b.inradius = R;
-		for (const Vec<dim>& X : mesh.back().vertex)
-			b.position.push_back(c + R * (Q * X));
-		b.updateGeometry();
-		body.push_back(b);
-		centre.push_back(c);
-		radius.push_back(R);
-	}
-	/// Exact gap of a node to the other ball.
-	double gap(int from, int node, int to) const
-	{
-		return (body[from].position[node] - centre[to]).norm() - radius[to];
-	}
-};
-
-/// A ball of radius 1 and one of radius 0.7, `gap` apart in any direction, turned anyhow.
-template <int dim> Balls<dim> twoBalls(double gap, double spacing, unsigned seed)
-{
-	Random random(seed);
-	Balls<dim> balls;
-	const Vec<dim> start = random.vector<dim>(3), way = random.direction<dim>();
-	balls.add(1, start, random.rotation<dim>(), spacing);
-	balls.add(0.7, start + (1.7 + gap) * way, random.rotation<dim>(), spacing);
-	return balls;
-}
-
-struct Errors {
-	double gap = 0, normal = 0;
-	int contacts = 0;
-};
-
-/// Largest errors of gaps and normals over many placements, for gaps below `reach`.
-template <int dim> Errors searchErrors(double gap, double reach, double spacing)
-{
-	Errors errors;
-	for (unsigned seed = 1; seed <= 10; ++seed) {
-		const auto balls = twoBalls<dim>(gap, spacing, seed);
-		auto list = pairList<dim>();
-		findContacts(balls.body[0], balls.body[1], reach, list);
-		errors.contacts += static_cast<int>(list.contacts.size());
-		for (const Contact<dim>& c : list.contacts) {
-			const int from = c.key.side, to = 1 - c.key.side;
-			const Vec<dim> exact =
-				(balls.body[from].position[c.key.node] - balls.centre[to])
-					.normalized();
-			errors.gap = std::max(errors.gap,
-					      std::abs(c.gap - balls.gap(from, c.key.node, to)));
-			errors.normal = std::max(errors.normal, (c.normal - exact).norm());
-		}
-	}
-	return errors;
-}
-
-} // namespace
-
-TEST_CASE("Search: gap and normal of two disks", "[contact]")
-{
-	// On a circle the curve through the nodes leaves h^4; chords would leave h^2/8.
-	double last = 0;
-	for (double h : { 0.2, 0.1, 0.05 }) {
-		const Errors e = searchErrors<2>(-0.003, 0.01, h);
-		CAPTURE(h, e.gap, e.normal, e.contacts);
-		CHECK(e.contacts >= 20);
-		const double R = 0.7; // of the sharper disk
-		CHECK(e.gap < std::pow(h, 4) / 30 / std::pow(R, 3));
-		CHECK(e.normal < std::pow(h / R, 3) / 10);
-		if (last > 0) CHECK(last / e.gap > 12);
-		last = e.gap;
-	}
-	CHECK(last < 1e-5);
-}
-
-TEST_CASE("Search: the gap of two disks opens at the relative velocity of the contact", "[contact]")
-{
-	Random random(7);
-	const double h = 0.1, dt = 1e-5;
-	auto balls = twoBalls<2>(-0.01, h, 7);
-	const Mat<2> F = random.deformation<2>(0.3);
-	for (auto& body : balls.body)
-		for (Vec<2>& x : body.position)
-			x = balls.centre[0] + F * (x - balls.centre[0]) +
-			    random.vector<2>(0.02 * h);
-	std::vector<Vec<2>> velocity[2];
-	for (int b : { 0, 1 })
-		for (int s = 0; s < balls.body[b].nodes(); ++s)
-			velocity[b].push_back(random.vector<2>());
-	std::map<ContactKey, double> gap[2];
-	auto list = pairList<2>();
-	std::map<ContactKey, Contact<2>> middle;
-	auto search = [&](double shift) {
-		for (int b : { 0, 1 }) {
-			auto& body = balls.body[b];
-			for (int s = 0; s < body.nodes(); ++s)
-				body.position[s] += shift * velocity[b][s];
-			body.updateGeometry();
-		}
-		findContacts(balls.body[0], balls.body[1], 0.3 * h, list);
-	};
-	search(0);
-	for (const Contact<2>& c : list.contacts)
-		middle[c.key] = c;
-	search(-dt);
-	for (const Contact<2>& c : list.contacts)
-		gap[0][c.key] = c.gap;
-	search(2 * dt);
-	for (const Contact<2>& c : list.contacts)
-		gap[1][c.key] = c.gap;
-	int compared = 0;
-	for (const auto& [key, c] : middle) {
-		if (gap[0].count(key) + gap[1].count(key) < 2) continue;
-		Vec<2> u = velocity[key.side][key.node];
-		for (int k = 0; k < c.partners; ++k)
-			u -= c.weight[k] * velocity[1 - key.side][c.partner[k]];
-		CAPTURE(key.side, key.node);
-		CHECK(std::abs((gap[1][key] - gap[0][key]) / (2 * dt) - u.dot(c.normal)) < 1e-3);
-		++compared;
-	}
-	CHECK(compared > 5);
-}
 
 namespace {
 
@@ -217,20 +81,6 @@ TEMPLATE_TEST_CASE_SIG("Search: no node near a stretched outline is left out", "
 			}
 	}
 	CHECK(found > 20);
-}
-
-TEST_CASE("Search: gap and normal of two balls", "[contact]")
-{
-	Errors last;
-	for (double h : { 0.2, 0.1, 0.05 }) {
-		const Errors e = searchErrors<3>(-0.003, 0.01, h);
-		CAPTURE(h, e.gap, e.normal, e.contacts);
-		CHECK(e.contacts > 5);
-		CHECK(e.gap < 0.02 * h * h); // flat triangles: h^2/6
-		CHECK(e.normal < 0.2 * h);
-		last = e;
-	}
-	CHECK(last.gap < 5e-5);
 }
 
 TEMPLATE_TEST_CASE_SIG("Search: all nodes within reach, in both directions, and no others",
@@ -493,24 +343,4 @@ TEMPLATE_TEST_CASE_SIG("Search: too deep is reported and not pushed out", "[cont
 		CHECK(c.gap >= -0.15);
 	findContacts(balls.body[0], balls.body[2], 0.02, list);
 	CHECK(std::isinf(list.deepest));
-}
-
-TEMPLATE_TEST_CASE_SIG("Contact body: normals, box and mobilities", "[contact]", ((int dim), dim),
-		       2, 3)
-{
-	Random random(5);
-	const auto reference = makeGrainTemplate<dim>(recipe(0.25));
-	const Vec<dim> centre = random.vector<dim>();
-	auto body = contactBody<dim>(*reference, 2, centre, random.rotation<dim>());
-	for (int s = 0; s < body.nodes(); ++s) {
-		CHECK(std::abs(body.normal[s].norm() - 1) < 1e-14);
-		CHECK(body.normal[s].dot(body.position[s] - centre) > 1.98); // outwards
-		CHECK(body.box.contains(body.position[s]));
-	}
-	CHECK(((body.box.high - body.box.low).array() <= 4 + 1e-12).all());
-	CHECK(((body.box.high - body.box.low).array() > 3.8).all());
-	const int s = random.index(body.nodes());
-	for (int t = 0; t < body.nodes(); ++t)
-		CHECK(std::abs(body.mobility(s, t) - body.mobility(t, s)) <
-		      1e-15 * body.mobility(s, s));
 }

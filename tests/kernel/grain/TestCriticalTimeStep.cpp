@@ -1,6 +1,7 @@
 #include "Helpers.hpp"
 #include "grain/CriticalTimeStep.hpp"
 #include "grain/InternalForce.hpp"
+#include "grain/Stiffening.hpp"
 #include "grain/Vibrations.hpp"
 #include "material/Points.hpp"
 
@@ -91,6 +92,55 @@ TEMPLATE_TEST_CASE("Critical time step: highest frequency of the internal force"
 			const Eigen::MatrixXd inside = dynamics(heavy, heavy);
 			CHECK(eigenvalues(inside)[0] > 0.005 * largest);
 		}
+}
+
+TEMPLATE_TEST_CASE("Critical time step: highest frequency of a deformed grain", "[grain]",
+		   PlaneStrain, PlaneStress, Solid)
+{
+	constexpr int dim = TestType::dim;
+	Random random(1);
+	for (int order : { 2, 3 })
+		for (double size : { 0.1, 0.3 }) {
+			CAPTURE(order, size);
+			auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.2 : 0.5, order),
+						      paperGrain<dim>(), TestType::condition);
+			deform<dim>(batch, 0, random.deformation<dim>(size));
+			for (int I = 0; I < batch.reference->nodes(); ++I) {
+				const Vec<dim> X = batch.reference->nodePosition[I]; // not affine
+				batch.x.set(0, I,
+					    batch.x.get(0, I) + size * 0.3 * batch.grain[0].radius *
+									X[0] * X[1] *
+									Vec<dim>::Unit(1));
+			}
+			const Eigen::VectorXd squares = eigenvalues(dynamicMatrix(batch));
+			const double ratio =
+				highestFrequency(batch, 0) / std::sqrt(squares[squares.size() - 1]);
+			CAPTURE(ratio);
+			CHECK(ratio > 1);
+			CHECK(ratio < 1.0101);
+		}
+}
+
+TEST_CASE("Critical time step: a measured stiffening keeps its share of the bound", "[grain]")
+{
+	Stiffening stiffening;
+	CHECK(stiffening.value(1.04) == 1.04);
+	CHECK(!stiffening.isDue(1.04));
+	REQUIRE(stiffening.isDue(2));
+	CHECK(stiffening.value(2) == 2);
+	stiffening.set(2, 1.5);
+	CHECK(stiffening.value(2) == 1.5);
+	CHECK(stiffening.value(1.6) == 1.6 * 0.75);
+	CHECK(stiffening.value(1.2) == 1); // never softer than undeformed
+	CHECK(!stiffening.isDue(2.09));
+	CHECK(stiffening.isDue(2.11));
+	const Stiffening loaded = Stiffening::fromNumbers(stiffening.numbers());
+	CHECK(loaded.value(1.9) == stiffening.value(1.9));
+	// 0.8 of the step stays stable by the bound
+	stiffening.set(3, 1);
+	CHECK(0.8 / std::sqrt(stiffening.value(3)) <= (1 + 1e-15) / std::sqrt(3));
+	stiffening.set(3, 4);
+	CHECK(stiffening.value(3) == 3);
 }
 
 TEMPLATE_TEST_CASE_SIG("Critical time step: separates stable from unstable free grains", "[grain]",

@@ -1,4 +1,5 @@
 #include "Helpers.hpp"
+#include "grain/InternalForce.hpp"
 #include "grain/Observables.hpp"
 
 #include <Eigen/Dense>
@@ -60,7 +61,7 @@ TEMPLATE_TEST_CASE_SIG("Observables: a grain moving as a rigid body", "[grain]",
 	for (int I = 0; I < batch.reference->nodes(); ++I)
 		doubled.set(g, I, 2 * batch.v.get(g, I));
 	CHECK(std::abs(kineticEnergy(batch, batch.v, doubled, g) / rigid - 2) < 1e-12);
-	CHECK(std::abs(currentVolume(batch, g) / (UnitBall<dim>().volume() * std::pow(R, dim)) -
+	CHECK(std::abs(presentVolume(batch, g) / (UnitBall<dim>().volume() * std::pow(R, dim)) -
 		       1) < 1e-11);
 
 	const auto other = wholeGrain(batch, 0); // the neighbour in the next lane has not moved
@@ -85,6 +86,29 @@ TEMPLATE_TEST_CASE_SIG("Observables: rotation and volume of a deformed grain", "
 		CHECK(std::abs(whole.rotation.determinant() - 1) < 1e-12);
 		const double volume =
 			stretch.prod() * UnitBall<dim>().volume() * batch.pointScale[0];
-		CHECK(std::abs(currentVolume(batch, 0) / volume - 1) < 1e-11);
+		CHECK(std::abs(presentVolume(batch, 0) / volume - 1) < 1e-11);
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Observables: the fastest node, and a component that is not finite",
+		       "[grain]", ((int dim), dim), 2, 3)
+{
+	Random random(4);
+	for (double zeta : { 0.5, 0.4, 0.3 }) { // numbers of nodes with and without a rest of four
+		Batch<dim> batch = singleGrain<dim>(recipe(zeta));
+		const int nodes = batch.reference->nodes();
+		for (int I = 0; I < nodes; ++I)
+			batch.v.set(0, I, random.vector<dim>());
+		CHECK(isFinite(batch.v, 0, nodes));
+		for (int I = 0; I < nodes; ++I) {
+			const Vec<dim> own = batch.v.get(0, I);
+			batch.v.set(0, I, Vec<dim>::Unit(I % dim) * 7);
+			CHECK(fastestNode(batch, 0) == 7);
+			batch.v.set(0, I, Vec<dim>::Unit(I % dim) * std::nan(""));
+			CHECK(!isFinite(batch.v, 0, nodes));
+			batch.v.set(0, I, Vec<dim>::Unit(I % dim) / 0.);
+			CHECK(!isFinite(batch.v, 0, nodes));
+			batch.v.set(0, I, own);
+		}
 	}
 }

@@ -9,8 +9,8 @@
 
 namespace softgrain::testing {
 
-/// M^-1/2 K M^-1/2 of the undeformed grain, with K from the internal force itself by differences;
-/// its eigenvalues are the squares of the angular frequencies.
+/// M^-1/2 K M^-1/2 of the grain in its present shape, with K from the internal force itself by
+/// differences; its eigenvalues are the squares of the angular frequencies.
 template <int dim> Eigen::MatrixXd dynamicMatrix(Batch<dim> batch)
 {
 	const int n = batch.reference->nodes() * dim;

@@ -237,11 +237,16 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 			       criticalTimeStep(*small.reference, small.condition, small.grain[1]) -
 		       1) < 1e-14);
 	scene.system.updateForces(1);
-	CHECK(std::abs(scene.system.stiffening() - 1) < 1e-6);
-	deform<2>(scene.batchOf(2), 0, 0.8 * Mat<2>::Identity());
-	scene.system.invalidateForces();
-	scene.system.updateForces(1);
-	CHECK(scene.system.stiffening() > 1.2);
+	const double undeformed = scene.system.criticalTimeStep();
+	CHECK(std::abs(scene.system.presentCriticalTimeStep() / undeformed - 1) < 1e-6);
+	// a grain with the double of that step counts when it is four times as stiff
+	for (const auto& [size, shortens] : { std::pair(0.8, false), std::pair(0.5, true) }) {
+		deform<2>(scene.batchOf(2), 0, size * Mat<2>::Identity());
+		scene.system.invalidateForces();
+		scene.system.updateForces(1);
+		CHECK((scene.system.presentCriticalTimeStep() < (1 - 1e-6) * undeformed) ==
+		      shortens);
+	}
 
 	// Without motion a twentieth of the smaller point spacing; else twice the way of a step.
 	const double dt = 1e-4;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace softgrain {
 
@@ -89,7 +90,30 @@ template <> bool ContactBody<2>::encloses(const Vec<2>& x) const
 	return inside;
 }
 
-template <> bool ContactBody<3>::encloses(const Vec<3>&) const { return false; }
+/// By the solid angle of the outline (Van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983):
+/// 4 pi inside, 0 outside.
+template <> bool ContactBody<3>::encloses(const Vec<3>& x) const
+{
+	if (!hasFacets() || !box.contains(x)) return false;
+	double angle = 0;
+	for (const auto& vertex : mesh->facet) {
+		const Vec<3> a = position[vertex[0]] - x, b = position[vertex[1]] - x,
+			     c = position[vertex[2]] - x;
+		const double A = a.norm(), B = b.norm(), C = c.norm();
+		angle += 2 * std::atan2(a.dot(b.cross(c)),
+					A * B * C + a.dot(b) * C + b.dot(c) * A + c.dot(a) * B);
+	}
+	return angle > 2 * std::numbers::pi;
+}
+
+template <int dim> bool ContactBody<dim>::holds(const Vec<dim>& centre, double radius) const
+{
+	constexpr double concentric = 0.2; // distance over the smaller radius
+	const double distance = (box.centre() - centre).norm(), own = innerRadius();
+	if (distance < concentric * std::min(radius, own)) return true;
+	// what touches a grain that is pressed flat may be so near to its centre from outside
+	return distance < own - radius && (!hasFacets() || encloses(centre));
+}
 
 template <int dim> std::vector<Vec<dim>> ContactBody<dim>::nodeAreas() const
 {

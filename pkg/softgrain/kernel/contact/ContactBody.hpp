@@ -87,8 +87,17 @@ template <int dim> struct ContactBody {
 	}
 	/// Whether the outline at a node faces against `direction` (unit), within 84 degrees.
 	bool facesAgainst(int node, const Vec<dim>& direction) const;
-	/// Whether a place is inside the polygon of the nodes (2D, with facets).
+	/// Whether a place is inside the polygon (3D: polyhedron) of the nodes; without facets
+	/// never.
 	bool encloses(const Vec<dim>& x) const;
+	/// Of the largest ball that the grain may hold as it is now, m.
+	double innerRadius() const
+	{
+		return std::min(inradius, 0.5 * (box.high - box.low).minCoeff());
+	}
+	/// Whether a ball, or a grain that may hold one, is inside this grain or on it, concentric,
+	/// where no place near an outline tells. For grains whose box has its centre inside them.
+	bool holds(const Vec<dim>& centre, double radius) const;
 	/// Outward area vectors of the nodes: of the adjacent facets, an equal share each,
 	/// m^(dim-1).
 	std::vector<Vec<dim>> nodeAreas() const;

@@ -3,7 +3,7 @@
 
 #include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
-#include "contact/VectorLanes.hpp"
+#include "material/VectorLanes.hpp"
 
 namespace softgrain {
 

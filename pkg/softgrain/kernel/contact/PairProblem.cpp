@@ -6,8 +6,9 @@ namespace softgrain {
 
 namespace {
 
-/// Worth measuring the violation: it is at most so many times what the sweep before it changed.
-constexpr double changePerViolation = 4;
+/// Worth measuring the violation: changes by a sweep before it are at most so many times that, as
+/// with the residual of all contacts (ContactSolver's changePerResidual), here squared.
+constexpr double changePerViolation = 2 * 2;
 
 /// x and what it was before become x + share (x - before) and x.
 template <class Numbers> void extrapolateFrom(Numbers& before, Numbers& x, double share)

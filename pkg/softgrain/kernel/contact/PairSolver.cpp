@@ -3,6 +3,7 @@
 #include "contact/CoulombCone.hpp"
 #include "contact/Fetch.hpp"
 #include "contact/Pressure.hpp"
+#include "material/Lanes.hpp"
 
 #include <algorithm>
 
@@ -146,8 +147,9 @@ void PairSolver<dim>::pushPartner(const Constraint& c, const Vec<dim>& J, Vec<di
 			pushRow<dim>(body, c.partner[i], c.weight[i], scaled, velocity);
 }
 
-/// From the first to the last node in contact and those beside them that feel it (2D: where the
-/// outline closes in between, it is all of them).
+/// From the first to the last node in contact and those beside them (2D: where the outline closes
+/// in between, it is all of them). It is fetched ahead of its use: of nodes that feel the contacts
+/// farther off only time is lost.
 template <int dim>
 typename PairSolver<dim>::Stretch PairSolver<dim>::stretchOf(const ContactBody<dim>& body) const
 {
@@ -266,8 +268,7 @@ template <int dim> Vec<dim> PairSolver<dim>::finishInterface(std::size_t k)
 
 template <int dim> void PairSolver<dim>::finish()
 {
-	PairImpulse<dim>& sum = list_->impulse;
-	sum = {};
+	PairImpulse<dim> sum;
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
 		const Constraint& c = constraints_[k];
 		list_->contacts[k].impulse = c.impulse;
@@ -284,6 +285,7 @@ template <int dim> void PairSolver<dim>::finish()
 			other(c)->impulse[c.partner[i]] -= c.weight[i] * r;
 	}
 	sum.point /= static_cast<double>(constraints_.size());
+	list_->impulse = sum;
 }
 
 template <int dim> ContactWork PairSolver<dim>::work() const

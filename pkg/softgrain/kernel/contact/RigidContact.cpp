@@ -19,11 +19,19 @@ void RigidContactSolver<dim>::prepare(RigidContact<dim>& contact,
 	drift_ = contact.imageVelocity;
 	friction_ = contact.friction;
 	c_.normal = contact.normal;
-	c_.bias = std::max(contact.gap, 0.) / dt;
+	c_.bias = biasFor(dt);
 	solvable_ = c_.setMobility(first_->mobilityAt(firstArm_) + second_->mobilityAt(secondArm_));
 	c_.impulse = onCone<dim>(contact.impulse, c_.normal, friction_);
 	if (!solvable_) c_.impulse.setZero();
 	push(c_.impulse);
+}
+
+template <int dim> double RigidContactSolver<dim>::biasFor(double dt) const
+{
+	const double e = contact_->restitution, gap = contact_->gap;
+	const double before = e > 0 ? velocityBefore().dot(c_.normal) : 0;
+	if (before < 0 && gap + dt * before <= 0) return e * before;
+	return std::max(gap, 0.) / dt;
 }
 
 template <int dim> void RigidContactSolver<dim>::push(const Vec<dim>& J)
@@ -92,7 +100,7 @@ template <int dim> ContactWork RigidContactSolver<dim>::work() const
 		work.cell.*half -= 0.5 * c_.impulse.dot(drift_);
 	};
 	const RigidPartner<dim>&a = *first_, &b = *second_;
-	book(b.velocityBeforeAt(secondArm_) + drift_ - a.velocityBeforeAt(firstArm_),
+	book(velocityBefore(),
 	     a.heldAt(firstArm_, a.velocityBefore, a.spinBefore) -
 		     b.heldAt(secondArm_, b.velocityBefore, b.spinBefore),
 	     &ContactWork::Halves::before);

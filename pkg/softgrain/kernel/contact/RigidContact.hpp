@@ -26,6 +26,7 @@ template <int dim> struct RigidContact {
 	/// In a periodic cell: from the second body to its image that the first one sees, m, and
 	/// the velocity of that, m/s.
 	Vec<dim> imageShift = Vec<dim>::Zero(), imageVelocity = Vec<dim>::Zero();
+	double restitution = 0; ///< e
 };
 
 /// The rigid counterpart of PairSolver for one contact of two rigid bodies.
@@ -48,6 +49,14 @@ public:
 	int active() const { return c_.impulse.isZero(0) ? 0 : 1; }
 
 private:
+	/// b: the speed at which the gap may close; a contact that closes in this step leaves with
+	/// e times the speed that it came with.
+	double biasFor(double dt) const;
+	Vec<dim> velocityBefore() const
+	{
+		return second_->velocityBeforeAt(secondArm_) + drift_ -
+		       first_->velocityBeforeAt(firstArm_);
+	}
 	Vec<dim> velocity() const
 	{
 		return second_->velocityAt(secondArm_) + drift_ - first_->velocityAt(firstArm_);

@@ -61,21 +61,6 @@ void tipsOnOutline(const ContactBody<dim>& body, double reach, ContactList<dim>&
 	}
 }
 
-/// Concentric: no place on the outlines tells a ball from its grain. `apart`: none of them is near.
-template <int dim>
-bool nested(const ContactBody<dim>& body, const BallSurface<dim>& ball, bool apart)
-{
-	if (body.mesh->irregular) return apart && body.encloses(ball.centre);
-	const double radius =
-		std::min(body.inradius, 0.5 * (body.box.high - body.box.low).minCoeff());
-	const double distance = (body.box.centre() - ball.centre).norm();
-	if (distance < 0.2 * std::min(radius, ball.radius)) return true;
-	// The centre of a grain that is pressed flat may be so near to what touches it (in 3D it
-	// counts as nested).
-	const bool outside = dim == 2 && body.isSurface() && !body.encloses(ball.centre);
-	return distance < radius - ball.radius && !outside;
-}
-
 } // namespace
 
 template <int dim>
@@ -84,8 +69,11 @@ void findRigidContacts(const ContactBody<dim>& body, double reach, ContactList<d
 	nodesOnSurface<dim>(body, reach, list);
 	if (body.isSurface()) tipsOnOutline<dim>(body, reach, list);
 	const auto* ball = std::get_if<BallSurface<dim>>(&list.rigid->surface);
-	if (ball && nested<dim>(body, *ball, list.contacts.empty()))
-		list.deepest = std::numeric_limits<double>::infinity();
+	if (!ball) return;
+	const bool nested = body.mesh->irregular
+				    ? list.contacts.empty() && body.encloses(ball->centre)
+				    : body.holds(ball->centre, ball->radius);
+	if (nested) list.deepest = std::numeric_limits<double>::infinity();
 }
 
 template void findRigidContacts<2>(const ContactBody<2>&, double, ContactList<2>&);

@@ -145,12 +145,8 @@ template <int dim> void carryOver(const std::vector<Contact<dim>>& last, Contact
 /// A grain inside another, or two of a size on one another: no node near an outline may tell.
 template <int dim> bool nested(const ContactBody<dim>& first, const ContactBody<dim>& second)
 {
-	auto radius = [](const ContactBody<dim>& body) {
-		return std::min(body.inradius, 0.5 * (body.box.high - body.box.low).minCoeff());
-	};
-	const double distance = (first.box.centre() - second.box.centre()).norm();
-	const double r1 = radius(first), r2 = radius(second);
-	return distance < std::max(std::abs(r1 - r2), 0.2 * std::min(r1, r2));
+	return first.holds(second.box.centre(), second.innerRadius()) ||
+	       second.holds(first.box.centre(), first.innerRadius());
 }
 
 /// The same where the centre of a box may lie outside its grain, known that no node is near an

@@ -11,19 +11,18 @@ namespace softgrain {
 /// most twice the largest of M^-1 K, so 1/sqrt(2) is safe.
 constexpr double pointVelocityTimeStepShare = 0.7071067811865476;
 
-/// Highest angular frequency of the undeformed grain, times R/c (dimensionless), by power iteration
-/// on the linearised internal force of the template (method: section 2). Raised by 1 % because the
-/// iteration approaches from below.
-template <int dim>
-double highestFrequency(const GrainTemplate<dim>& reference, Condition condition, double poisson);
+/// Highest angular frequency of a grain in its present shape, rad/s: the largest eigenvalue of
+/// M^-1 K with the tangent K as differences of internal forces, by Lanczos' iteration. Raised by 1
+/// % because the iteration approaches from below. Takes the time of 40 computations of its forces.
+template <int dim> double highestFrequency(const Batch<dim>& batch, int g);
 
 /// dt_c of the undeformed grain, s.
 template <int dim>
 double criticalTimeStep(const GrainTemplate<dim>& reference, Condition condition,
 			const GrainParameters<dim>& grain);
 
-/// The same for congruent grains; the iteration runs once for each Poisson's ratio in the life of
-/// the template.
+/// The same for congruent grains; the frequency is found once for each Poisson's ratio in the life
+/// of the template.
 template <int dim>
 std::vector<double> criticalTimeSteps(const GrainTemplate<dim>& reference, Condition condition,
 				      const std::vector<GrainParameters<dim>>& grains);

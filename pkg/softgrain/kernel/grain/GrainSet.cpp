@@ -43,6 +43,14 @@ template <int dim> void GrainSet<dim>::setRate(int, int steps)
 		throw std::logic_error("this formulation computes its forces in every step");
 }
 
+template <int dim> double GrainSet<dim>::presentVolume(int g) const
+{
+	double sum = 0;
+	for (const PointResponse<dim>& point : points(g))
+		sum += point.volume;
+	return sum;
+}
+
 template <int dim> Vec<dim> GrainSet<dim>::fallAsleep(int) { refuseSleep(); }
 
 template <int dim> void GrainSet<dim>::wake(int) { refuseSleep(); }

@@ -42,6 +42,7 @@ struct GrainState {
 	std::vector<double> rigid; ///< RigidMotion::numbers of a grain that moves rigidly, x and v
 				   ///< being what follows from it; else empty
 	std::vector<double> held;  ///< forces that act beyond the next step; else empty
+	std::vector<double> stiffening; ///< bound and share, if measured (Stiffening); else empty
 	std::vector<double> rest;  ///< RestWatch::numbers of a grain that comes to rest; else empty
 	std::vector<double> sleep; ///< System::sleepNumbers of a grain that is asleep; else empty
 };
@@ -75,6 +76,11 @@ public:
 	virtual const GrainParameters<dim>& parameters(int g) const = 0;
 	/// Of the undeformed grain without damping, s.
 	virtual double criticalTimeStep(int g) const = 0;
+	/// Square of the highest frequency as deformed now over that of the undeformed grain, or
+	/// more; at least 1.
+	virtual double stiffening(int g) const = 0;
+	/// Where it may be less than known, finds out; else returns false.
+	virtual bool measureStiffening(int) { return false; }
 	/// How much faster damping acts in the grain as deformed now, >= 1 (Damper).
 	virtual double rateStiffening(int) const { return 1; }
 
@@ -163,6 +169,8 @@ public:
 	/// 1/2 sum m v . v of the present velocities, J.
 	virtual double presentKineticEnergy(int g) const = 0;
 	virtual std::vector<PointResponse<dim>> points(int g) const = 0;
+	/// Area (volume) of all points, m^2 (m^3).
+	virtual double presentVolume(int g) const;
 	/// Positions and velocities of the background nodes (updated Lagrangian: of the material
 	/// points, since nothing persists at nodes).
 	virtual std::vector<Vec<dim>> nodePositions(int g) const = 0;

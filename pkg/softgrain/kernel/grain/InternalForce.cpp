@@ -251,11 +251,22 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 	return responses;
 }
 
+template <int dim> double presentVolume(const Batch<dim>& batch, int g)
+{
+	const std::vector<double>& volume = batch.reference->pointVolume;
+	double sum = 0;
+	visitPoints(batch, g, [&](int p, const PointLanes<dim>& point, int lane, double) {
+		sum += volume[p] * point.J[lane];
+	});
+	return batch.pointScale[g] * sum;
+}
+
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template void computeInternalForce<dim>(Batch<dim>&, int);                                 \
 	template PointResponse<dim> pointResponse<dim>(const PointLanes<dim>&, int, Condition,     \
 						       const LameConstants&);                      \
-	template std::vector<PointResponse<dim>> pointResponses<dim>(const Batch<dim>&, int);
+	template std::vector<PointResponse<dim>> pointResponses<dim>(const Batch<dim>&, int);      \
+	template double presentVolume<dim>(const Batch<dim>&, int);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)
 #undef SOFTGRAIN_INSTANTIATE

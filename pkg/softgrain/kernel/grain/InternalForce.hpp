@@ -25,5 +25,7 @@ PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Conditi
 				 const LameConstants& lame);
 /// At every material point of grain `g`.
 template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>& batch, int g);
+/// Present area (volume) sum_p Vp0 J_p, m^2 (m^3).
+template <int dim> double presentVolume(const Batch<dim>& batch, int g);
 
 } // namespace softgrain

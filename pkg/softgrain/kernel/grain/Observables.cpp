@@ -1,6 +1,9 @@
 #include "grain/Observables.hpp"
-#include "grain/BlockField.hpp"
-#include "grain/InternalForce.hpp"
+#include "material/Lanes.hpp"
+#include "reference/NodeBlocks.hpp"
+
+#include <algorithm>
+#include <cmath>
 
 namespace softgrain {
 
@@ -31,38 +34,6 @@ template <> Mat<3> spinMatrix<3>(const Vec<3>& omega)
 
 namespace {
 
-/// The components of so many vectors of the plane.
-struct PlaneLanes {
-	Lanes x, y;
-
-	void operator+=(const PlaneLanes& other)
-	{
-		x += other.x;
-		y += other.y;
-	}
-};
-PlaneLanes operator-(const PlaneLanes& a, const Vec<2>& b) { return { a.x - b[0], a.y - b[1] }; }
-PlaneLanes operator*(const Lanes& a, const PlaneLanes& b) { return { a * b.x, a * b.y }; }
-
-/// Vectors from `k` on of an array of `count`; zero behind its end.
-PlaneLanes takePlane(const Vec<2>* vectors, int k, int count)
-{
-	const double* numbers = vectors[0].data();
-	const Lanes low = detail::loadPart(numbers, 2 * k, 2 * count),
-		    high = detail::loadPart(numbers, 2 * k + laneWidth, 2 * count);
-	return { __builtin_shuffle(low, high, LaneBits { 0, 2, 4, 6, 8, 10, 12, 14 }),
-		 __builtin_shuffle(low, high, LaneBits { 1, 3, 5, 7, 9, 11, 13, 15 }) };
-}
-
-double sumOf(const Lanes& lanes)
-{
-	double sum = 0;
-	for (int l = 0; l < laneWidth; ++l)
-		sum += lanes[l];
-	return sum;
-}
-Vec<2> sumOf(const PlaneLanes& lanes) { return { sumOf(lanes.x), sumOf(lanes.y) }; }
-
 /// Nodes of a grain of the plane.
 struct PlaneNodes {
 	const std::vector<double>& mass;
@@ -83,30 +54,30 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void sumUp(const PlaneNodes& node, PlaneSums&
 {
 	const int count = node.count();
 	const Vec<2> x0 = node.x[node.middle()], v0 = node.v[node.middle()];
-	Lanes mass {}, spin {}, inertia {};
-	PlaneLanes first {}, momentum {}, reference {}, motion[2] {};
-	for (int k = 0; k < count; k += laneWidth) {
-		const Lanes m = detail::loadPart(node.mass.data(), k, count);
-		const PlaneLanes x = takePlane(node.x, k, count) - x0,
-				 v = takePlane(node.v, k, count) - v0,
-				 X = takePlane(node.X, k, count), mx = m * x;
+	FourNumbers mass = {}, spin = {}, inertia = {};
+	BlockVectors first, momentum, reference, motion[2];
+	for (int k = 0; k < count; k += nodesPerBlock) {
+		const FourNumbers m = fourOf(node.mass.data(), k, count);
+		const BlockVectors x = vectorsOf(node.x, k, count).less(x0),
+				   v = vectorsOf(node.v, k, count).less(v0),
+				   X = vectorsOf(node.X, k, count);
 		mass += m;
-		first += mx;
-		momentum += m * v;
-		reference += m * X;
-		spin += mx.x * v.y - mx.y * v.x;
-		inertia += mx.x * x.x + mx.y * x.y;
-		motion[0] += mx.x * X;
-		motion[1] += mx.y * X;
+		first.add(m, x);
+		momentum.add(m, v);
+		reference.add(m, X);
+		spin += m * x.cross(v);
+		inertia += m * x.dot(x);
+		motion[0].add(m * x.x, X);
+		motion[1].add(m * x.y, X);
 	}
 	sums.mass = sumOf(mass);
 	sums.spin = sumOf(spin);
 	sums.inertia = sumOf(inertia);
-	sums.x = sumOf(first);
-	sums.v = sumOf(momentum);
-	sums.X = sumOf(reference);
-	sums.motion.row(0) = sumOf(motion[0]);
-	sums.motion.row(1) = sumOf(motion[1]);
+	sums.x = first.sum();
+	sums.v = momentum.sum();
+	sums.X = reference.sum();
+	sums.motion.row(0) = motion[0].sum();
+	sums.motion.row(1) = motion[1].sum();
 }
 
 } // namespace
@@ -140,29 +111,75 @@ template <> WholeGrain<3> wholeGrain(const Batch<3>& batch, int g)
 	});
 }
 
+namespace {
+
+/// sum m v . w
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double sumOfProducts(const std::vector<double>& mass,
+							const Vec<2>* v, const Vec<2>* w)
+{
+	const int count = static_cast<int>(mass.size());
+	FourNumbers sum = {};
+	for (int k = 0; k < count; k += nodesPerBlock)
+		sum += fourOf(mass.data(), k, count) *
+		       vectorsOf(v, k, count).dot(vectorsOf(w, k, count));
+	return sumOf(sum);
+}
+
+double sumOfProducts(const std::vector<double>& mass, const Vec<3>* v, const Vec<3>* w)
+{
+	double sum = 0;
+	for (std::size_t I = 0; I < mass.size(); ++I)
+		sum += mass[I] * v[I].dot(w[I]);
+	return sum;
+}
+
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double largestNormOf(const Vec<2>* v, int count)
+{
+	FourNumbers squared = {};
+	for (int k = 0; k < count; k += nodesPerBlock) {
+		const BlockVectors own = vectorsOf(v, k, count);
+		const FourNumbers norm = own.dot(own);
+		squared = squared < norm ? norm : squared;
+	}
+	return std::sqrt(std::max({ squared[0], squared[1], squared[2], squared[3] }));
+}
+
+double largestNormOf(const Vec<3>* v, int count) { return largestNorm<3>(v, count); }
+
+/// What is not finite leaves no zero.
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS bool areFinite(const double* numbers, int count)
+{
+	FourNumbers sum = {};
+	for (int k = 0; k < count; k += nodesPerBlock)
+		sum += 0 * fourOf(numbers, k, count);
+	return sumOf(sum) == 0;
+}
+
+} // namespace
+
 template <int dim>
 double kineticEnergy(const Batch<dim>& batch, const NodalField<dim>& v, const NodalField<dim>& w,
 		     int g)
 {
-	double sum = 0;
-	for (int I = 0; I < batch.reference->nodes(); ++I)
-		sum += batch.nodeMass(g, I) * v.get(g, I).dot(w.get(g, I));
-	return 0.5 * sum;
+	return 0.5 * batch.massScale[g] *
+	       sumOfProducts(batch.reference->nodeMass, v.of(g), w.of(g));
 }
 
-template <int dim> double currentVolume(const Batch<dim>& batch, int g)
+template <int dim> double fastestNode(const Batch<dim>& batch, int g)
 {
-	const auto responses = pointResponses(batch, g);
-	double sum = 0;
-	for (std::size_t p = 0; p < responses.size(); ++p)
-		sum += batch.reference->pointVolume[p] * responses[p].J;
-	return sum * batch.pointScale[g];
+	return largestNormOf(batch.v.of(g), batch.reference->nodes());
+}
+
+template <int dim> bool isFinite(const NodalField<dim>& field, int g, int nodes)
+{
+	return areFinite(field.of(g)->data(), dim * nodes);
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template double kineticEnergy<dim>(const Batch<dim>&, const NodalField<dim>&,              \
 					   const NodalField<dim>&, int);                           \
-	template double currentVolume<dim>(const Batch<dim>&, int);
+	template double fastestNode<dim>(const Batch<dim>&, int);                                  \
+	template bool isFinite<dim>(const NodalField<dim>&, int, int);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)
 #undef SOFTGRAIN_INSTANTIATE

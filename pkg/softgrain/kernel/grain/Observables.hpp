@@ -44,11 +44,14 @@ template <int dim>
 double kineticEnergy(const Batch<dim>& batch, const NodalField<dim>& v, const NodalField<dim>& w,
 		     int g);
 
+/// Largest speed of a background node, m/s.
+template <int dim> double fastestNode(const Batch<dim>& batch, int g);
+
+/// Whether all components at the nodes of grain `g` are finite.
+template <int dim> bool isFinite(const NodalField<dim>& field, int g, int nodes);
+
 /// Skew matrix of a rotation rate: spin(omega) r = omega x r.
 template <int dim> Mat<dim> spinMatrix(const typename WholeGrain<dim>::Angular& omega);
-
-/// Current area (volume) sum_p Vp0 J_p, m^2 (m^3).
-template <int dim> double currentVolume(const Batch<dim>& batch, int g);
 
 // --- implementation -----------------------------------------------------------------------------
 

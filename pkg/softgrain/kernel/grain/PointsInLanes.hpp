@@ -5,29 +5,26 @@
 
 #include "grain/Batch.hpp"
 #include "grain/Strip.hpp"
+#include "material/FourNumbers.hpp"
 
 namespace softgrain {
 
 namespace detail {
 
 /// One number at rowWidth neighbours in a row of nodes.
-using Row [[gnu::vector_size(rowWidth * sizeof(double)), gnu::aligned(alignof(double)),
-	    gnu::may_alias]] = double;
-
-inline const Row& rowAt(const double* first) { return *reinterpret_cast<const Row*>(first); }
-inline Row& rowAt(double* first) { return *reinterpret_cast<Row*>(first); }
+using Row = FourNumbers;
+static_assert(rowWidth * sizeof(double) == sizeof(Row));
 
 /// The sum of the elements of each of four.
 inline Row sums(const Row& x, const Row& y, const Row& z, const Row& w)
 {
-	using Places [[gnu::vector_size(sizeof(Row))]] = long long;
 	auto halves = [](const Row& u, const Row& v) -> Row {
-		return __builtin_shuffle(u, v, Places { 0, 4, 2, 6 }) +
-		       __builtin_shuffle(u, v, Places { 1, 5, 3, 7 });
+		return __builtin_shuffle(u, v, FourPlaces { 0, 4, 2, 6 }) +
+		       __builtin_shuffle(u, v, FourPlaces { 1, 5, 3, 7 });
 	};
 	const Row xy = halves(x, y), zw = halves(z, w);
-	return __builtin_shuffle(xy, zw, Places { 0, 1, 4, 5 }) +
-	       __builtin_shuffle(xy, zw, Places { 2, 3, 6, 7 });
+	return __builtin_shuffle(xy, zw, FourPlaces { 0, 1, 4, 5 }) +
+	       __builtin_shuffle(xy, zw, FourPlaces { 2, 3, 6, 7 });
 }
 
 /// Sums over the nodes across a line: component `a` with the products `q` of PointLines::across.
@@ -65,13 +62,13 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& line
 		for (int k = 0; k < nodes; ++k)
 			for (int a = 0; a < dim; ++a) {
 				const Row value =
-					rowAt(x[a] + run.place + stepAcross<dim, order>(lines, k));
+					fourAt(x[a] + run.place + stepAcross<dim, order>(lines, k));
 				for (int q = 0; q < dim; ++q)
 					sum[q][a] += across[q * nodes + k] * value;
 			}
 		for (int i = run.begin; i < run.end; ++i) {
-			const Row value = rowAt(lines.point[i].value),
-				  slope = rowAt(lines.point[i].slope);
+			const Row value = fourAt(lines.point[i].value),
+				  slope = fourAt(lines.point[i].slope);
 			Row part[dim * dim + 3] = {}; // of F, component by component
 			for (int a = 0; a < dim; ++a) {
 				for (int q = 1; q < dim; ++q)
@@ -99,8 +96,8 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lin
 	forEachRun<dim, order>(lines, strip, [&](const auto& run, const double* across) {
 		AcrossSums<dim> sum = {};
 		for (int i = run.begin; i < run.end; ++i) {
-			const Row value = rowAt(lines.point[i].value),
-				  slope = rowAt(lines.point[i].slope);
+			const Row value = fourAt(lines.point[i].value),
+				  slope = fourAt(lines.point[i].slope);
 			const double* P = firstNumber(strip, i - stripBegin);
 			for (int a = 0; a < dim; ++a) {
 				for (int q = 1; q < dim; ++q)
@@ -112,10 +109,10 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lin
 			for (int a = 0; a < dim; ++a) {
 				double* node =
 					force[a] + run.place + stepAcross<dim, order>(lines, k);
-				Row value = rowAt(node);
+				Row value = fourAt(node);
 				for (int q = 0; q < dim; ++q)
 					value -= across[q * nodes + k] * sum[q][a];
-				rowAt(node) = value;
+				fourAt(node) = value;
 			}
 	});
 }

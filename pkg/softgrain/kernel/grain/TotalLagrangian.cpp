@@ -48,6 +48,7 @@ TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch, const Scheme& scheme)
 	, holder_(batch_.grains())
 	, computed_(batch_.grains())
 	, criticalTimeStep_(criticalTimeSteps(*batch_.reference, batch_.condition, batch_.grain))
+	, stiffening_(batch_.grains())
 	, shareSum_(largestShareSum(*batch_.reference))
 	, rigid_(batch_.grains())
 	, isRigid_(batch_.grains(), 0)
@@ -130,6 +131,15 @@ template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& s
 	return static_cast<int>(computed_.size());
 }
 
+template <int dim> bool TotalLagrangian<dim>::measureStiffening(int g)
+{
+	const double bound = batch_.report[g].stiffening;
+	if (!stiffening_[g].isDue(bound)) return false;
+	const double ratio = 0.5 * criticalTimeStep_[g] * highestFrequency(batch_, g);
+	stiffening_[g].set(bound, ratio * ratio);
+	return true;
+}
+
 /// Relative to the grain's origin.
 template <int dim> Vec<dim> TotalLagrangian<dim>::pointAt(int g, int p) const
 {
@@ -169,10 +179,8 @@ void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<
 	const double scale = kick / batch_.massScale[g];
 	const Vec<dim>*v = batch_.v.of(g), *force = batch_.force.of(g);
 	Vec<dim>* vNext = batch_.vNext.of(g);
-	for (int I = 0; I < nodes(); ++I) {
-		vNext[I] = v[I];
-		addScaled<dim>(vNext[I], scale * inverseMass[I], force[I]);
-	}
+	for (int I = 0, count = nodes(); I < count; ++I)
+		setToSum<dim>(vNext[I], v[I], scale * inverseMass[I], force[I]);
 	if (damper_ && damper_->acts(batch_, g)) damper_->addImpulses(batch_, g, kick);
 	if (!loaded) return;
 	for (int I = 0; I < nodes(); ++I)
@@ -230,12 +238,7 @@ void TotalLagrangian<dim>::applyContactImpulses(int g, const std::vector<Vec<dim
 template <int dim> bool TotalLagrangian<dim>::hasFiniteVelocities(int g) const
 {
 	if (isRigid_[g]) return rigid_[g].hasFiniteVelocities();
-	// What is not finite leaves no zero.
-	const Vec<dim>* v = batch_.vNext.of(g);
-	Vec<dim> sum = Vec<dim>::Zero();
-	for (int I = 0; I < nodes(); ++I)
-		addScaled<dim>(sum, 0, v[I]);
-	return sum.isZero(0);
+	return isFinite(batch_.vNext, g, nodes());
 }
 
 template <int dim> double TotalLagrangian<dim>::kineticEnergy(int g) const
@@ -293,9 +296,10 @@ template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
 	holder_.followMove(batch_, g, dt);
 	const Vec<dim>* vNext = batch_.vNext.of(g);
 	Vec<dim>*x = batch_.x.of(g), *v = batch_.v.of(g);
-	for (int I = 0; I < nodes(); ++I) {
+	const bool copies = !pointVelocities_;
+	for (int I = 0, count = nodes(); I < count; ++I) {
 		addScaled<dim>(x[I], dt, vNext[I]);
-		if (!pointVelocities_) v[I] = vNext[I];
+		if (copies) v[I] = vNext[I];
 	}
 }
 
@@ -310,7 +314,7 @@ constexpr double slowSpeed = 0.005;
 template <int dim> double TotalLagrangian<dim>::fastestContactNode(int g) const
 {
 	if (isRigid_[g]) return rigidBounds(g).speed;
-	const double bound = shareSum_ * largestNorm<dim>(batch_.v.of(g), nodes());
+	const double bound = shareSum_ * fastestNode(batch_, g);
 	const double slow = slowSpeed * batch_.reference->pointSpacing() * batch_.grain[g].radius /
 			    criticalTimeStep_[g];
 	if (bound <= slow) return bound;

@@ -10,6 +10,7 @@
 #include "grain/PointVelocities.hpp"
 #include "grain/RestWatch.hpp"
 #include "grain/RigidMotion.hpp"
+#include "grain/Stiffening.hpp"
 
 #include <optional>
 
@@ -29,6 +30,12 @@ public:
 	Condition condition() const override { return batch_.condition; }
 	const GrainParameters<dim>& parameters(int g) const override { return batch_.grain[g]; }
 	double criticalTimeStep(int g) const override { return criticalTimeStep_[g]; }
+
+	double stiffening(int g) const override
+	{
+		return stiffening_[g].value(batch_.report[g].stiffening);
+	}
+	bool measureStiffening(int g) override;
 
 	bool isRigid(int g) const override { return isRigid_[g]; }
 	bool mayMoveRigidly(int g) const override;
@@ -88,6 +95,11 @@ public:
 		writeNodes(g);
 		return pointResponses(batch_, g);
 	}
+	double presentVolume(int g) const override
+	{
+		writeNodes(g);
+		return softgrain::presentVolume(batch_, g);
+	}
 	std::vector<Vec<dim>> nodePositions(int g) const override;
 	std::vector<Vec<dim>> nodeVelocities(int g) const override;
 	void place(int g, const Mat<dim>& rotation, const Vec<dim>& velocity,
@@ -132,6 +144,7 @@ private:
 	ForceHolder<dim> holder_;
 	std::vector<int> computed_;            ///< grains in the active blocks of the batch
 	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
+	std::vector<Stiffening> stiffening_;
 	double shareSum_; ///< largest sum of sizes of the shares of a contact node
 
 	/// Up to which a grain may move rigidly.

@@ -99,6 +99,7 @@ void TotalLagrangian<dim>::place(int g, const Mat<dim>& rotation, const Vec<dim>
 	wake(g);
 	nodesWritten_[g] = 1;
 	holder_.forget(g);
+	stiffening_[g] = {};
 	batch_.place(g, rotation, velocity, spin);
 	if (!pointVelocities_) return;
 	pointVelocities_->takeFromNodes(batch_, g);
@@ -132,6 +133,7 @@ template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
 	if (isRigid_[g]) s.rigid = rigid_[g].numbers();
 	s.held = heldForces(g);
 	s.rest = restNumbers(g);
+	if (stiffening_[g].isMeasured()) s.stiffening = stiffening_[g].numbers();
 	auto append = [](std::vector<double>& list, const Vec<dim>& value) {
 		list.insert(list.end(), value.data(), value.data() + dim);
 	};
@@ -158,6 +160,11 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 	}
 	isRigid_[g] = !s.rigid.empty();
 	restoreRest(g, s.rest);
+	stiffening_[g] = {};
+	if (!s.stiffening.empty()) {
+		requireSize("stiffening", s.stiffening, Stiffening::numberCount);
+		stiffening_[g] = Stiffening::fromNumbers(s.stiffening);
+	}
 	++this->changesOfActivity_;
 	nodesWritten_[g] = 1;
 	for (int I = 0; I < nodes(); ++I)

@@ -31,6 +31,10 @@ public:
 
 	int updateForces(const ForceSchedule& schedule) override;
 	const BulkReport& report(int g) const override { return grain_[g].report; }
+	double stiffening(int g) const override
+	{
+		return std::max(1., grain_[g].report.stiffening);
+	}
 	void predictVelocities(int g, double kick, const BodyLoad<dim>& load) override;
 	ContactMobility<dim> contactMobility(int g) override;
 	void contactVelocities(int g, std::vector<Vec<dim>>& at) const override;

@@ -15,21 +15,17 @@ BlockRows::BlockRows(const SparseRows<double>& rows, int nodes)
 		for (int k = rows.begin(row); k < rows.end(row); ++k)
 			entries.emplace_back(rows.column[k], rows.value[k]);
 		std::sort(entries.begin(), entries.end());
-		int block = 0, end = 0; // of the row; node behind the last block
+		int end = 0; // node behind the last block of the row
 		for (const auto& [node, weight] : entries) {
-			if (block == 0 || node >= end) {
+			if (node >= end) {
 				const int first = std::min(node, nodes - nodesPerBlock);
-				if (block % 2 == 0)
-					pair_.push_back(Pair { Lanes {}, { first, first } });
-				pair_.back().node[block % 2] = first;
+				block_.push_back({ {}, first });
 				end = first + nodesPerBlock;
-				++block;
 			}
-			const int place = (block - 1) % 2;
-			Pair& pair = pair_.back();
-			pair.weight[place * nodesPerBlock + node - pair.node[place]] += weight;
+			Block& block = block_.back();
+			block.weight.of[node - block.node] += weight;
 		}
-		begin_.push_back(static_cast<int>(pair_.size()));
+		begin_.push_back(static_cast<int>(block_.size()));
 	}
 }
 

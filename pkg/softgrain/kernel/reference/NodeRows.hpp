@@ -3,7 +3,7 @@
 #pragma once
 
 #include "Vector.hpp"
-#include "material/Lanes.hpp"
+#include "reference/NodeBlocks.hpp"
 #include "reference/SparseRows.hpp"
 
 #include <type_traits>
@@ -11,7 +11,7 @@
 namespace softgrain {
 
 /// 2D: nodes of a row of the grid follow one another, so that the nodes of a stencil are some
-/// *blocks* of four nodes side by side, each with both components in one Lanes.
+/// blocks.
 class BlockRows {
 public:
 	BlockRows() = default;
@@ -25,24 +25,13 @@ public:
 	void spread(int row, const Vec<2>& J, Vec<2>* field) const;
 
 private:
-	static constexpr int nodesPerBlock = laneWidth / 2;
-	/// Two blocks, of which the second may be without weights.
-	struct Pair {
-		Lanes weight;
-		int node[2]; ///< first one of each block
+	struct Block {
+		BlockWeights weight;
+		int node; ///< first one
 	};
 
-	static Lanes weightsOfFirst(const Lanes& weight)
-	{
-		return __builtin_shuffle(weight, LaneBits { 0, 0, 1, 1, 2, 2, 3, 3 });
-	}
-	static Lanes weightsOfSecond(const Lanes& weight)
-	{
-		return __builtin_shuffle(weight, LaneBits { 4, 4, 5, 5, 6, 6, 7, 7 });
-	}
-
-	std::vector<int> begin_ { 0 }; ///< of the pairs of each row
-	std::vector<Pair> pair_;
+	std::vector<int> begin_ { 0 }; ///< of the blocks of each row
+	std::vector<Block> block_;
 };
 
 /// 3D: node by node.
@@ -78,28 +67,26 @@ template <int dim> using NodeRows = std::conditional_t<dim == 2, BlockRows, Plai
 inline Vec<2> BlockRows::sum(int row, const Vec<2>* field) const
 {
 	const double* f = field[0].data();
-	Lanes sum = {};
+	FourNumbers sum[2] = {};
 	for (int k = begin_[row]; k < begin_[row + 1]; ++k) {
-		const Pair& pair = pair_[k];
-		sum += weightsOfFirst(pair.weight) * loadLanes(f + 2 * pair.node[0]);
-		sum += weightsOfSecond(pair.weight) * loadLanes(f + 2 * pair.node[1]);
+		const Block& block = block_[k];
+		forTwoNodes(block.weight.all(), [&](int place, const FourNumbers& weight) {
+			sum[place / nodesPerBlock] += weight * fourAt(f + 2 * block.node + place);
+		});
 	}
-	sum += __builtin_shuffle(sum, LaneBits { 4, 5, 6, 7, 0, 1, 2, 3 });
-	return { sum[0] + sum[2], sum[1] + sum[3] };
+	sum[0] += sum[1];
+	return { sum[0][0] + sum[0][2], sum[0][1] + sum[0][3] };
 }
 
 inline void BlockRows::spread(int row, const Vec<2>& J, Vec<2>* field) const
 {
-	const Lanes both = { J[0], J[1], J[0], J[1], J[0], J[1], J[0], J[1] };
+	const FourNumbers both = { J[0], J[1], J[0], J[1] };
 	double* f = field[0].data();
-	auto add = [&](int node, const Lanes& weight) {
-		double* at = f + 2 * node;
-		storeLanes(at, loadLanes(at) + weight * both);
-	};
 	for (int k = begin_[row]; k < begin_[row + 1]; ++k) {
-		const Pair& pair = pair_[k];
-		add(pair.node[0], weightsOfFirst(pair.weight));
-		add(pair.node[1], weightsOfSecond(pair.weight));
+		const Block& block = block_[k];
+		forTwoNodes(block.weight.all(), [&](int place, const FourNumbers& weight) {
+			fourAt(f + 2 * block.node + place) += weight * both;
+		});
 	}
 }
 

@@ -88,20 +88,16 @@ OutlineMobility::OutlineMobility(const OutlineMesh<2>& mesh, const SparseRows<do
 		ownOfFacet_.push_back(block(delassus, carrier.back()));
 		place(carrier.back(), beginOfFacet_);
 	}
-	width_ = (longest + 1) / 2;
+	width_ = longest;
 
-	// Entry of the k-th pair of blocks of a row; places without a node, and those behind a row
-	// that goes once round, are zero.
+	// Of the k-th block of a row; places without a node are zero.
 	auto entries = [&](int node, int begin, int k) {
-		Lanes W {};
-		for (int i = 0; i < laneWidth; ++i) {
-			const int slot = k * laneWidth + i;
-			const int column =
-				(begin * nodesPerBlock + slot) % (blocks_ * nodesPerBlock);
-			if (slot < blocks_ * nodesPerBlock && column < nodes)
-				W[i] = entry(delassus, node, column);
+		BlockWeights W;
+		for (int i = 0; i < nodesPerBlock; ++i) {
+			const int column = (begin + k) % blocks_ * nodesPerBlock + i;
+			if (column < nodes) W.of[i] = entry(delassus, node, column);
 		}
-		return LaneSlot { W };
+		return W;
 	};
 	for (int s = 0; s < nodes; ++s)
 		for (int k = 0; k < width_; ++k)

@@ -2,14 +2,14 @@
 // a place over a facet, does to the velocities of all contact nodes.
 #pragma once
 
-#include "material/Lanes.hpp"
+#include "reference/NodeBlocks.hpp"
 #include "reference/Outline.hpp"
 #include "reference/SparseRows.hpp"
 
 namespace softgrain {
 
 /// 2D: nodes that feel each other follow one another along the outline, so that what an impulse
-/// moves are some *blocks* of four nodes side by side, the first block following the last one:
+/// moves are some blocks side by side, the first block following the last one:
 /// where the number of nodes is no multiple of four, velocities have room for those that are
 /// missing in the last block (`padding`).
 class OutlineMobility {
@@ -32,15 +32,14 @@ public:
 
 private:
 	static constexpr int carriers = mostPartners<2>;
-	static constexpr int nodesPerBlock = laneWidth / 2;
 
 	template <class Row> void pushRow(Vec<2>* v, int begin, const Vec<2>& J, Row&& row) const;
 
 	int blocks_ = 0;                              ///< of the ring
-	int width_ = 0;                               ///< of a row, in pairs of blocks
+	int width_ = 0;                               ///< of a row, in blocks
 	std::vector<int> beginOfNode_, beginOfFacet_; ///< first block of the row
-	std::vector<LaneSlot> rowOfNode_;             ///< [node][pair of blocks]
-	std::vector<LaneSlot> rowOfFacet_;            ///< [facet][pair of blocks][carrier]
+	std::vector<BlockWeights> rowOfNode_;         ///< [node][block]
+	std::vector<BlockWeights> rowOfFacet_;        ///< [facet][block][carrier]
 	std::vector<double> ownOfNode_;
 	std::vector<std::array<std::array<double, carriers>, carriers>> ownOfFacet_;
 };
@@ -101,38 +100,35 @@ inline double FacetMobility::ofPlace(int facet, const Shares& share) const
 	return detail::quadraticForm(ownOfFacet_[facet], share);
 }
 
-/// row(k) is the row of W at the k-th pair of its blocks.
+/// row(k) is the row of W at the k-th of its blocks.
 template <class Row>
 void OutlineMobility::pushRow(Vec<2>* v, int begin, const Vec<2>& J, Row&& row) const
 {
-	const Lanes both = { J[0], J[1], J[0], J[1], J[0], J[1], J[0], J[1] };
+	const FourNumbers both = { J[0], J[1], J[0], J[1] };
 	double* ring = v[0].data();
 	int block = begin;
-	auto push = [&](const Lanes& W) {
-		double* at = ring + block * laneWidth;
-		storeLanes(at, loadLanes(at) + W * both);
-		block = block + 1 < blocks_ ? block + 1 : 0;
-	};
 	for (int k = 0; k < width_; ++k) {
-		const Lanes W = row(k);
-		push(__builtin_shuffle(W, LaneBits { 0, 0, 1, 1, 2, 2, 3, 3 }));
-		push(__builtin_shuffle(W, LaneBits { 4, 4, 5, 5, 6, 6, 7, 7 }));
+		double* first = ring + block * numbersPerBlock;
+		forTwoNodes(row(k), [&](int place, const FourNumbers& W) {
+			fourAt(first + place) += W * both;
+		});
+		block = block + 1 < blocks_ ? block + 1 : 0;
 	}
 }
 
 inline void OutlineMobility::push(Vec<2>* v, int node, const Vec<2>& J) const
 {
-	const LaneSlot* W = &rowOfNode_[node * width_];
-	pushRow(v, beginOfNode_[node], J, [W](int k) { return W[k].value; });
+	const BlockWeights* W = &rowOfNode_[node * width_];
+	pushRow(v, beginOfNode_[node], J, [W](int k) { return W[k].all(); });
 }
 
 inline void OutlineMobility::push(Vec<2>* v, int facet, const Shares& share, const Vec<2>& J) const
 {
-	const LaneSlot* W = &rowOfFacet_[facet * width_ * carriers];
+	const BlockWeights* W = &rowOfFacet_[facet * width_ * carriers];
 	pushRow(v, beginOfFacet_[facet], J, [&](int k) {
-		Lanes sum = share[0] * W[k * carriers].value;
+		FourNumbers sum = share[0] * W[k * carriers].all();
 		for (int i = 1; i < carriers; ++i)
-			sum += share[i] * W[k * carriers + i].value;
+			sum += share[i] * W[k * carriers + i].all();
 		return sum;
 	});
 }

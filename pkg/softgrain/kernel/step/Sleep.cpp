@@ -61,13 +61,9 @@ template <int dim> void System<dim>::restoreSleep(int g, const std::vector<doubl
 
 template <int dim> void System<dim>::measureSleepers()
 {
-	sleepersStiffening_ = sleepersRateStiffening_ = 1;
-	for (int g : asleep_) {
-		const GrainSet<dim>& set = setOf(g);
-		const int k = indexInSet(g);
-		sleepersStiffening_ = std::max(sleepersStiffening_, set.report(k).stiffening);
-		sleepersRateStiffening_ = std::max(sleepersRateStiffening_, set.rateStiffening(k));
-	}
+	sleepersTimeStep_ = std::numeric_limits<double>::infinity();
+	for (int g : asleep_)
+		sleepersTimeStep_ = std::min(sleepersTimeStep_, presentTimeStepOf(g));
 }
 
 /// Whether the bodies of a sleeping pair are still where they were.

@@ -14,10 +14,7 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 	const GrainTemplate<dim>& reference = set->reference();
 	for (int k = 0; k < set->grains(); ++k) {
 		place_.push_back({ static_cast<int>(sets_.size()), k });
-		if (set->parameters(k).damping.acts())
-			damped_.push_back(grains() - 1);
-		else
-			undampedTimeStep_ = std::min(undampedTimeStep_, set->criticalTimeStep(k));
+		if (set->parameters(k).damping.acts()) damped_.push_back(grains() - 1);
 		const double radius = set->parameters(k).radius;
 		ContactBody<dim> body;
 		body.mesh = &reference.contactMesh;
@@ -39,20 +36,13 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 	resting_.resize(place_.size(), -1);
 	surface_.resize(place_.size());
 	sets_.push_back(std::move(set));
-	rate_.resize(place_.size(), 1);
+	for (int g = static_cast<int>(rate_.size()); g < grains(); ++g) {
+		rate_.push_back(1);
+		undeformedTimeStep_ = std::min(undeformedTimeStep_, timeStepOf(g, 1, 1));
+	}
 	ratesChosen_ = false;
 	listGrains();
 	forcesFresh_ = false;
-}
-
-template <int dim> void System<dim>::measureTimeSteps()
-{
-	undampedTimeStep_ = std::numeric_limits<double>::infinity();
-	for (int g = 0; g < grains(); ++g)
-		if (!setOf(g).parameters(indexInSet(g)).damping.acts())
-			undampedTimeStep_ =
-				std::min(undampedTimeStep_,
-					 setOf(g).criticalTimeStep(indexInSet(g)) / rate_[g]);
 }
 
 template <int dim> void System<dim>::setMultirate(bool on)
@@ -60,19 +50,20 @@ template <int dim> void System<dim>::setMultirate(bool on)
 	if (ratesChosen_ && on == multirate_) return;
 	multirate_ = on;
 	ratesChosen_ = true;
-	std::vector<double> timeSteps;
-	for (int g = 0; g < grains(); ++g) {
-		const GrainSet<dim>& set = setOf(g);
-		const int k = indexInSet(g);
-		timeSteps.push_back(
-			dampedTimeStep(set.criticalTimeStep(k), set.parameters(k).damping, 1, 1));
+	rate_.assign(grains(), 1);
+	if (on) {
+		std::vector<double> timeSteps;
+		for (int g = 0; g < grains(); ++g)
+			timeSteps.push_back(timeStepOf(g, 1, 1));
+		rate_ = ratesOf(timeSteps);
 	}
-	rate_ = on ? ratesOf(timeSteps) : std::vector<int>(grains(), 1);
 	for (int g = 0; g < grains(); ++g)
 		setOf(g).setRate(indexInSet(g), rate_[g]);
 	for (const auto& set : sets_)
 		set->arrangeGrains();
-	measureTimeSteps();
+	undeformedTimeStep_ = std::numeric_limits<double>::infinity();
+	for (int g = 0; g < grains(); ++g)
+		undeformedTimeStep_ = std::min(undeformedTimeStep_, timeStepOf(g, 1, 1));
 	forcesFresh_ = false;
 }
 
@@ -144,24 +135,43 @@ void System<dim>::chooseRigidGrains(const std::vector<char>& touched, const Step
 	listGrains();
 }
 
+/// Critical step of a grain with its damping over its rate, s.
 template <int dim>
-double System<dim>::criticalTimeStep(double stiffening, double rateStiffening) const
+double System<dim>::timeStepOf(int g, double stiffening, double rateStiffening) const
 {
-	double smallest = undampedTimeStep_ / std::sqrt(stiffening);
-	for (int g : damped_) {
-		const GrainSet<dim>& set = setOf(g);
-		const int k = indexInSet(g);
-		smallest = std::min(smallest, dampedTimeStep(set.criticalTimeStep(k),
-							     set.parameters(k).damping, stiffening,
-							     rateStiffening) /
-						      rate_[g]);
-	}
-	return smallest;
+	const GrainSet<dim>& set = setOf(g);
+	const int k = indexInSet(g);
+	return dampedTimeStep(set.criticalTimeStep(k), set.parameters(k).damping, stiffening,
+			      rateStiffening) /
+	       rate_[g];
 }
 
-template <int dim> double System<dim>::presentCriticalTimeStep() const
+template <int dim> double System<dim>::presentTimeStepOf(int g) const
 {
-	const double ofGrains = criticalTimeStep(stiffening(), rateStiffening());
+	const GrainSet<dim>& set = setOf(g);
+	const int k = indexInSet(g);
+	return timeStepOf(g, set.stiffening(k), set.rateStiffening(k));
+}
+
+template <int dim> double System<dim>::deformedTimeStep()
+{
+	for (;;) {
+		double smallest = std::min(undeformedTimeStep_, sleepersTimeStep_);
+		int smallestOf = -1;
+		for (int g : active_) {
+			const double own = presentTimeStepOf(g);
+			if (own >= smallest) continue;
+			smallest = own;
+			smallestOf = g;
+		}
+		if (smallestOf < 0 || !setOf(smallestOf).measureStiffening(indexInSet(smallestOf)))
+			return smallest;
+	}
+}
+
+template <int dim> double System<dim>::presentCriticalTimeStep()
+{
+	const double ofGrains = deformedTimeStep();
 	if (continuation_.bondRate == 0) return ofGrains; // infinite without grains
 	return ofGrains / std::sqrt(1 + 0.25 * ofGrains * ofGrains * continuation_.bondRate);
 }
@@ -222,22 +232,6 @@ template <int dim> void System<dim>::updateForces(int threads)
 		if (point >= 0) throw StepError(g, point, whatStopped(setOf(g), indexInSet(g)));
 	}
 	forcesFresh_ = true;
-}
-
-template <int dim> double System<dim>::stiffening() const
-{
-	double largest = sleepersStiffening_;
-	for (int g : active_)
-		largest = std::max(largest, setOf(g).report(indexInSet(g)).stiffening);
-	return largest;
-}
-
-template <int dim> double System<dim>::rateStiffening() const
-{
-	double largest = sleepersRateStiffening_;
-	for (int g : damped_)
-		largest = std::max(largest, setOf(g).rateStiffening(indexInSet(g)));
-	return largest;
 }
 
 /// (With the length of this step alone, a step that follows the deformation would pump energy into
@@ -326,7 +320,6 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	PhaseClock silent;
 	PhaseClock& clock = settings.clock ? *settings.clock : silent;
 	if (!forcesFresh_) updateForces(settings.threads);
-	report.stiffening = stiffening();
 	report.kick = lastKick_ = kickTime(settings.dt);
 
 	// The sweep order is part of the result: it must not depend on who found which contact

@@ -67,8 +67,7 @@ struct WorkCounts {
 struct StepReport {
 	SolverReport solver;
 	WorkCounts work;
-	double deepest = 0;    ///< largest overlap of the step, in dr
-	double stiffening = 1; ///< largest over all grains
+	double deepest = 0; ///< largest overlap of the step, in dr
 	double kick = 0; ///< time over which the forces at t_n acted; impulse / kick is a force, s
 	int activeGrains = 0; ///< computed, not moved as rigid bodies nor asleep
 	int sleepingGrains = 0;
@@ -158,9 +157,10 @@ public:
 		energy_ = c.sums;
 	}
 	/// Smallest critical time step over the grains, undeformed, with their damping, s.
-	double criticalTimeStep() const { return criticalTimeStep(1, 1); }
-	/// The same as deformed now: with the largest stiffening of all grains.
-	double presentCriticalTimeStep() const;
+	double criticalTimeStep() const { return undeformedTimeStep_; }
+	/// The same as deformed now, and with the bonds between grains. Grains that would shorten
+	/// it are measured.
+	double presentCriticalTimeStep();
 
 	/// Whether forces of grains with a longer critical step are computed in every so many steps
 	/// only: as often as fits into their own undeformed critical step. To be called after all
@@ -180,8 +180,6 @@ public:
 	/// Internal forces and tangent stiffening of the present positions; throws StepError for an
 	/// inverted point. `step` uses them if they are fresh.
 	void updateForces(int threads);
-	double stiffening() const;
-	double rateStiffening() const; ///< largest GrainSet::rateStiffening
 
 	/// Time over which the forces of a step of dt act, s: they act from the middle of the last
 	/// step to the middle of this one.
@@ -237,7 +235,6 @@ private:
 	void chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings);
 	void listGrains();
 	std::vector<int> ratesOf(const std::vector<double>& timeSteps) const;
-	void measureTimeSteps();
 
 	bool liesStill(const ContactList<dim>& list) const;
 	void wakeGrains(const std::vector<ContactList<dim>*>& lists, double kick, bool sleep);
@@ -247,7 +244,9 @@ private:
 	void fallAsleep(const std::vector<ContactList<dim>*>& lists, StepReport& report);
 	void measureSleepers();
 
-	double criticalTimeStep(double stiffening, double rateStiffening) const;
+	double timeStepOf(int g, double stiffening, double rateStiffening) const;
+	double presentTimeStepOf(int g) const;
+	double deformedTimeStep();
 	void renewOutline(int g);
 	void followMotion(int g, double dt);
 	void updateGridNodes(int g) const;
@@ -274,7 +273,10 @@ private:
 	std::vector<int> awake_;   ///< active and rigid
 	std::vector<int> rested_;  ///< falling asleep in the step at hand
 	std::vector<int> resting_; ///< by sleeping grain: its pairs in contact; -1: woken
-	double sleepersStiffening_ = 1, sleepersRateStiffening_ = 1; ///< largest
+	/// Critical steps of the undeformed grains and of the sleeping ones as deformed, the
+	/// smallest, s.
+	double undeformedTimeStep_ = std::numeric_limits<double>::infinity(),
+	       sleepersTimeStep_ = std::numeric_limits<double>::infinity();
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
 	std::vector<RigidPartner<dim>> free_;     ///< the same before the solve, for their balance
@@ -282,8 +284,6 @@ private:
 	std::vector<int> rate_; ///< by grain
 	bool multirate_ = false, ratesChosen_ = false;
 	std::vector<int> damped_; ///< grains with damping
-	/// Smallest undeformed critical step over the rate of the others, s.
-	double undampedTimeStep_ = std::numeric_limits<double>::infinity();
 	ContactSolver<dim> solver_;
 	std::vector<char> finite_;    ///< by grain, of the step at hand
 	std::vector<double> kinetic_; ///< by grain, J; only where energies are tracked

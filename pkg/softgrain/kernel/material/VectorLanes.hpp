@@ -1,19 +1,10 @@
 // Vectors of the plane, one in every lane.
 #pragma once
 
-#include "material/Lanes.hpp"
-
-#include <cmath>
+#include "Vector.hpp"
+#include "material/LaneMath.hpp"
 
 namespace softgrain {
-
-inline Lanes rootOf(const Lanes& x)
-{
-	Lanes root;
-	for (int i = 0; i < laneWidth; ++i)
-		root[i] = std::sqrt(x[i]);
-	return root;
-}
 
 inline Lanes withinUnit(const Lanes& t)
 {
@@ -30,7 +21,7 @@ struct VectorLanes {
 	Lanes squaredNorm() const { return dot(*this); }
 	VectorLanes normalized() const
 	{
-		const Lanes length = rootOf(squaredNorm());
+		const Lanes length = sqrtOf(squaredNorm());
 		return { x / length, y / length };
 	}
 };

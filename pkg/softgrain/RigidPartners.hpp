@@ -1,0 +1,47 @@
+// Rigid bodies in the contacts of a step: what NewtonIntegrator will do with them, and what the
+// step does to them besides.
+#pragma once
+
+#include "PeriodicCell.hpp"
+#include "assembly/RigidDescriptions.hpp"
+
+#include <vector>
+
+namespace yade {
+
+/// The bodies that touch something in the step at hand, numbered as contacts name them. A member of
+/// a clump stands for its clump, whose motion it has.
+class RigidPartners {
+public:
+	/// Forgets those of the last step. `flow` is that of the cell in the step at hand; scene
+	/// and integrator must outlive the step. O.forces hold by now all that acts on the bodies
+	/// besides contact dynamics.
+	void begin(Scene& scene, const NewtonIntegrator& newton, const CellFlow& flow);
+
+	/// Number of a body, which is described when first asked for. Throws std::runtime_error for
+	/// one that NewtonIntegrator would not move by exactly the impulses it gets.
+	int numberOf(const Body& body);
+	/// Those that touch nothing as well, for a balance of energies that knows their flight.
+	void addFreeBodies();
+	/// Whether forces change the motion of a body.
+	bool isFree(const Body& body) const;
+
+	/// By number; the step leaves in them how far bodies that overlap are to be moved apart.
+	std::vector<softgrain::RigidMotionDescription>& motions() { return motions_; }
+	bool isHeld(int number) const;
+	/// Out of overlaps, besides what NewtonIntegrator will do; it takes members of clumps
+	/// along.
+	void moveApart() const;
+
+private:
+	const Body& moverOf(const Body& body) const;
+
+	Scene* scene_ = nullptr;
+	const NewtonIntegrator* newton_ = nullptr;
+	CellFlow flow_;
+	std::vector<softgrain::RigidMotionDescription> motions_;
+	std::vector<int> movers_;   ///< ids of the bodies that move so
+	std::vector<int> numberOf_; ///< by id; -1: none
+};
+
+} // namespace yade

@@ -1,0 +1,178 @@
+#include "SoftBodies.hpp"
+#include "SceneAssembly.hpp"
+#include "SoftGrain.hpp"
+#include "SoftMat.hpp"
+#include "Threads.hpp"
+
+namespace yade {
+
+using softgrain::Rotation;
+using softgrain::Vec3;
+
+namespace {
+
+/// What NewtonIntegrator's own sums leave between State and what was written, and more than that of
+/// a user's change that is worth an answer: lengths over the radius, angles in rad.
+constexpr Real lengthRounding = 1e-9, angleRounding = 1e-9;
+/// Squared difference of quaternions within `angleRounding`.
+constexpr Real quaternionRounding = 1e-19;
+/// Over the distance from the origin and over the speed of the grain.
+constexpr Real placeRounding = 1e-14, speedRounding = 1e-12;
+/// Over the spin of the grain.
+constexpr Real spinRounding = 1e-9;
+
+/// How far a shift may be from whole periods, over the radius.
+constexpr Real wrapTolerance = 1e-6;
+
+/// A rotation within a step that is none, rad.
+constexpr Real noTurn = 1e-16;
+
+/// Outlines leave their boxes when they are as near to its sides as this, over the spacing of
+/// material points: contacts start before touch.
+constexpr Real boxMargin = 0.1;
+
+/// Up to the rounding of Newton's integrator, which adds vel dt to pos and turns ori: the usual
+/// case, told apart at little cost. False where a value is not finite.
+bool isAsWritten(const State& state, const softgrain::GrainMotion& written, Real radius)
+{
+	return state.vel == written.velocity && state.angVel == written.angularVelocity &&
+	       (state.pos - written.position).squaredNorm() <=
+		       lengthRounding * lengthRounding * radius * radius &&
+	       (state.ori.coeffs() - written.orientation.coeffs()).squaredNorm() <=
+		       quaternionRounding;
+}
+
+void requireFinite(const Body& body)
+{
+	const State& state = *body.state;
+	for (const Vector3r& v : { state.pos, state.vel, state.angVel })
+		if (!v.allFinite())
+			throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
+						 ": its State (pos, vel, angVel) holds a value "
+						 "that is not finite; assign a finite one");
+}
+
+} // namespace
+
+std::set<int> SoftBodies::applyUserMotions(const NewtonIntegrator& newton, int threads) const
+{
+	const int count = assembly_.grains();
+	std::vector<char> changed(count);
+#pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
+	for (int g = 0; g < count; ++g) {
+		const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
+		const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+		changed[g] = !isAsWritten(*body.state, grain.written, grain.radius);
+	}
+	std::set<int> wrapped;
+	for (int g = 0; g < count; ++g)
+		if (changed[g] && applyUserMotion(g, newton)) wrapped.insert(assembly_.idOf(g));
+	return wrapped;
+}
+
+/// Whether the grain was shifted by whole periods.
+bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
+{
+	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
+	const State& state = *body.state;
+	const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+	const softgrain::GrainMotion& written = grain.written;
+	const Real radius = grain.radius;
+	requireFinite(body);
+	const Vec3 shift = state.pos - written.position;
+	const Rotation turn = state.ori * written.orientation.conjugate();
+	Vec3 velocity = state.vel - written.velocity;
+	const Vec3 spin = state.angVel - written.angularVelocity;
+	const bool moved =
+		shift.norm() > lengthRounding * radius + placeRounding * state.pos.norm();
+	const bool wrapped = moved && followWrap(scene_, body, shift, wrapTolerance * radius);
+	if (wrapped) velocity += newton.prevVelGrad * shift; // its image has it
+	const bool turned = turn.vec().norm() > angleRounding;
+	const bool pushed = velocity.norm() > speedRounding * state.vel.norm();
+	const bool spun = spin.norm() > spinRounding * state.angVel.norm() &&
+			  spin.norm() * radius > speedRounding * state.vel.norm();
+	if (moved || turned || pushed || spun)
+		assembly_.moveRigidly(g, turned ? turn : Rotation(Rotation::Identity()),
+				      moved ? shift : Vec3(Vec3::Zero()),
+				      pushed ? velocity : Vec3(Vec3::Zero()),
+				      spun ? spin : Vec3(Vec3::Zero()));
+	return wrapped;
+}
+
+void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow) const
+{
+	scene_.forces.sync();
+	const Real dt = scene_.dt, kick = assembly_.kickTime(dt);
+	for (int g = 0; g < assembly_.grains(); ++g) {
+		const int id = assembly_.idOf(g);
+		const Vector3r force = scene_.forces.getForce(id),
+			       torque = scene_.forces.getTorque(id);
+		Vec3 angular = Vec3::Zero();
+		Vec3 acceleration = newton.gravity / materialOf(scene_, id).massScaling;
+		if (!force.isZero(0) || !torque.isZero(0)) {
+			const auto motion = assembly_.motion(g);
+			acceleration += force / motion.mass;
+			angular = torque / motion.inertia;
+		}
+		if (!flow.isZero()) {
+			const State& state = *(*scene_.bodies)[id]->state;
+			acceleration += flow.added(state.pos, state.vel, dt) / kick;
+			angular += flow.spinChange / kick;
+		}
+		assembly_.setLoad(g, acceleration, angular);
+	}
+}
+
+void SoftBodies::publishMotions(const CellFlow& flow, int threads) const
+{
+	const int count = assembly_.grains();
+#pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
+	for (int g = 0; g < count; ++g) {
+		SoftGrain& grain = grainOf(scene_, assembly_.idOf(g));
+		const bool asleep = assembly_.isAsleep(g);
+		const bool known = asleep && grain.writtenAsleep;
+		grain.writtenAsleep = asleep;
+		if (!known) publishMotion(g, flow);
+	}
+}
+
+void SoftBodies::publishMotion(int g, const CellFlow& flow) const
+{
+	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
+	const Real dt = scene_.dt;
+	State& state = *body.state;
+	softgrain::GrainMotion& written = static_cast<SoftGrain&>(*body.shape).written;
+	written = assembly_.motion(g);
+	state.angVel = written.angularVelocity - flow.spinChange;
+	state.mass = written.mass;
+	state.inertia = Vector3r::Constant(written.inertia);
+	state.pos = written.position - dt * written.velocity;
+	state.vel = flow.before(state.pos, written.velocity, dt);
+	const Real rate = written.angularVelocity.norm();
+	const Rotation turn =
+		rate * dt > noTurn
+			? Rotation(Eigen::AngleAxisd(-rate * dt, written.angularVelocity / rate))
+			: Rotation(Rotation::Identity());
+	state.ori = turn * written.orientation;
+}
+
+bool SoftBodies::needCollider(Real reach) const
+{
+	for (int g = 0; g < assembly_.grains(); ++g)
+		if (!assembly_.isAsleep(g) && !isInItsBox(g, reach))
+			return true; // asleep: as before
+	return false;
+}
+
+bool SoftBodies::isInItsBox(int g, Real reach) const
+{
+	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
+	if (!body.bound) return true;
+	const Real margin = boxMargin * assembly_.pointSpacing(g) + reach;
+	const softgrain::Box<3> box { body.bound->min, body.bound->max };
+	if (!scene_.isPeriodic) return assembly_.isInside(g, box, margin);
+	const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+	return assembly_.isInside(g, box, margin, toBoxes(scene_, grain.boundCell));
+}
+
+} // namespace yade

@@ -1,0 +1,42 @@
+// Soft grains as bodies of YADE: what others did to their State and put into O.forces goes to the
+// assembly, and what the step made of the grains comes back to State and to the collider.
+#pragma once
+
+#include "PeriodicCell.hpp"
+
+#include <set>
+
+namespace yade {
+
+/// The bodies of the soft grains of an assembly, for one step.
+class SoftBodies {
+public:
+	SoftBodies(Scene& scene, softgrain::GrainAssembly& assembly)
+		: scene_(scene)
+		, assembly_(assembly)
+	{
+	}
+
+	/// Changes of State since it was written are the user's: they act as rigid motions. Returns
+	/// the ids of the grains that were shifted by whole periods. Throws std::runtime_error for
+	/// values that are not finite.
+	std::set<int> applyUserMotions(const NewtonIntegrator& newton, int threads) const;
+	/// Gravity, O.forces and the flow of a periodic cell as body loads.
+	void applyLoads(const NewtonIntegrator& newton, const CellFlow& flow) const;
+	/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt
+	/// to pos, and turns ori by angVel dt; it lands on the grain.
+	void publishMotions(const CellFlow& flow, int threads) const;
+	/// Whether an outline is about to leave the box that the collider knows, which watches
+	/// State.pos only. `reach`: gap at which contact may start beyond the usual, m.
+	bool needCollider(Real reach) const;
+
+private:
+	bool applyUserMotion(int g, const NewtonIntegrator& newton) const;
+	void publishMotion(int g, const CellFlow& flow) const;
+	bool isInItsBox(int g, Real reach) const;
+
+	Scene& scene_;
+	softgrain::GrainAssembly& assembly_;
+};
+
+} // namespace yade

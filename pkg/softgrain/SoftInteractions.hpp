@@ -1,0 +1,55 @@
+// The interactions of soft grains in a step: what the InteractionLoop found is brought up to date
+// and checked, and gets the forces that were solved.
+#pragma once
+
+#include "Yade.hpp"
+#include "assembly/GrainAssembly.hpp"
+
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace yade {
+
+class RigidPartners;
+class SoftGrain;
+
+/// Made in every step. What a step needs is done in the order in which the functions stand here.
+class SoftInteractions {
+public:
+	/// All real ones, in an order that does not depend on threads. Throws std::runtime_error
+	/// for pairs for which there is no contact treatment.
+	SoftInteractions(Scene& scene, const std::shared_ptr<softgrain::GrainAssembly>& assembly);
+
+	/// Grains added, erased or changed since the InteractionLoop have other indices now, and
+	/// contacts found there name the old ones; those of `wrapped` grains (ids) have the place
+	/// of another image.
+	void renew(const std::set<int>& wrapped) const;
+	/// Throws for rigid bodies and interfaces that are not admissible, saying which, and for an
+	/// overlap beyond `maxOverlap` (SoftGrainIntegrator.maxOverlap).
+	void check(Real maxOverlap) const;
+	/// Engines since the InteractionLoop may have changed the flow of the cell.
+	void moveImages() const;
+	/// Tells the pairs the numbers of their rigid bodies.
+	void numberPartners(RigidPartners& partners) const;
+	std::vector<softgrain::PairContacts*> pairs() const;
+	/// To the interactions in parallel, then to O.forces in the order of the interactions;
+	/// `kick` is the time over which the impulses acted, s.
+	void publish(const RigidPartners& partners, Real kick, int threads) const;
+
+private:
+	const Body& rigidBodyOf(const Interaction& I) const;
+	const SoftGrain& softGrainOf(const Interaction& I) const;
+	void checkRigidBodies() const;
+	void checkInterfaces() const;
+	void stopOnOverlap(Real maxOverlap) const;
+	void publishSum(const Interaction& I, Real kick) const;
+	void addForces(const Interaction& I) const;
+	void addReactions(const Interaction& I, const RigidPartners& partners, Real kick) const;
+
+	Scene& scene_;
+	std::shared_ptr<softgrain::GrainAssembly> assembly_;
+	std::vector<Interaction*> interactions_;
+};
+
+} // namespace yade

@@ -1,0 +1,213 @@
+#include "SoftSearch.hpp"
+#include "PeriodicCell.hpp"
+#include "SceneAssembly.hpp"
+#include "SoftContact.hpp"
+#include "Timing.hpp"
+
+#include <mutex>
+
+namespace yade {
+
+YADE_PLUGIN((
+	Ig2_SoftGrain_SoftGrain_SoftGeom)(Ig2_Wall_SoftGrain_SoftGeom)(Ig2_Sphere_SoftGrain_SoftGeom)(Ig2_Facet_SoftGrain_SoftGeom)(Ig2_Box_SoftGrain_SoftGeom));
+
+using softgrain::Vec3;
+
+namespace {
+
+/// The SoftGeom of the interaction bound to the assembly, or null if there is nothing to search in:
+/// the grains are not assembled (SoftGrainIntegrator will say why).
+shared_ptr<SoftGeom> geometryOf(const Interaction& I,
+				const std::shared_ptr<softgrain::GrainAssembly>& assembly)
+{
+	shared_ptr<SoftGeom> geom =
+		I.geom ? YADE_PTR_CAST<SoftGeom>(I.geom) : shared_ptr<SoftGeom>(new SoftGeom);
+	geom->bind(assembly);
+	return geom;
+}
+
+/// Books its lifetime as a search on a functor, which several threads may call at a time.
+class SearchTimer {
+public:
+	explicit SearchTimer(const IGeomFunctor& functor)
+		: functor_(functor)
+		, start_(TimingInfo::getNow())
+	{
+	}
+	~SearchTimer()
+	{
+		if (!TimingInfo::enabled) return;
+		static std::mutex mutex;
+		const auto now = TimingInfo::getNow();
+		const std::lock_guard<std::mutex> lock(mutex);
+		addTime(*functor_.timingDeltas, "findContacts", now - start_, 1);
+	}
+
+private:
+	const IGeomFunctor& functor_;
+	TimingInfo::delta start_;
+};
+
+/// Length of the coming step for the reach of the search. In the first step O.dt may still be
+/// YADE's default, which SoftGrainIntegrator replaces by half the critical step or more.
+Real searchStep(const Scene& scene, const SoftGrain& grain)
+{
+	const bool unset = scene.dt == defaultTimeStep();
+	return unset ? grain.assembly->criticalTimeStep() : scene.dt;
+}
+
+/// Until there is a force: SoftGrainIntegrator knows better then.
+void describeByCentres(SoftGeom& geom, const Interaction& I, const Vec3& normal, Real radius1,
+		       Real radius2)
+{
+	if (I.phys && static_cast<const SoftPhys&>(*I.phys).activeContacts > 0) return;
+	geom.normal = normal;
+	geom.refR1 = radius1;
+	geom.refR2 = radius2;
+}
+
+/// YADE's rules for Ig2: an interaction stays potential until there is a contact; once real it is
+/// Law2 that ends it.
+bool conclude(const shared_ptr<SoftGeom>& geom, bool force, const shared_ptr<Interaction>& I)
+{
+	if (!geom->pair->hasContact() && !I->isReal() && !force) return false;
+	I->geom = geom;
+	return true;
+}
+
+/// On which side of a wall a grain lies, along its axis.
+double sideOf(const Wall& wall, const State& state, const Vec3& grain)
+{
+	return grain[wall.axis] > state.pos[wall.axis] ? 1 : -1;
+}
+
+/// The part of a free wall that a grain may touch: the face of a block, so wide and deep that the
+/// grain meets none of its edges.
+void describeFreeWall(const Wall& wall, const State& state, const SoftGrain& grain,
+		      softgrain::RigidBodyDescription& d)
+{
+	const softgrain::Box<3> box = grain.assembly->box(grain.index, softgrain::Mat3::Identity());
+	constexpr double farOut = 4; // in sides of the grain
+	const double halfSide = farOut * (box.high - box.low).maxCoeff();
+	const Vec3 centre = box.centre();
+	d.form = softgrain::RigidBodyDescription::Form::block;
+	d.size = Vec3::Constant(halfSide);
+	d.orientation = softgrain::Rotation::Identity();
+	d.position = centre;
+	d.position[wall.axis] = state.pos[wall.axis] - sideOf(wall, state, centre) * halfSide;
+}
+
+} // namespace
+
+std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
+							     int id, const SoftGrain& grain)
+{
+	using Form = softgrain::RigidBodyDescription::Form;
+	softgrain::RigidBodyDescription d;
+	d.id = id;
+	d.position = state.pos;
+	d.velocity = state.vel;
+	d.angularVelocity = state.angVel;
+	d.orientation = state.ori;
+	if (const auto* sphere = dynamic_cast<const Sphere*>(&shape)) {
+		d.form = Form::ball;
+		d.size = Vec3::Constant(sphere->radius);
+	} else if (const auto* box = dynamic_cast<const Box*>(&shape)) {
+		d.form = Form::block;
+		d.size = box->extents;
+	} else if (const auto* facet = dynamic_cast<const Facet*>(&shape)) {
+		d.form = Form::plate;
+		for (int k = 0; k < 3; ++k)
+			d.corner[k] = state.pos + state.ori * facet->vertices[k];
+	} else if (const auto* wall = dynamic_cast<const Wall*>(&shape);
+		   wall && state.blockedDOFs != State::DOF_ALL) {
+		describeFreeWall(*wall, state, grain, d);
+	} else
+		return std::nullopt;
+	return d;
+}
+
+bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
+					  const shared_ptr<Shape>& shape2, const State& state1,
+					  const State& state2, const Vector3r& shift2,
+					  const bool& force, const shared_ptr<Interaction>& I)
+{
+	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
+	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
+	if (!grain1.assembly || grain1.assembly != grain2.assembly) return I->isReal();
+	if (!I->isReal() && grain1.assembly->isAsleep(grain1.index) &&
+	    grain1.assembly->isAsleep(grain2.index))
+		return false; // apart when they fell asleep
+	const SearchTimer timer(*this);
+	const auto [first, second] = std::minmax(grain1.index, grain2.index);
+	const auto image = imageOf(*scene, *I, second == grain2.index);
+	const Real dt = searchStep(*scene, grain1);
+	if (!I->isReal() && !force && grain1.assembly->areFarApart(first, second, image, dt))
+		return false;
+	const auto geom = geometryOf(*I, grain1.assembly);
+	grain1.assembly->search(*geom->pair, first, second, image, dt);
+	describeByCentres(*geom, *I, (state2.pos + shift2 - state1.pos).normalized(), grain1.radius,
+			  grain2.radius);
+	return conclude(geom, force, I);
+}
+
+bool Ig2_SoftGrain_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1,
+						 const shared_ptr<Shape>& shape2,
+						 const State& state1, const State& state2,
+						 const Vector3r& shift2, const bool& force,
+						 const shared_ptr<Interaction>& I)
+{
+	return go(shape1, shape2, state1, state2, shift2, force, I);
+}
+
+bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,
+		       const State& state1, const State& state2, const Vector3r&, const bool& force,
+		       const shared_ptr<Interaction>& I)
+{
+	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
+	if (!grain.assembly) return I->isReal();
+	const SearchTimer timer(*this);
+	const auto geom = geometryOf(*I, grain.assembly);
+	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom->pair);
+	const auto* ball = dynamic_cast<const Sphere*>(shape1.get());
+	describeByCentres(*geom, *I, normal, ball ? ball->radius : grain.radius, grain.radius);
+	return conclude(geom, force, I);
+}
+
+bool SearchOnRigid::goReverse(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,
+			      const State& state1, const State& state2, const Vector3r& shift2,
+			      const bool& force, const shared_ptr<Interaction>& I)
+{
+	return go(shape2, shape1, state2, state1, -shift2, force, I);
+}
+
+Vector3r SearchOnRigid::search(const Shape& shape, const State& rigid, const SoftGrain& grain,
+			       const State& soft, Interaction& I,
+			       softgrain::PairContacts& pair) const
+{
+	chooseNearestImage(*scene, soft.pos, I);
+	const auto image = imageOf(*scene, I, false);
+	grain.assembly->search(pair, grain.index, *describeRigid(shape, rigid, I.getId1(), grain),
+			       image, searchStep(*scene, grain));
+	return (soft.pos - rigid.pos - image.shift).normalized();
+}
+
+Vector3r Ig2_Wall_SoftGrain_SoftGeom::search(const Shape& shape, const State& rigid,
+					     const SoftGrain& grain, const State& soft,
+					     Interaction& I, softgrain::PairContacts& pair) const
+{
+	const Wall& wall = static_cast<const Wall&>(shape);
+	const double side = sideOf(wall, rigid, soft.pos), dt = searchStep(*scene, grain);
+	Vec3 normal = Vec3::Zero();
+	normal[wall.axis] = side;
+	if (wall.sense != 0 && wall.sense != side)
+		pair.restore({}); // the grain is on the side that does not interact
+	else if (const auto body = describeRigid(wall, rigid, I.getId1(), grain))
+		grain.assembly->search(pair, grain.index, *body, {}, dt);
+	else
+		grain.assembly->search(pair, grain.index,
+				       { I.getId1(), rigid.pos, normal, rigid.vel }, dt);
+	return normal;
+}
+
+} // namespace yade
