@@ -11,27 +11,32 @@ J. Adhesion 26, 1988), F = 3 (pi E* w^2 R/16)^(1/3).
     scripts/yade -n -x scripts/adhesion.py --zeta 0.05 0.025 --out adhesion
 """
 
-import argparse
-import json
 import math
-from pathlib import Path
 
 import numpy as np
+from yade import FrictMat, O, utils
 
 import softgrain as sg
-from yade import FrictMat, O, utils
+from softgrain import command_line
+
+DENSITY = 1000.0  # kg/m3
+DAMPING = 1000.0  # 1/s
+SETTLING = 0.01  # s, in which the attraction closes the contact
+POINTS = 120  # of the quadrature over the contact
+POINTS_OUTSIDE = 60  # of that over the ring of attraction
+BISECTIONS = 30
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--zeta", type=float, nargs="+", default=[0.05, 0.025])
-    parser.add_argument("--radius", type=float, default=0.01, help="m")
-    parser.add_argument("--young", type=float, default=1e6, help="Pa")
-    parser.add_argument("--poisson", type=float, default=0.45)
-    parser.add_argument("--cohesion", type=float, default=1e5, help="sigma_c, Pa")
-    parser.add_argument("--range", type=float, default=2e-4, help="delta, m")
-    parser.add_argument("--time", type=float, default=0.06, help="of the pull, s")
-    parser.add_argument("--out", type=Path, default=Path("adhesion"))
+    parser = command_line.case_parser(__doc__, out="adhesion")
+    add, zeta = parser.add_argument, command_line.resolution
+    add("--zeta", type=zeta, nargs="+", default=[0.05, 0.025], help="relative resolutions [-]")
+    add("--radius", type=command_line.positive, default=0.01, help="of the disk [m]")
+    add("--young", type=command_line.positive, default=1e6, help="Young's modulus [Pa]")
+    add("--poisson", type=command_line.poisson, default=0.45, help="Poisson's ratio [-]")
+    add("--cohesion", type=command_line.positive, default=1e5, help="traction sigma_c [Pa]")
+    add("--range", type=command_line.positive, default=2e-4, help="its range delta [m]")
+    add("--time", type=command_line.positive, default=0.06, help="of the pull [s]")
     return parser.parse_args(arguments)
 
 
@@ -40,7 +45,7 @@ def jkr_force(E, R, w):
     return 3 * (math.pi * E * w**2 * R / 16) ** (1 / 3)
 
 
-def gap_at_end(a, c, E, R, sigma, count=120):
+def gap_at_end(a, c, E, R, sigma):
     """Gap at c of a contact of half-width a with traction sigma out to c [m].
 
     The pressure is q - sigma within a, with q = 0 at its ends, and the gap opens as
@@ -48,13 +53,13 @@ def gap_at_end(a, c, E, R, sigma, count=120):
     Phi(x) = sqrt(x^2 - a^2)/pi int_-a^a f(s)/(sqrt(a^2 - s^2) (x - s)) ds and
     f(s) = pi E* s/(2 R) + sigma ln((c + s)/(c - s)).
     """
-    s = a * np.cos((np.arange(count) + 0.5) * math.pi / count)  # Gauss and Chebyshev
+    s = a * np.cos((np.arange(POINTS) + 0.5) * math.pi / POINTS)  # Gauss and Chebyshev
     f = math.pi * E * s / (2 * R) + sigma * np.log((c + s) / (c - s))
-    t, weight = np.polynomial.legendre.leggauss(60)
+    t, weight = np.polynomial.legendre.leggauss(POINTS_OUTSIDE)
     t, weight = (t + 1) / 2, weight / 2
     x = a + (c - a) * (1 - (1 - t**2) ** 2)  # denser at both ends, where the slope is steep
     width = (c - a) * 4 * t * (1 - t**2) * weight
-    phi = np.sqrt(x**2 - a**2) / count * (f / (x[:, None] - s)).sum(axis=1)
+    phi = np.sqrt(x**2 - a**2) / POINTS * (f / (x[:, None] - s)).sum(axis=1)
     slope = x / R - 2 / (math.pi * E) * (phi - sigma * np.log((c + x) / (c - x)))
     return (slope * width).sum()
 
@@ -63,7 +68,7 @@ def line_contact(a, E, R, sigma, delta):
     """Pulling force [N/m] of a contact of half-width a: its tractions end where the gap is
     delta."""
     low, high = a, a + math.sqrt(8 * R * delta) + 4 * a
-    for _ in range(30):
+    for _ in range(BISECTIONS):
         middle = (low + high) / 2
         if gap_at_end(a, middle, E, R, sigma) < delta:
             low = middle
@@ -81,10 +86,11 @@ def theory(options):
 
 
 def make_scene(options, zeta):
+    """The disk on the plate; returns both."""
     O.reset()
     R = options.radius
     material = sg.SoftMat(
-        young=options.young, poisson=options.poisson, density=1000, massDamping=1000
+        young=options.young, poisson=options.poisson, density=DENSITY, massDamping=DAMPING
     )
     disk = sg.soft_disk((0, R, 0), R, material, zeta=zeta)
     plate = utils.wall(0, axis=1, sense=1, material=FrictMat(frictionAngle=0))
@@ -95,9 +101,9 @@ def make_scene(options, zeta):
     return disk, plate
 
 
-def settle(duration=0.01):
+def settle():
     """Let the attraction close the contact."""
-    while O.time < duration:
+    while O.time < SETTLING:
         O.run(20, True)
 
 
@@ -136,8 +142,7 @@ def main():
         found["error"] = found["force"] / reference - 1
         result["runs"].append(found)
         print(f"zeta {zeta}: {found['force']:.1f} N/m, {100 * found['error']:+.1f} %", found)
-    options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "result.json").write_text(json.dumps(result, indent=1))
+    command_line.write_result(options.out, result)
 
 
 if __name__ == "__main__":

@@ -7,14 +7,11 @@ disks in place, and the top wall moves down at constant speed; plane strain, fri
 array (records + 1, grains, 2) [m].
 """
 
-import argparse
 import math
 import time
-from pathlib import Path
 
 import matplotlib.figure
 import numpy as np
-import yade.utils
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
@@ -29,8 +26,9 @@ from yade import (
     NewtonIntegrator,
     O,
     Sphere,
+    pack,
+    utils,
 )
-from yade import pack
 
 import softgrain as sg
 from softgrain import command_line
@@ -43,33 +41,26 @@ CLOUD_PHI = 0.45  # of the generated cloud
 START_PHI = 0.70  # of the loose packing made by rigid DEM, below random loose packing for all mu
 RECORDS_PER_UNIT_PHI = 400
 JAMMING_PHI = 0.84  # of frictionless disks; the paper's Figure 3b
+FILLED_PHI = 0.85  # at which the grains would fill a square box, about the densest one
+RIGID_YOUNG, RIGID_POISSON = 1e8, 0.3  # Pa, -: stiff, so that rigid DEM leaves small overlaps
+RIGID_DAMPING = 0.4  # NewtonIntegrator.damping of rigid DEM
+RIGID_SPEED = 2.0  # m/s, of the top wall in rigid DEM: damping takes the motion out again after it
+RIGID_SETTLING_STEPS = 5000
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="compaction")
     add = parser.add_argument
-    add("--grains", type=int, default=400, help="number of grains, at least 4 [-]")
+    add("--grains", type=command_line.whole_from(4), default=400, help="number of grains [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
     add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
     add("--poisson", type=command_line.poisson, default=0.45, help="Poisson's ratio [-]")
     add("--speed", type=command_line.positive, default=0.5, help="of the top wall [m/s]")
     command_line.add_until_phi(parser, start=f"{START_PHI}")
     command_line.add_method_options(parser)
-    add("--seed", type=int, default=1, help="of the packing generator, at least 1 [-]")
-    add(
-        "--out",
-        type=command_line.output_folder,
-        default=Path("compaction"),
-        help="folder for results",
-    )
+    add("--seed", type=command_line.whole_from(1), default=1, help="of the packing generator [-]")
     options = parser.parse_args(arguments)
     command_line.check_method(parser, options)
-    if options.grains < 4:
-        parser.error(
-            f"argument --grains: {options.grains} is outside the admissible range [4, inf)"
-        )
-    if options.seed < 1:
-        parser.error(f"argument --seed: {options.seed} is outside the admissible range [1, inf)")
     command_line.check_until_phi(parser, options, START_PHI, f"{START_PHI}")
     return options
 
@@ -79,7 +70,7 @@ class Box:
 
     def __init__(self, width, height):
         walls = [
-            yade.utils.wall(position, axis=axis, sense=sense, material="walls")
+            utils.wall(position, axis=axis, sense=sense, material="walls")
             for position, axis, sense in ((0, 0, 1), (width, 0, -1), (0, 1, 1), (height, 1, -1))
         ]
         self.left, self.right, self.bottom, self.top = O.bodies.append(walls)
@@ -94,16 +85,23 @@ class Box:
         return self.width * self.height
 
     def close(self, speed):
+        """Move the top wall down at this speed [m/s]."""
         O.bodies[self.top].state.vel = (0, -speed, 0)
 
 
 def prepare_rigid(options):
     """Loose packing of rigid disks at phi = START_PHI; leaves the scene and returns its box."""
     O.materials.append(
-        FrictMat(young=1e8, poisson=0.3, density=DENSITY, frictionAngle=0, label="walls")
+        FrictMat(
+            young=RIGID_YOUNG,
+            poisson=RIGID_POISSON,
+            density=DENSITY,
+            frictionAngle=0,
+            label="walls",
+        )
     )
     solid = options.grains * math.pi * MEAN_RADIUS**2
-    width = math.sqrt(solid / 0.85)
+    width = math.sqrt(solid / FILLED_PHI)
     box = Box(width, solid / CLOUD_PHI / width)
     cloud = pack.SpherePack()
     made = cloud.makeCloud(
@@ -134,15 +132,15 @@ def prepare_rigid(options):
             ompThreads=1,
             loopOnSortedInteractions=True,
         ),
-        NewtonIntegrator(damping=0.4, ompThreads=1),
+        NewtonIntegrator(damping=RIGID_DAMPING, ompThreads=1),
     ]
-    O.dt = 0.5 * yade.utils.PWaveTimeStep()
+    O.dt = 0.5 * utils.PWaveTimeStep()
     areas = sum(math.pi * b.shape.radius**2 for b in O.bodies if isinstance(b.shape, Sphere))
-    box.close(2.0)  # quick: damping takes the motion out again below
+    box.close(RIGID_SPEED)
     while areas / box.area < START_PHI:
         O.step()
     box.close(0)
-    O.run(5000, True)
+    O.run(RIGID_SETTLING_STEPS, True)
     return box
 
 
@@ -323,7 +321,7 @@ def main():
             "residual_max": engine.largestResidual,
             "max_overlap_over_dr": engine.largestOverlap,
             "energy_error": recorder.energy_error,
-            "options": {name: str(value) for name, value in vars(options).items()},
+            "options": command_line.option_texts(options),
         },
     )
     plot_stress(options, recorder.records)

@@ -3,10 +3,9 @@
 Run it in the platform, not in YADE: ``scripts/platform/shell python3 scripts/compare_rigid.py --out
 DIR``. Every model runs in a YADE of its own (``scripts/rigid_and_soft/run.py``), on two problems:
 one grain in a closing square box, where converged finite elements say what is right, and the
-uniaxial compaction of a packing. Leaves ``comparison.md`` and ``comparison.png``.
+uniaxial compaction of a packing. Leaves ``result.json``, ``comparison.md`` and ``comparison.png``.
 """
 
-import argparse
 import json
 import subprocess
 import sys
@@ -18,28 +17,28 @@ import numpy as np
 sys.path[:0] = [str(Path(__file__).resolve().parent)]
 
 from rigid_and_soft.models import MODELS  # noqa: E402
+from rigid_and_soft.options import add_packing_options, packing_arguments  # noqa: E402
 
-from softgrain import finite_elements  # noqa: E402
+from softgrain import command_line, finite_elements  # noqa: E402
+from softgrain.runs import markdown_table  # noqa: E402
 
 RUN = Path(__file__).parent / "rigid_and_soft" / "run.py"
 
 
-def parse_options():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    add = parser.add_argument
-    add("--grains", type=int, default=25, help="in the packing, at least 4 [-]")
-    add("--mu", type=float, default=0.3, help="friction between grains [-]")
-    add("--until-phi", type=float, default=0.95, help="nominal packing fraction to stop at [-]")
-    add("--models", nargs="+", choices=MODELS, default=list(MODELS), help="to be run")
-    add("--out", type=Path, default=Path("compare_rigid"), help="folder for results")
-    return parser.parse_args()
+def parse_options(arguments=None):
+    parser = command_line.case_parser(__doc__, out="compare_rigid")
+    add_packing_options(parser)
+    parser.add_argument(
+        "--models", nargs="+", choices=MODELS, default=list(MODELS), help="to be run"
+    )
+    return parser.parse_args(arguments)
 
 
 def run(model, problem, options):
     """Results of one model on one problem, from its own process."""
     result = options.out / f"{model}_{problem}.json"
     command = ["yade", "-n", "-x", "-j1", RUN, model, problem, "--result", result]
-    command += ["--grains", options.grains, "--mu", options.mu, "--until-phi", options.until_phi]
+    command += packing_arguments(options)
     print(f"{MODELS[model].label}, {problem} ...", flush=True)
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     if done.returncode != 0:
@@ -87,23 +86,31 @@ def error_in_cell(cell, exact):
 
 
 def jamming(packing):
-    """Nominal packing fraction from which rigid grains bear more than soft ones could, E."""
-    return packing["phi0"][int(np.argmax(np.array(packing["stress"]) > 1))]
+    """Nominal packing fraction from which rigid grains bear more than soft ones could, E; None if
+    they do not."""
+    jammed = np.flatnonzero(np.array(packing["stress"]) > 1)
+    return packing["phi0"][jammed[0]] if len(jammed) else None
 
 
 def table(cells, packings, exact):
     """Markdown: one row a model."""
-    rows = [
-        "| model | error in the cell, % | run time of the cell, s | stress/E of the packing "
-        "at the end | coordination | steps | run time, s | particles or points a grain |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    head = (
+        "model",
+        "error in the cell, %",
+        "run time of the cell, s",
+        "stress/E of the packing at the end",
+        "coordination",
+        "steps",
+        "run time, s",
+        "particles or points a grain",
+    )
+    rows = []
     for model in packings:
         cell, packing = cells[model], packings[model]
         deforms = MODELS[model].deforms
         end = f"{packing['stress'][-1]:.3g} at {packing['phi0'][-1]:.3f}"
-        if not deforms:
-            end = f"without bound from {jamming(packing):.3f} on"
+        if not deforms and (jammed := jamming(packing)):
+            end = f"without bound from {jammed:.3f} on"
         entries = (
             MODELS[model].label,
             f"{error_in_cell(cell, exact):.2g}" if deforms else "cannot deform",
@@ -114,16 +121,16 @@ def table(cells, packings, exact):
             f"{packing['seconds']:.2g}",
             f"{packing['parts']:.0f}",
         )
-        rows.append("| " + " | ".join(map(str, entries)) + " |")
-    return "\n".join(rows) + "\n"
+        rows.append(entries)
+    return markdown_table(head, rows) + "\n"
 
 
 def main():
     options = parse_options()
-    options.out.mkdir(parents=True, exist_ok=True)
     exact = finite_elements.square_cell()
     cells = {model: run(model, "cell", options) for model in options.models}
     packings = {model: run(model, "packing", options) for model in options.models}
+    command_line.write_result(options.out, {"cell": cells, "packing": packings})
     text = table(cells, packings, exact)
     (options.out / "comparison.md").write_text(text)
     plot(cells, packings, exact, options.out / "comparison.png")

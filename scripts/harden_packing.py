@@ -5,9 +5,7 @@ for each treatment the change of the mean forces on the walls, the largest one o
 how far walls that are held by the stress have moved.
 """
 
-import argparse
 import math
-from pathlib import Path
 
 import numpy as np
 from yade import FrictMat, O, pack, utils
@@ -18,15 +16,16 @@ from softgrain import command_line, hardening
 SIDE = 0.1  # m, of the loose box
 RADIUS = 0.01  # m, mean
 FRICTION = 0.3
+DAMPING = 400  # 1/s, of the soft disks
 SAMPLES, STEPS_PER_SAMPLE = 40, 25  # of a mean
 CONSOLIDATION = 0.25  # s, longest
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="harden_packing")
     add = parser.add_argument
     add("--zeta", type=command_line.resolution, default=0.15, help="relative resolution [-]")
-    add("--seed", type=int, default=1, help="of the packing")
+    add("--seed", type=command_line.whole_from(1), default=1, help="of the packing")
     add("--stress", type=command_line.positive, default=2e5, help="on the walls [Pa]; E = 1e6")
     add("--walls", choices=("still", "held"), default="still", help="held: by the stress")
     add(
@@ -41,12 +40,6 @@ def parse_options(arguments=None):
         type=command_line.fraction,
         default=hardening.DEPTH_OVER_ERROR,
         help="by which spheres may leave the outline, over the error [-]",
-    )
-    add(
-        "--out",
-        type=command_line.output_folder,
-        default=Path("harden_packing"),
-        help="folder for results",
     )
     return parser.parse_args(arguments)
 
@@ -63,7 +56,11 @@ def make_packing(options):
     sides = [(SIDE * upper, axis, 1 - 2 * upper) for axis in (0, 1) for upper in (0, 1)]
     walls = O.bodies.append([utils.wall(x, axis=a, sense=s, material=grains) for x, a, s in sides])
     soft = sg.SoftMat(
-        young=1e6, poisson=0.45, density=1000, frictionAngle=math.atan(FRICTION), massDamping=400
+        young=1e6,
+        poisson=0.45,
+        density=1000,
+        frictionAngle=math.atan(FRICTION),
+        massDamping=DAMPING,
     )
     sg.soften(ids, material=soft, zeta=options.zeta)
     engines = sg.engines(rigid="nonsmooth")
@@ -177,7 +174,7 @@ def main():
             **facts,
             "force_before": before,
             "treatments": results,
-            "options": {k: str(v) for k, v in vars(options).items()},
+            "options": command_line.option_texts(options),
         },
     )
     for r in results:

@@ -6,7 +6,6 @@ the contact are compared with converged finite elements. (The paper says plane s
 E* = E/(1 - nu^2) is that of plane strain, the default here.)
 """
 
-import argparse
 import time
 
 import numpy as np
@@ -20,12 +19,11 @@ PROFILES_AT = (0.03, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="hertz")
     cases.add_grain_options(
         parser,
         speed=0.02,
         speed_help="of the top plate [m/s]; the paper's 0.1 makes the force ripple",
-        out="hertz",
     )
     parser.add_argument(
         "--condition",
@@ -67,7 +65,7 @@ def press(options, disk, bottom, top):
         return -O.forces.f(bottom)[1], O.forces.f(top)[1]
 
     contacts = [cases.WallContact(disk, bottom), cases.WallContact(disk, top)]
-    seconds = cases.window_seconds(options)
+    seconds = cases.window_of(options)
     scale = options.young * options.diameter
     records = {name: [] for name in ("delta", "bottom", "top", "halfwidth", "kinetic", "profile")}
     with command_line.progress_bar(total=options.until) as bar:
@@ -113,7 +111,7 @@ def main():
     records = press(options, *bodies)
     facts = cases.run_facts(options, started)
     delta, force = records["delta"], 0.5 * (records["bottom"] + records["top"])
-    window = cases.window_seconds(options)
+    window = cases.window_of(options)
     command_line.write_result(
         options.out,
         {

@@ -8,7 +8,6 @@ distance from the centre of the central disk to its six contacts. Plane strain; 
 converged finite elements of one cell.
 """
 
-import argparse
 import math
 import time
 
@@ -24,25 +23,22 @@ START_PHI = math.pi / math.sqrt(12)
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="hexagonal_cell")
     cases.add_grain_options(
         parser,
         speed=0.01,
         speed_help="at which the sides of each cell move in [m/s]",
-        out="hexagonal_cell",
         tolerance=TOLERANCE,
     )
     parser.add_argument(
         "--rings",
-        type=int,
+        type=command_line.whole_from(2),
         default=2,
         help="rings of disks about the central one, the outermost moved; at least 2 [-]",
     )
     command_line.add_until_phi(parser, start="pi/sqrt(12)", of=" of the central cell")
     options = parser.parse_args(arguments)
     command_line.check_method(parser, options)
-    if options.rings < 2:
-        parser.error(f"argument --rings: {options.rings} is outside the admissible range [2, inf)")
     command_line.check_until_phi(parser, options, START_PHI, "pi/sqrt(12)")
     return options
 
@@ -173,7 +169,7 @@ def normal_forces(contacts):
 
 def compress(options, disks):
     """Shrink the lattice; returns records, averaged over windows."""
-    seconds = cases.window_seconds(options)
+    seconds = cases.window_of(options)
     halfwidth = MeanHalfwidth(disks)
     rows = []
     start = phi = disks.cell()[1]

@@ -7,8 +7,6 @@ photograph would give it: ``labels.png``. Any other one: ``--image FILE --pixel 
 areas, and the stress on the walls against the packing fraction.
 """
 
-import argparse
-import json
 import math
 from pathlib import Path
 
@@ -18,49 +16,55 @@ from yade import FrictMat, O, utils
 
 import softgrain as sg
 from softgrain import command_line
+from softgrain.picture import wall_box
 
 YOUNG = 1e6  # Pa
 CELL = 48  # pixels, of the grid on which the script draws
+MARGIN = 4  # pixels, about it
+HALF_AXIS = 19  # pixels, the longer one of superdisks and ellipses
+PEBBLE, DENTS = 18, 0.13  # pixels, mean radius of pebbles; over it, depth of their dents
+STEPS_PER_RECORD = 100
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="image_grains")
     add = parser.add_argument
     add("--image", type=Path, help="labelled picture; default: one that the script draws")
     add("--pixel", type=command_line.positive, default=2e-4, help="side of a pixel [m]")
-    add("--columns", type=int, default=4, help="grains drawn along each side of the picture")
+    add(
+        "--columns",
+        type=command_line.whole_from(1),
+        default=4,
+        help="grains drawn along each side of the picture",
+    )
     add("--zeta", type=command_line.resolution, default=0.2, help="relative resolution 2 dr/D [-]")
     add("--mu", type=command_line.non_negative, default=0.2, help="friction [-]")
     add("--phi", type=command_line.fraction, default=0.95, help="packing fraction to end at [-]")
     add("--speed", type=command_line.positive, default=0.3, help="of each wall [m/s]")
-    add("--seed", type=int, default=1, help="of the drawing")
-    add(
-        "--out",
-        type=command_line.output_folder,
-        default=Path("image_grains"),
-        help="folder for results",
-    )
+    add("--seed", type=command_line.whole_from(0), default=1, help="of the drawing")
     return parser.parse_args(arguments)
 
 
 def draw_labels(columns, seed):
     """A picture of columns x columns grains that do not touch: labels from 1 on, 0 between them."""
     rng = np.random.default_rng(seed)
-    size = columns * CELL + 8
+    size = columns * CELL + 2 * MARGIN
     rows, cols = np.mgrid[:size, :size] + 0.5
     labels = np.zeros((size, size), np.uint16)
     for k in range(columns**2):
-        centre = 4 + CELL * (np.array([k % columns, k // columns]) + 0.5) + rng.uniform(-2, 2, 2)
+        centre = (
+            MARGIN + CELL * (np.array([k % columns, k // columns]) + 0.5) + rng.uniform(-2, 2, 2)
+        )
         angle, ratio = rng.uniform(0, math.pi), rng.uniform(0.6, 1)
         x, y = cols - centre[0], rows - centre[1]
         c, s = math.cos(angle), math.sin(angle)
         along, across = c * x + s * y, (c * y - s * x) / ratio
         if k % 3 == 2:  # a pebble with dents
-            bumps = 1 + 0.13 * np.cos(3 * np.arctan2(y, x) + angle) * (1 + (k % 2))
-            inside = np.hypot(along, across) < 18 * bumps
+            bumps = 1 + DENTS * np.cos(3 * np.arctan2(y, x) + angle) * (1 + (k % 2))
+            inside = np.hypot(along, across) < PEBBLE * bumps
         else:
             exponent = (2, 4)[k % 3]
-            inside = np.abs(along) ** exponent + np.abs(across) ** exponent < 19**exponent
+            inside = np.abs(along) ** exponent + np.abs(across) ** exponent < HALF_AXIS**exponent
         labels[inside] = k + 1
     return labels
 
@@ -98,19 +102,15 @@ def make_scene(options):
     return grains, walls
 
 
-def box(walls):
-    left, right, low, high = (O.bodies[i].state.pos[k // 2] for k, i in enumerate(walls))
-    return left, right, low, high
-
-
-def area(walls):
-    left, right, low, high = box(walls)
+def area():
+    """Of the box [m²]."""
+    left, right, low, high = wall_box()
     return (right - left) * (high - low)
 
 
 def pressure(walls):
     """Mean normal stress on the four walls over E."""
-    left, right, low, high = box(walls)
+    left, right, low, high = wall_box()
     force = sum(abs(O.forces.f(i)[k // 2]) for k, i in enumerate(walls))
     return force / (2 * (right - left) + 2 * (high - low)) / YOUNG
 
@@ -118,11 +118,11 @@ def pressure(walls):
 def compact(options, walls):
     """Squeeze to the packing fraction; returns records of phi and mean normal stress over E."""
     record, samples = [], []
-    while sg.packing_fraction(area(walls)) < options.phi:
-        for _ in range(100):
+    while sg.packing_fraction(area()) < options.phi:
+        for _ in range(STEPS_PER_RECORD):
             O.step()
             samples.append(pressure(walls))
-        record.append((sg.packing_fraction(area(walls)), float(np.mean(samples))))
+        record.append((sg.packing_fraction(area()), float(np.mean(samples))))
         samples.clear()
     return record
 
@@ -130,9 +130,9 @@ def compact(options, walls):
 def main():
     options = parse_options()
     grains, walls = make_scene(options)
-    sg.draw_packing(options.out / "before.png", box=box(walls), field=None)
+    sg.draw_packing(options.out / "before.png", box=wall_box(), field=None)
     record = compact(options, walls)
-    sg.draw_packing(options.out / "after.png", box=box(walls), scale=YOUNG)
+    sg.draw_packing(options.out / "after.png", box=wall_box(), scale=YOUNG)
     engine = sg.integrator()
     result = {
         "grains": len(grains.bodies),
@@ -146,10 +146,10 @@ def main():
         "phi": [phi for phi, _ in record],
         "stress_over_E": [stress for _, stress in record],
     }
-    (options.out / "result.json").write_text(json.dumps(result, indent=1))
+    command_line.write_result(options.out, result)
     print({k: v for k, v in result.items() if not isinstance(v, list)})
     print(f"phi = {record[-1][0]:.3f}, mean normal stress {record[-1][1]:.4f} E")
 
 
-if __name__ in ("__main__", "yade"):
+if __name__ == "__main__":
     main()

@@ -4,18 +4,21 @@ a wall, by cohesion and by a bond; a slab that starts with mu_s and slides with 
     scripts/yade -n -x scripts/interfaces.py --zeta 0.25 0.125 --out interfaces
 """
 
-import argparse
-import json
 import math
-from pathlib import Path
+
+from yade import FrictMat, O, utils
 
 import softgrain as sg
-from yade import FrictMat, O, utils
+from softgrain import command_line
 
 HALF = 0.01  # half height of block and slab, m
 DENSITY = 1000.0  # kg/m^3
 GRAVITY = 10.0  # m/s^2
-STATIC, DYNAMIC = 0.5, 0.3
+STATIC, DYNAMIC = 0.5, 0.3  # coefficients of friction
+DAMPING = 200.0  # 1/s
+WAIT = 0.05  # s, before a slab is pushed
+SLIDING_TIME = 0.2  # s, for which it slides
+SLIDING = 0.01  # m/s, at which it has started
 LAWS = {
     "cohesion": {"cohesion": 2e3, "cohesionRange": 1e-4},
     "bond": {"bondStrength": 2e3, "bondEnergy": 0.1},
@@ -25,9 +28,9 @@ ENERGY = {"cohesion": 0.2, "bond": 0.1}  # J/m^2
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--zeta", type=float, nargs="+", default=[0.25, 0.125])
-    parser.add_argument("--out", type=Path, default=Path("interfaces"))
+    parser = command_line.case_parser(__doc__, out="interfaces")
+    add, zeta = parser.add_argument, command_line.resolution
+    add("--zeta", type=zeta, nargs="+", default=[0.25, 0.125], help="relative resolutions [-]")
     return parser.parse_args(arguments)
 
 
@@ -38,7 +41,7 @@ def make_scene(zeta, length, gravity=0.0, **interface):
         young=1e6,
         poisson=0.3,
         density=DENSITY,
-        massDamping=200,
+        massDamping=DAMPING,
         frictionAngle=math.atan(STATIC),
     )
     block = sg.soft_block((0, HALF, 0), (length, 2 * HALF), material, zeta=zeta)
@@ -80,15 +83,15 @@ def sliding(zeta, rate=50.0):
         zeta, 16 * HALF, GRAVITY, dynamicFrictAngle=math.atan(DYNAMIC), frictAngle=math.atan(STATIC)
     )
     sg.integrator().tolerance = 1e-3
-    while O.time < 0.05:
+    while O.time < WAIT:
         O.run(10, True)
     start, push = O.time, 0.0
-    while slab.state.vel[0] < 0.01:
+    while slab.state.vel[0] < SLIDING:
         push = rate * (O.time - start)
         O.forces.setPermF(slab.id, (push * slab.state.mass, 0, 0))
         O.step()
     time, speed = O.time, slab.state.vel[0]
-    while O.time < time + 0.05:
+    while O.time < time + SLIDING_TIME:
         O.run(10, True)
     gained = (slab.state.vel[0] - speed) / (O.time - time)
     return {
@@ -106,8 +109,7 @@ def main():
     }
     for row in result["separation"] + result["sliding"]:
         print({k: v if isinstance(v, str) else round(v, 5) for k, v in row.items()})
-    options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "result.json").write_text(json.dumps(result, indent=1))
+    command_line.write_result(options.out, result)
 
 
 if __name__ == "__main__":

@@ -7,9 +7,7 @@ frictionless mirrors. ``result.json`` has it, the stress by contacts and by grai
 the cell beside stress times strain.
 """
 
-import argparse
 import math
-from pathlib import Path
 
 import numpy as np
 from yade import Matrix3, O, utils
@@ -18,11 +16,12 @@ import softgrain as sg
 from softgrain import cases, command_line, finite_elements
 
 RADIUS = 0.01  # m
-YOUNG, DENSITY = 1e6, 1000.0  # Pa, kg/m3
+YOUNG, POISSON, DENSITY = 1e6, finite_elements.POISSON, 1000.0  # Pa, -, kg/m3
+LATE = 0.01  # displacement w/D from which on forces are compared; before, few nodes bear them
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="periodic_lattice")
     add = parser.add_argument
     add("--lattice", choices=("square", "triangular"), default="square")
     add("--zeta", type=command_line.resolution, default=0.1, help="relative resolution 2 dr/D [-]")
@@ -34,12 +33,6 @@ def parse_options(arguments=None):
     )
     add("--rate", type=command_line.positive, default=1.0, help="of compression [1/s]")
     add("--until", type=command_line.positive, default=0.05, help="displacement w/D to stop at [-]")
-    add(
-        "--out",
-        type=command_line.output_folder,
-        default=Path("periodic_lattice"),
-        help="folder for results",
-    )
     return parser.parse_args(arguments)
 
 
@@ -50,7 +43,7 @@ def make_scene(options):
     O.periodic = True
     O.cell.setBox(3 * diameter, rows * height * diameter, 1)
     material = sg.SoftMat(
-        young=YOUNG, poisson=0.45, density=DENSITY, frictionAngle=math.atan(options.mu)
+        young=YOUNG, poisson=POISSON, density=DENSITY, frictionAngle=math.atan(options.mu)
     )
     for j in range(rows):
         for i in range(3):
@@ -61,12 +54,6 @@ def make_scene(options):
     O.trackEnergy = True
     sg.set_time_step()
     O.cell.velGrad = Matrix3(-options.rate, 0, 0, 0, -options.rate, 0, 0, 0, 0)
-
-
-def window_seconds():
-    """Two periods of the lowest vibration of a disk, as in the cells with walls [s]."""
-    shear_speed = math.sqrt(YOUNG / (2 * 1.45) / DENSITY)
-    return cases.PERIODS_PER_WINDOW * 2 * math.pi * RADIUS / (cases.LOWEST_MODE * shear_speed)
 
 
 def neighbour_force(lattice, stress, distance):
@@ -99,7 +86,7 @@ def compress(options):
         )
 
     O.step()
-    rows, seconds = [], window_seconds()
+    rows, seconds = [], cases.window_seconds(YOUNG, POISSON, DENSITY, 2 * RADIUS)
     with command_line.progress_bar(total=options.until) as bar:
         while not rows or rows[-1][0] < options.until:
             where, mean = cases.window_means(seconds, place, stresses, step=step)
@@ -118,7 +105,7 @@ def main():
     force = neighbour_force(options.lattice, stress, 1 - 2 * displacement)
     cell = "square_cell" if options.lattice == "square" else "hexagonal_cell"
     curve = getattr(finite_elements, cell)()
-    late = displacement >= 0.01
+    late = displacement >= LATE
     exact = finite_elements.interpolated(
         displacement[late], curve.wall_displacement_over_D, curve.force_over_ED
     )
@@ -140,13 +127,13 @@ def main():
         "balance_error": balance.error(),
         "steps": int(sg.integrator().steps),
         "capped_steps": int(sg.integrator().cappedSteps),
-        "options": {name: str(value) for name, value in vars(options).items()},
+        "options": command_line.option_texts(options),
     }
     command_line.write_result(options.out, result)
     sg.draw_packing(options.out / "packing.png")
     print(
         f"w/D = {displacement[-1]:.4f}, phi = {phi[-1]:.4f}: force within "
-        f"{100 * result['error_max']:.2f} % of finite elements from w/D = 0.01 on, stress by "
+        f"{100 * result['error_max']:.2f} % of finite elements from w/D = {LATE} on, stress by "
         f"grains within {100 * result['grains_against_contacts_max']:.2f} % of that by contacts, "
         f"work {100 * result['work_against_stress']:+.2f} % off stress times strain, "
         f"energy balance {result['balance_error']:.1e}"

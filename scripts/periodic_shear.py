@@ -7,9 +7,7 @@ PeriTriaxController; then the cell is sheared while both normal stresses are hel
 ``packing.png`` the packing at the end, with the images of the grains at the borders.
 """
 
-import argparse
 import math
-from pathlib import Path
 
 import matplotlib.figure
 import numpy as np
@@ -20,12 +18,18 @@ from softgrain import command_line
 
 RADIUS = 0.01  # m
 YOUNG, DENSITY = 1e6, 1000.0  # Pa, kg/m3
+DAMPING = 400  # 1/s, of the grains
+SPREAD = 0.25  # of the radii about their mean
+CLOUD_PHI = 0.55  # of the generated cloud
+DENSE_PHI = 0.80  # at which the controller of the stresses takes over
+RATE = 2.0  # 1/s, of the compression before, and at most under the controller
+CALM, CALM_STEPS = 0.01, 500  # error of the stresses, and steps for which it is not passed, at rest
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="periodic_shear")
     add = parser.add_argument
-    add("--grains", type=int, default=40, help="number of disks")
+    add("--grains", type=command_line.whole_from(1), default=40, help="number of disks")
     add("--zeta", type=command_line.resolution, default=0.2, help="relative resolution 2 dr/D [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction [-]")
     add("--stress", type=command_line.positive, default=0.03, help="normal stress over E [-]")
@@ -37,19 +41,13 @@ def parse_options(arguments=None):
         default=0.03,
         help="of the cell under PeriTriaxController, over density times area of the cell [-]",
     )
-    add(
-        "--out",
-        type=command_line.output_folder,
-        default=Path("periodic_shear"),
-        help="folder for results",
-    )
     return parser.parse_args(arguments)
 
 
 def make_scene(options):
     """A loose packing of soft disks; the cell is 1 m along z, so that what YADE relates to its
     volume is per metre of thickness."""
-    side = RADIUS * math.sqrt(math.pi * options.grains / 0.55)
+    side = RADIUS * math.sqrt(math.pi * options.grains / CLOUD_PHI)
     O.periodic = True
     O.cell.setBox(side, side, 1)
     cloud = pack.SpherePack()
@@ -57,7 +55,7 @@ def make_scene(options):
         (0, 0, 0),
         (side, side, 0),
         rMean=RADIUS,
-        rRelFuzz=0.25,
+        rRelFuzz=SPREAD,
         num=options.grains,
         periodic=True,
         seed=1,
@@ -70,7 +68,7 @@ def make_scene(options):
         poisson=0.45,
         density=DENSITY,
         frictionAngle=math.atan(options.mu),
-        massDamping=400,
+        massDamping=DAMPING,
     )
     sg.soften(ids, material=material, zeta=options.zeta, overlap="refuse")
     O.engines = sg.engines()
@@ -79,8 +77,7 @@ def make_scene(options):
 
 def compress(phi):
     """With the flow of the cell, to a packing fraction."""
-    rate = 2.0
-    O.cell.velGrad = Matrix3(-rate, 0, 0, 0, -rate, 0, 0, 0, 0)
+    O.cell.velGrad = Matrix3(-RATE, 0, 0, 0, -RATE, 0, 0, 0, 0)
     while sg.packing_fraction() < phi:
         O.run(50, True)
 
@@ -94,7 +91,7 @@ def hold_stress(stress, mass):
         dynCell=True,
         mass=mass * DENSITY * O.cell.size[0] ** 2,
         growDamping=0.5,
-        maxStrainRate=(2, 2, 0),
+        maxStrainRate=(RATE, RATE, 0),
     )
     engines = list(O.engines)
     O.engines = engines[:3] + [control] + engines[3:]
@@ -102,12 +99,12 @@ def hold_stress(stress, mass):
 
 
 def rest(stress):
-    """Until the stresses are within 1 % of the target for a while."""
-    calm = 0
-    while calm < 10:
-        O.run(50, True)
+    """Until the stresses are near the target for a while."""
+    calm, stride = 0, 50
+    while calm < CALM_STEPS:
+        O.run(stride, True)
         present = np.diag(sg.cell_stress())[:2]
-        calm = calm + 1 if np.all(np.abs(present + stress) < 0.01 * stress) else 0
+        calm = calm + stride if np.all(np.abs(present + stress) < CALM * stress) else 0
 
 
 def shear(options, stress):
@@ -146,7 +143,7 @@ def main():
     options = parse_options()
     make_scene(options)
     stress = options.stress * YOUNG
-    compress(0.80)
+    compress(DENSE_PHI)
     hold_stress(stress, options.mass)
     rest(stress)
     columns = shear(options, stress)
@@ -165,7 +162,7 @@ def main():
             "largest_overlap": sg.integrator().largestOverlap,
             "capped_steps": int(sg.integrator().cappedSteps),
             "steps": int(sg.integrator().steps),
-            "options": {name: str(value) for name, value in vars(options).items()},
+            "options": command_line.option_texts(options),
         },
     )
     plot(options, columns)

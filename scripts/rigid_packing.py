@@ -7,15 +7,12 @@ under a force until they are jammed, packing, overlaps and processor time by bot
 and spheres under pressure in a periodic cell, without and with friction, packing and stress.
 """
 
-import argparse
 import json
 import math
 import time
-from pathlib import Path
 
 import numpy as np
-import yade.utils
-from yade import FrictMat, O, PeriTriaxController, Sphere, pack
+from yade import FrictMat, O, PeriTriaxController, Sphere, pack, utils
 
 import softgrain as sg
 from softgrain import command_line
@@ -27,6 +24,8 @@ FORCE = 10.0  # N, of a wall on the disks
 COLUMNS = 8  # spheres side by side in the box
 BOX_STEP, BOX_TIME = 2e-4, 2.0  # s
 SQUEEZE_STEP = 5e-4  # s
+SQUEEZE_DAMPING = 0.2  # NewtonIntegrator.damping of the linear law
+SHORTEST = 0.5  # s, of a squeeze
 STILL = 1e-3  # unbalanced force at which a squeezed packing counts as jammed
 LONGEST = 6.0  # s, of a squeeze
 PRESSURE = 1000.0  # Pa, of the cell on spheres; N/m on disks
@@ -34,30 +33,26 @@ CELL_STEP = 3e-4  # s
 CELL_RATE = 0.5  # 1/s, at most
 LOOSE = {2: 0.5, 3: 0.35}  # packing fraction at the start
 STEADY = 0.02  # error of the stress at which a cell counts as at rest
+LINEAR_STEP = 0.3  # over YADE's estimate of the critical one
+BEARING = 1e-6  # least force of a contact that bears, over the force that presses
+OVERLAP_UNIT = 0.1  # R, in which the integrator counts overlaps of rigid bodies
+PITCH = 2.25 * RADIUS  # of the spheres above the box
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="rigid_packing")
     add = parser.add_argument
-    add("--spheres", type=int, default=2000, help="in the box")
-    add("--disks", type=int, default=400, help="squeezed by walls")
-    add("--in-cell", type=int, default=100, help="disks, spheres in a periodic cell")
+    add("--spheres", type=command_line.whole_from(1), default=2000, help="in the box")
+    add("--disks", type=command_line.whole_from(1), default=400, help="squeezed by walls")
+    add(
+        "--in-cell",
+        type=command_line.whole_from(1),
+        default=100,
+        help="disks, spheres in a periodic cell",
+    )
     add("--mu", type=command_line.non_negative, default=0.3, help="friction [-]")
     add("--young", type=command_line.positive, default=1e7, help="of YADE's linear law [Pa]")
-    add(
-        "--out",
-        type=command_line.output_folder,
-        default=Path("rigid_packing"),
-        help="folder for results",
-    )
-    options = parser.parse_args(arguments)
-    for name in ("spheres", "disks", "in_cell"):
-        if getattr(options, name) < 1:
-            parser.error(
-                f"argument --{name.replace('_', '-')}: {getattr(options, name)} is not one of "
-                "1, 2, ..."
-            )
-    return options
+    return parser.parse_args(arguments)
 
 
 def material(options, mu=None):
@@ -78,8 +73,8 @@ def kinetic_energy():
 
 
 def step_of_the_linear_law():
-    """A third of what YADE holds for critical [s]."""
-    return 0.3 * yade.utils.PWaveTimeStep()
+    """[s]"""
+    return LINEAR_STEP * utils.PWaveTimeStep()
 
 
 def time_per_step(steps):
@@ -89,19 +84,25 @@ def time_per_step(steps):
     return 1e3 * (time.process_time() - start) / steps
 
 
+def bearing_contacts(force):
+    """Those between spheres, and of spheres with walls, that matter beside a force [N, 2D N/m]."""
+    real = [i for i in O.interactions if i.isReal]
+    return [i for i in real if i.phys.normalForce.norm() > BEARING * force]
+
+
 def fill_box(options):
     """Spheres above each other, a little out of order, between five walls."""
     O.reset()
-    random, side = np.random.default_rng(1), 2.25 * RADIUS * COLUMNS
+    random, side = np.random.default_rng(1), PITCH * COLUMNS
     grains, wall = material(options), material(options)
     places = [(0, 0), (side, 0), (0, 1), (side, 1), (0, 2)]
-    O.bodies.append([yade.utils.wall(place, axis=axis, material=wall) for place, axis in places])
+    O.bodies.append([utils.wall(place, axis=axis, material=wall) for place, axis in places])
     for k in range(options.spheres):
         layer, rest = divmod(k, COLUMNS**2)
         cell = np.array([*divmod(rest, COLUMNS), layer]) + 0.5
-        centre = 2.25 * RADIUS * cell + 0.08 * RADIUS * random.uniform(-1, 1, 3)
+        centre = PITCH * cell + 0.08 * RADIUS * random.uniform(-1, 1, 3)
         radius = RADIUS * random.uniform(0.85, 1)
-        O.bodies.append(yade.utils.sphere(tuple(centre), radius, material=grains))
+        O.bodies.append(utils.sphere(tuple(centre), radius, material=grains))
 
 
 def box_at_rest(options):
@@ -136,8 +137,8 @@ def box_at_rest(options):
         "capped_steps": integrator.cappedSteps,
         "residual": integrator.residual,
         "largest_residual": integrator.largestResidual,
-        "overlap_over_R": 0.1 * integrator.overlap,
-        "largest_overlap_over_R": 0.1 * integrator.largestOverlap,
+        "overlap_over_R": OVERLAP_UNIT * integrator.overlap,
+        "largest_overlap_over_R": OVERLAP_UNIT * integrator.largestOverlap,
         "milliseconds_per_step_at_rest": cost,
         "dt": O.dt,
     }
@@ -156,12 +157,12 @@ def loose_disks(options):
     pitch = 2.6 * RADIUS
     smooth, grains = material(options, 0), material(options)
     places = [(0, 0), (row * pitch, 0), (0, 1), (row * pitch, 1)]
-    walls = [yade.utils.wall(place, axis=axis, material=smooth) for place, axis in places]
+    walls = [utils.wall(place, axis=axis, material=smooth) for place, axis in places]
     ids = O.bodies.append(walls)
     for k in range(options.disks):
         jitter = 0.05 * RADIUS * random.uniform(-1, 1, 2)
         centre = pitch * (np.array(divmod(k, row)) + 0.5) + jitter
-        disk = yade.utils.sphere((*centre, 0), RADIUS * random.uniform(0.8, 1.2), material=grains)
+        disk = utils.sphere((*centre, 0), RADIUS * random.uniform(0.8, 1.2), material=grains)
         disk.state.blockedDOFs = "zXY"
         disk.state.vel = (*random.uniform(-0.3, 0.3, 2), 0)
         O.bodies.append(disk)
@@ -179,14 +180,14 @@ def squeeze(options, rigid):
     ids = loose_disks(options)
     O.engines = sg.engines(rigid=rigid)
     if rigid == "linear":
-        O.engines[-1].damping = 0.2
+        O.engines[-1].damping = SQUEEZE_DAMPING
     O.dt = SQUEEZE_STEP if rigid == "nonsmooth" else step_of_the_linear_law()
     start = time.process_time()
-    while O.time < LONGEST and not (O.time > 0.5 and yade.utils.unbalancedForce() < STILL):
+    while O.time < LONGEST and not (O.time > SHORTEST and utils.unbalancedForce() < STILL):
         O.run(round(0.01 / O.dt), True)
     cpu = time.process_time() - start
     sides = [O.bodies[ids[k]].state.pos[axis] for axis, k in ((0, 1), (1, 3))]
-    bearing = [i for i in O.interactions if i.isReal and i.phys.normalForce.norm() > 1e-6 * FORCE]
+    bearing = bearing_contacts(FORCE)
     integrator = sg.integrator()
     return {
         "law": rigid,
@@ -194,7 +195,7 @@ def squeeze(options, rigid):
         "packing_fraction": sum(math.pi * b.shape.radius**2 for b in spheres()) / np.prod(sides),
         "contacts_per_disk": 2 * len(bearing) / options.disks,
         "largest_overlap_over_R": max(i.geom.penetrationDepth for i in bearing) / RADIUS,
-        "unbalanced_force": yade.utils.unbalancedForce(),
+        "unbalanced_force": utils.unbalancedForce(),
         "time": O.time,
         "dt": O.dt,
         "steps": O.iter,
@@ -255,18 +256,14 @@ def press_cell(dim, mu, options):
     O.dt = CELL_STEP
 
     def error():
-        stress = np.diag(np.array(yade.utils.getStress()))[:dim]
+        stress = np.diag(np.array(utils.getStress()))[:dim]
         return float(np.abs(stress / -PRESSURE - 1).max())
 
     start = time.process_time()
     O.run(200, True)
-    while O.time < LONGEST and not (error() < STEADY and yade.utils.unbalancedForce() < 2 * STILL):
+    while O.time < LONGEST and not (error() < STEADY and utils.unbalancedForce() < 2 * STILL):
         O.run(10, True)
-    bearing = [
-        i
-        for i in O.interactions
-        if i.isReal and i.phys.normalForce.norm() > 1e-6 * PRESSURE * RADIUS
-    ]
+    bearing = bearing_contacts(PRESSURE * RADIUS)
     touched = {k for i in bearing for k in (i.id1, i.id2)}
     integrator = sg.integrator()
     return {
@@ -277,7 +274,7 @@ def press_cell(dim, mu, options):
         "contacts_per_bearing_grain": 2 * len(bearing) / max(len(touched), 1),
         "bearing_share": len(touched) / len(spheres()),
         "error_of_stress": error(),
-        "unbalanced_force": yade.utils.unbalancedForce(),
+        "unbalanced_force": utils.unbalancedForce(),
         "largest_overlap_over_R": max(i.geom.penetrationDepth for i in bearing) / RADIUS,
         "time": O.time,
         "steps": O.iter,

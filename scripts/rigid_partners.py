@@ -4,34 +4,29 @@ Run it with YADE: ``scripts/yade -n -x scripts/rigid_partners.py --out DIR``. ``
 the velocities after the impact, and what the contact solver did in the squeezed packing.
 """
 
-import argparse
-import json
 import math
-from pathlib import Path
 
 import numpy as np
-import yade.utils
-from yade import FrictMat, O
+from yade import FrictMat, O, utils
 
 import softgrain as sg
 from softgrain import command_line
 
 RADIUS = 0.01  # m, of the soft disks
 DENSITY = 2000.0  # kg/m3, of the rigid disks
+IMPACT_SPEED = 1.0  # m/s, of the partner
+IMPACT_TIME = 4e-3  # s, until both are apart again
+PARTNER_YOUNG = (None, 1e7, 1e8, 1e9)  # Pa; None: rigid
 PACKING_ROWS = 10
+PACKING_SPEED = 0.2  # m/s, of the upper wall
+PACKING_END = 0.9  # height at which it stops, over that at the start
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="rigid_partners")
     add = parser.add_argument
     add("--zeta", type=command_line.resolution, default=0.1, help="relative resolution 2 dr/D [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction [-]")
-    add(
-        "--out",
-        type=command_line.output_folder,
-        default=Path("rigid_partners"),
-        help="folder for results",
-    )
     return parser.parse_args(arguments)
 
 
@@ -46,7 +41,7 @@ def add_rigid_disk(centre, radius, options):
     material = FrictMat(
         young=1e7, poisson=0.3, density=DENSITY, frictionAngle=math.atan(options.mu)
     )
-    body = yade.utils.sphere(centre, radius, material=material)
+    body = utils.sphere(centre, radius, material=material)
     body.state.blockedDOFs = "zXY"
     O.bodies.append(body)
     sg.as_disks([body.id])
@@ -55,7 +50,7 @@ def add_rigid_disk(centre, radius, options):
 
 def impact(options, young=None):
     """A soft disk at rest is hit off its centre; the partner is rigid, or soft with a Young's
-    modulus [Pa]. Velocities and spins of both 4 ms later."""
+    modulus [Pa]. Velocities and spins of both after IMPACT_TIME."""
     O.reset()
     disk = sg.soft_disk((0, 0, 0), RADIUS, soft_material(options), zeta=options.zeta)
     O.bodies.append(disk)
@@ -66,10 +61,10 @@ def impact(options, young=None):
         material = soft_material(options, young, 0.3, DENSITY)
         partner = sg.soft_disk(centre, RADIUS / 2, material, zeta=options.zeta)
         O.bodies.append(partner)
-    partner.state.vel = (-1, 0, 0)
+    partner.state.vel = (-IMPACT_SPEED, 0, 0)
     O.engines = sg.engines()
     sg.set_time_step(0.5)
-    while O.time < 4e-3:
+    while O.time < IMPACT_TIME:
         O.run(20, True)
     return {
         "partner": "rigid" if young is None else f"soft, E = {young:g} Pa",
@@ -95,7 +90,7 @@ def squeezed_packing(options):
             add_rigid_disk(centre, RADIUS, options)
     side = PACKING_ROWS * pitch
     walls = [
-        yade.utils.wall(place, axis=axis, material=FrictMat(frictionAngle=0))
+        utils.wall(place, axis=axis, material=FrictMat(frictionAngle=0))
         for axis in (0, 1)
         for place in (0, side)
     ]
@@ -103,8 +98,8 @@ def squeezed_packing(options):
     O.engines = sg.engines()
     O.trackEnergy = True
     sg.set_time_step()
-    O.bodies[ids[-1]].state.vel = (0, -0.2, 0)
-    while O.bodies[ids[-1]].state.pos[1] > 0.9 * side:
+    O.bodies[ids[-1]].state.vel = (0, -PACKING_SPEED, 0)
+    while O.bodies[ids[-1]].state.pos[1] > PACKING_END * side:
         O.run(20, True)
     integrator = sg.integrator()
     return {
@@ -122,10 +117,10 @@ def squeezed_packing(options):
 def main():
     options = parse_options()
     result = {
-        "impact": [impact(options, young) for young in (None, 1e7, 1e8, 1e9)],
+        "impact": [impact(options, young) for young in PARTNER_YOUNG],
         "packing": squeezed_packing(options),
     }
-    (options.out / "result.json").write_text(json.dumps(result, indent=1))
+    command_line.write_result(options.out, result)
     for row in result["impact"]:
         velocity = ", ".join(f"{v:+.4f}" for v in row["velocity"])
         spin = ", ".join(f"{w:+.2f}" for w in row["spin"])

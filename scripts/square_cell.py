@@ -6,7 +6,6 @@ compared with converged finite elements at equal displacement of the walls and a
 fraction.
 """
 
-import argparse
 import time
 
 import numpy as np
@@ -19,10 +18,8 @@ WALLS = ("left", "right", "bottom", "top")
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    cases.add_grain_options(
-        parser, speed=0.01, speed_help="of each of the four walls [m/s]", out="square_cell"
-    )
+    parser = command_line.case_parser(__doc__, out="square_cell")
+    cases.add_grain_options(parser, speed=0.01, speed_help="of each of the four walls [m/s]")
     command_line.add_until_phi(parser, start="pi/4")
     options = parser.parse_args(arguments)
     command_line.check_method(parser, options)
@@ -63,7 +60,7 @@ def close(options, disk, walls):
         return [-f(left)[0], f(right)[0], -f(bottom)[1], f(top)[1]]
 
     contacts = [cases.WallContact(disk, wall) for wall in walls]
-    seconds = cases.window_seconds(options)
+    seconds = cases.window_of(options)
     rows = []
     start = phi = place()[1]
     with command_line.progress_bar(total=options.until_phi - start) as bar:

@@ -8,11 +8,8 @@ largest error after that, of the mean contact stress on the walls along each axi
 import argparse
 import json
 import math
-from pathlib import Path
 
 import numpy as np
-
-import softgrain as sg
 from yade import (
     Box,
     ForceEngine,
@@ -24,15 +21,57 @@ from yade import (
     utils,
 )
 
+import softgrain as sg
+from softgrain import command_line
+
 RADIUS = 0.01  # m
-YOUNG, POISSON, DENSITY = 1e6, 0.45, 1000.0
+YOUNG, POISSON, DENSITY = 1e6, 0.45, 1000.0  # Pa, -, kg/m3
+FRICTION = 0.3  # between grains
+SPREAD = 0.2  # of the radii of disks about their mean
 TOLERATED = 0.01  # error of the stress that counts as settled
 
 
+def parse_options(arguments=None):
+    parser = command_line.case_parser(__doc__, out="stress_control")
+    add, positive = parser.add_argument, command_line.positive
+    add("--dim", type=int, choices=(2, 3), default=2, help="disks or balls")
+    add("--stress", type=command_line.negative, default=-3e4, help="goal, as --stress=-3e4 [Pa]")
+    add("--zeta", type=command_line.resolution, default=0.25, help="relative resolution [-]")
+    add("--mass-damping", type=command_line.non_negative, default=200, help="of the grains [1/s]")
+    add("--tolerance", type=positive, default=1e-2, help="of the contact sweeps [-]")
+    add("--duration", type=positive, default=0.1, help="of each run [s]")
+    add(
+        "--ways",
+        type=way,
+        nargs="+",
+        default=["wall:1", "wall:10", "force:1", "servo:0.1"],
+        help="wall:DRAG, force:MASS, servo:GAIN, triaxial:SPEED (3D); 1 where no number is given",
+    )
+    options = parser.parse_args(arguments)
+    if options.dim == 2 and any(kind_and_number(text)[0] == "triaxial" for text in options.ways):
+        parser.error("argument --ways: triaxial needs --dim 3")
+    return options
+
+
+def way(text):
+    """Argument type: a way of control as in the help."""
+    kind, number = kind_and_number(text)
+    if kind not in WAYS:
+        raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(WAYS)}")
+    command_line.positive(number)
+    return text
+
+
+def kind_and_number(way):
+    """Name of a way of control, and its number as text."""
+    kind, _, number = way.partition(":")
+    return kind, number or "1"
+
+
 def wave_speed():
-    return math.sqrt(
-        YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON)) / DENSITY
-    )  # m/s, pressure waves
+    """Of pressure waves [m/s]."""
+    modulus = YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))
+    return math.sqrt(modulus / DENSITY)
 
 
 def make_grains(options):
@@ -41,7 +80,7 @@ def make_grains(options):
         young=YOUNG,
         poisson=POISSON,
         density=DENSITY,
-        frictionAngle=math.atan(0.3),
+        frictionAngle=math.atan(FRICTION),
         massDamping=options.mass_damping,
     )
     if options.dim == 3:
@@ -51,7 +90,7 @@ def make_grains(options):
         return [4.04 * RADIUS] * 3
     side = 8 * RADIUS
     cloud = pack.SpherePack()
-    cloud.makeCloud((0, 0, 0), (side, side, 0), rMean=RADIUS, rRelFuzz=0.2, num=12, seed=1)
+    cloud.makeCloud((0, 0, 0), (side, side, 0), rMean=RADIUS, rRelFuzz=SPREAD, num=12, seed=1)
     for center, radius in cloud:
         O.bodies.append(sg.soft_disk(center, radius, material, zeta=options.zeta))
     return [side, side]
@@ -76,6 +115,7 @@ def make_walls(sides, boxes):
 
 
 def press_by_controller(walls, stress, drag):
+    """Softgrain's own controller."""
     controller = sg.WallStressController(walls=walls, goal=(stress,) * 3, drag=drag)
     engines = list(O.engines)
     O.engines = engines[:3] + [controller] + engines[3:]
@@ -128,7 +168,9 @@ def press_by_servo(walls, stress, gain):
 
 def press_by_triaxial(walls, stress, share):
     """Velocities up to that share of stress/(rho c). The damping makes the way of a step, summed
-    over the steps that remember it, that which closes the gap: (1 - 0.8)/(1 - 0.8) of it."""
+    over the steps that remember it, that which closes the gap: (1 - damping)/(1 - damping) of it.
+    """
+    damping = 0.8
     names = ("left", "right", "bottom", "top", "back", "front")
     controller = TriaxialStressController(
         thickness=2 * O.bodies[walls[0]].shape.extents[0],
@@ -138,7 +180,7 @@ def press_by_triaxial(walls, stress, share):
         goal2=stress,
         goal3=stress,
         max_vel=-share * stress / (DENSITY * wave_speed()),
-        stressDamping=0.8,
+        stressDamping=damping,
         stiffnessUpdateInterval=10,
         **{f"wall_{name}_id": wall for name, wall in zip(names, walls)},
     )
@@ -169,21 +211,25 @@ def wall_stress(walls):
     ]
 
 
+#: By name; each is told the walls, the stress [Pa] and its number, and returns what to do before
+#: each step, if anything.
+WAYS = {
+    "wall": press_by_controller,
+    "force": press_by_force,
+    "servo": press_by_servo,
+    "triaxial": press_by_triaxial,
+}
+
+
 def run_way(way, options):
     """Errors of the held stress over time for one way of control."""
     O.reset()
     sides = make_grains(options)
-    kind, _, number = way.partition(":")
+    kind, number = kind_and_number(way)
     walls = make_walls(sides, boxes=kind == "triaxial")
     O.engines = sg.engines(tolerance=options.tolerance)
     sg.set_time_step()
-    press = {
-        "wall": press_by_controller,
-        "force": press_by_force,
-        "servo": press_by_servo,
-        "triaxial": press_by_triaxial,
-    }[kind]
-    follow = press(walls, options.stress, float(number or 1)) or (lambda: None)
+    follow = WAYS[kind](walls, options.stress, float(number)) or (lambda: None)
     times, stresses = [], []
     while O.time < options.duration:
         follow()
@@ -211,29 +257,14 @@ def summary(way, times, stresses, options):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--dim", type=int, choices=(2, 3), default=2)
-    parser.add_argument("--stress", type=float, default=-3e4, help="goal, negative [Pa]")
-    parser.add_argument("--zeta", type=float, default=0.25, help="relative resolution [-]")
-    parser.add_argument("--mass-damping", type=float, default=200, help="of the grains [1/s]")
-    parser.add_argument("--tolerance", type=float, default=1e-2, help="of contact [-]")
-    parser.add_argument("--duration", type=float, default=0.1, help="[s]")
-    parser.add_argument(
-        "--ways",
-        nargs="+",
-        default=["wall:1", "wall:10", "force:1", "servo:0.1"],
-        help="wall:DRAG, force:MASS, servo:GAIN, triaxial:SPEED (3D)",
-    )
-    parser.add_argument("--out", type=Path, default=Path("stress_control"))
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
+    options = parse_options()
     results = []
     for way in options.ways:
         times, stresses = run_way(way, options)
         np.savetxt(options.out / f"{way.replace(':', '-')}.txt", np.column_stack([times, stresses]))
         results.append(summary(way, times, stresses, options))
         print(json.dumps(results[-1]))
-    (options.out / "result.json").write_text(json.dumps(results, indent=1))
+    command_line.write_result(options.out, results)
 
 
 if __name__ == "__main__":

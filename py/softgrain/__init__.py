@@ -50,10 +50,13 @@ from softgrain.quasi_static import (  # noqa: E402
     scale_mass,
     suggest_speed,
     unbalanced_force,
+    unbalanced_force_for_yade,
 )
 from softgrain.softening import as_disks, soften  # noqa: E402
 from softgrain.time_loop import critical_time_step, engines, set_time_step  # noqa: E402
 from softgrain.timing import phase_times, reset_times  # noqa: E402
+
+_host.replace_in_utils("unbalancedForce", unbalanced_force_for_yade)
 
 __all__ = sorted(_classes) + [
     "Balance",

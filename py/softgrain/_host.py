@@ -48,6 +48,16 @@ def load_plugin():
     return classes
 
 
+def replace_in_utils(name, function):
+    """Put a function in the place of one of ``yade.utils``, also among the names of the script."""
+    import yade.utils
+
+    old = getattr(yade.utils, name)
+    for module in (yade.utils, yade._utils, sys.modules["__main__"]):
+        if getattr(module, name, None) is old:
+            setattr(module, name, function)
+
+
 _OWN_CLASSES = (
     "Bo1_SoftGrain_Aabb",
     "Ig2_Box_SoftGrain_SoftGeom",

@@ -3,14 +3,7 @@
 import math
 
 import numpy as np
-from yade import (
-    Body,
-    O,
-    Quaternion,
-    Vector3,
-    wrapper,
-)
-from yade import utils
+from yade import Body, O, Quaternion, Vector3, utils, wrapper
 
 from softgrain.outlines import area_and_inertia, normalized
 

@@ -3,7 +3,6 @@ results and plots. Used by ``scripts/hertz.py``, ``square_cell.py`` and ``hexago
 
 import math
 import time
-from pathlib import Path
 
 import matplotlib.figure
 import numpy as np
@@ -25,8 +24,15 @@ SAMPLES_PER_WINDOW = 10
 TOLERANCE = 1e-4
 
 
-def add_grain_options(parser, speed, speed_help, out, tolerance=TOLERANCE):
-    """Add the options that all cases have to an ``argparse`` parser."""
+def add_grain_options(parser, speed, speed_help, tolerance=TOLERANCE):
+    """Add the options of the disk, its method and its loading.
+
+    Args:
+        parser (argparse.ArgumentParser): takes them.
+        speed (float): default of ``--speed`` [m/s].
+        speed_help (str): whose speed it is, and why.
+        tolerance (float): default of the contact sweeps [-].
+    """
     add = parser.add_argument
     add("--zeta", type=command_line.resolution, default=0.1, help="relative resolution 2 dr/D [-]")
     add("--young", type=command_line.positive, default=1e6, help="Young's modulus [Pa]")
@@ -47,12 +53,6 @@ def add_grain_options(parser, speed, speed_help, out, tolerance=TOLERANCE):
         help="angle by which the disks' grids are turned [degrees]; the answer should not feel it",
     )
     add("--speed", type=command_line.positive, default=speed, help=speed_help)
-    add(
-        "--out",
-        type=command_line.output_folder,
-        default=Path(out),
-        help="folder for results",
-    )
 
 
 def add_disk(options, centre, condition="planeStrain"):
@@ -93,10 +93,16 @@ def start(options):
     time_loop.set_time_step(options.time_step_fraction)
 
 
-def window_seconds(options):
-    """Two periods of the lowest vibration of a disk [s]."""
-    shear_speed = math.sqrt(options.young / (2 * (1 + options.poisson)) / options.density)
-    return PERIODS_PER_WINDOW * 2 * math.pi / (LOWEST_MODE * shear_speed / (options.diameter / 2))
+def window_seconds(young, poisson, density, diameter):
+    """Two periods of the lowest vibration of a disk [s], from its Young's modulus [Pa], Poisson's
+    ratio, density [kg/m3] and diameter [m]."""
+    shear_speed = math.sqrt(young / (2 * (1 + poisson)) / density)
+    return PERIODS_PER_WINDOW * 2 * math.pi / (LOWEST_MODE * shear_speed / (diameter / 2))
+
+
+def window_of(options):
+    """:func:`window_seconds` of a disk as the options of :func:`add_grain_options` say [s]."""
+    return window_seconds(options.young, options.poisson, options.density, options.diameter)
 
 
 class WallContact:
@@ -184,7 +190,7 @@ def run_facts(options, started):
         "capped_steps": int(engine.cappedSteps),
         "residual_max": engine.largestResidual,
         "points_per_grain": len(observe.soft_bodies()[0].shape.points()["volume"]),
-        "options": {name: str(value) for name, value in vars(options).items()},
+        "options": command_line.option_texts(options),
     }
 
 

@@ -15,6 +15,11 @@ def positive(text):
     return _checked(text, lambda value: value > 0, "a number in (0, inf)")
 
 
+def negative(text):
+    """Argument type: a finite number < 0."""
+    return _checked(text, lambda value: value < 0, "a number in (-inf, 0)")
+
+
 def non_negative(text):
     """Argument type: a finite number >= 0."""
     return _checked(text, lambda value: value >= 0, "a number in [0, inf)")
@@ -23,6 +28,21 @@ def non_negative(text):
 def fraction(text):
     """Argument type: a number in (0, 1)."""
     return _checked(text, lambda value: 0 < value < 1, "a number in (0, 1)")
+
+
+def step_fraction(text):
+    """Argument type: a number in (0, 1]."""
+    return _checked(text, lambda value: 0 < value <= 1, "a number in (0, 1]")
+
+
+def share(text):
+    """Argument type: a number in [0, 1]."""
+    return _checked(text, lambda value: 0 <= value <= 1, "a number in [0, 1]")
+
+
+def angle(text):
+    """Argument type: a finite number."""
+    return _checked(text, lambda value: True, "a number in (-inf, inf)")
 
 
 def resolution(text):
@@ -45,14 +65,26 @@ def poisson(text):
     return _checked(text, lambda value: -1 < value < 0.5, "a number in (-1, 0.5)")
 
 
-def angle(text):
-    """Argument type: a finite number."""
-    return _checked(text, lambda value: True, "a number in (-inf, inf)")
+def whole_from(least):
+    """Argument type: a whole number >= ``least`` (int)."""
+    return lambda text: _checked(
+        text, lambda value: value >= least, f"a whole number in [{least}, inf)", int
+    )
 
 
-def _checked(text, admissible, range_text):
+def output_folder(text):
+    """Argument type: a folder, made if missing."""
+    folder = Path(text)
     try:
-        value = float(text)
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"cannot make the folder {text!r}: {error.strerror}")
+    return folder
+
+
+def _checked(text, admissible, range_text, number=float):
+    try:
+        value = number(text)
     except ValueError:
         value = math.nan
     if not (math.isfinite(value) and admissible(value)):
@@ -60,14 +92,21 @@ def _checked(text, admissible, range_text):
     return value
 
 
-def share(text):
-    """Argument type: a number in [0, 1]."""
-    return _checked(text, lambda value: 0 <= value <= 1, "a number in [0, 1]")
+def case_parser(doc, out):
+    """Parser of a runnable case, with the option ``--out``, a folder that is made if missing.
 
+    Args:
+        doc (str): docstring of the case; its first paragraph is shown with the help.
+        out (str): folder for results where the option is not given.
 
-def step_fraction(text):
-    """Argument type: a number in (0, 1]."""
-    return _checked(text, lambda value: 0 < value <= 1, "a number in (0, 1]")
+    Returns:
+        argparse.ArgumentParser: takes the further options of the case.
+    """
+    parser = argparse.ArgumentParser(description=doc.partition("\n\n")[0])
+    parser.add_argument(
+        "--out", type=output_folder, default=out, help="folder for results; default: %(default)s"
+    )
+    return parser
 
 
 def add_method_options(parser, tolerance=1e-2):
@@ -170,16 +209,6 @@ def check_until_phi(parser, options, start, name):
         parser.error(f"argument --until-phi: {options.until_phi} is not above the start at {name}")
 
 
-def output_folder(text):
-    """Argument type: a folder, made if missing."""
-    folder = Path(text)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise argparse.ArgumentTypeError(f"cannot make the folder {text!r}: {error.strerror}")
-    return folder
-
-
 def progress_bar(total):
     """Progress bar on stderr; a line now and then where stderr is no terminal."""
     interval = 0.5 if sys.stderr.isatty() else 10
@@ -198,11 +227,30 @@ def show_progress(bar, reached, text):
     bar.update(min(reached, bar.total) - bar.n)
 
 
+def option_texts(options):
+    """Options of a run, for its results: name (str) to value as text (str)."""
+    return {name: str(value) for name, value in vars(options).items()}
+
+
 def write_result(folder, result):
-    """Write ``result.json`` into the folder, whole or not at all."""
-    part = folder / "result.json.part"
-    part.write_text(json.dumps(result, indent=1, default=_plain) + "\n")
-    os.replace(part, folder / "result.json")
+    """Write ``result.json`` into the folder (Path), whole or not at all; see :func:`write_json`."""
+    write_json(folder / "result.json", result)
+
+
+def write_json(path, value):
+    """Write a JSON file, whole or not at all.
+
+    Args:
+        path (Path): the file; one that is there is replaced.
+        value: lists, dicts, texts and numbers, those of numpy and its arrays included.
+
+    Raises:
+        TypeError, ValueError: the value has something else in it; nothing is written.
+    """
+    text = json.dumps(value, indent=1, default=_plain)
+    part = path.with_name(path.name + ".part")
+    part.write_text(text + "\n")
+    os.replace(part, path)
 
 
 def _plain(value):

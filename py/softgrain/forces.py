@@ -118,7 +118,5 @@ def _pair(interaction):
     area = sum(seen) / len(seen) if seen else 0.0
     sums = np.array([np.linalg.norm(normal), np.linalg.norm(shear)])
     pressure, traction = _over(sums, np.full(2, area))
-    return (
-        *(interaction.id1, interaction.id2, np.array(interaction.geom.contactPoint)),
-        *(normal, shear, area, pressure, traction),
-    )
+    point = np.array(interaction.geom.contactPoint)
+    return interaction.id1, interaction.id2, point, normal, shear, area, pressure, traction

@@ -118,13 +118,14 @@ def _rigid_material(material):
 
 @dataclass
 class _Motion:
-    """Of a soft grain as its State has it, with what a rigid body in its place takes over."""
+    """Of a soft grain as its State has it, with what a rigid body in its place takes over; in 2D
+    per metre of thickness."""
 
-    mass: float
-    centre: Vector3
-    velocity: Vector3
-    inertia: np.ndarray
-    spin: np.ndarray  # angular momentum about the centre
+    mass: float  #: kg
+    centre: Vector3  #: of mass, m
+    velocity: Vector3  #: of the centre, m/s
+    inertia: np.ndarray  #: about the centre, kg m^2, shape (3, 3)
+    spin: np.ndarray  #: angular momentum about the centre, kg m^2/s, shape (3,)
 
     @classmethod
     def of(cls, body):
@@ -133,11 +134,12 @@ class _Motion:
         return cls(state.mass, Vector3(state.pos), Vector3(state.vel), inertia, spin)
 
     def momenta(self):
+        """Momentum [kg m/s] and angular momentum about the origin [kg m^2/s], of shape (3,)."""
         momentum = self.mass * np.array(self.velocity)
         return momentum, np.cross(self.centre, momentum) + self.spin
 
     def kinetic(self):
-        """Of a rigid body with this inertia."""
+        """Energy of a rigid body with this inertia [J]."""
         turning = self.spin @ np.linalg.pinv(self.inertia) @ self.spin
         return 0.5 * (self.mass * self.velocity.squaredNorm() + turning)
 

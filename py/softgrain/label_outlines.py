@@ -8,6 +8,11 @@ from scipy import ndimage
 
 from softgrain.outlines import area_and_inertia, signed_area
 
+#: The Gaussian that smooths masks ends at this many standard deviations.
+TRUNCATE = 4
+#: Vertices of an outline at least.
+LEAST_VERTICES = 8
+
 
 @dataclass
 class LabelOutline:
@@ -77,17 +82,18 @@ def _why_unusable(mask, place, shape, least_pixels):
 def _contours(mask, smoothing):
     """Closed contours of the smoothed mask, counter-clockwise about what is inside, in steps of
     about a pixel, in pixels from the lower left corner of the mask, y upwards."""
-    margin = int(np.ceil(4 * smoothing)) + 1
+    margin = int(np.ceil(TRUNCATE * smoothing)) + 1
     padded = np.pad(mask[::-1].astype(float), margin)
-    level = ndimage.gaussian_filter(padded, smoothing, truncate=4)
+    level = ndimage.gaussian_filter(padded, smoothing, truncate=TRUNCATE)
     lines = contour_generator(z=level).lines(0.5)
     return [_in_equal_steps(line[:-1]) - margin + 0.5 for line in lines]
 
 
 def _in_equal_steps(line):
+    """A closed line (n, 2), counter-clockwise, with vertices about a pixel apart."""
     if signed_area(line) < 0:
         line = line[::-1]
     closed = np.vstack([line, line[:1]])
     along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    steps = np.linspace(0, along[-1], max(8, round(along[-1])), endpoint=False)
+    steps = np.linspace(0, along[-1], max(LEAST_VERTICES, round(along[-1])), endpoint=False)
     return np.column_stack([np.interp(steps, along, closed[:, a]) for a in range(2)])

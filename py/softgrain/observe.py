@@ -1,6 +1,7 @@
 """Reading soft scenes: areas, stresses, forces, coordination, energy balance."""
 
 import itertools
+import math
 
 import numpy as np
 from yade import O, wrapper
@@ -11,6 +12,21 @@ from softgrain import _softgrain
 def soft_bodies():
     """All bodies with a soft shape, by id."""
     return [b for b in O.bodies if b and isinstance(b.shape, wrapper.SoftGrain)]
+
+
+def some_soft_bodies(asker):
+    """All bodies with a soft shape, by id.
+
+    Args:
+        asker (str): who needs them, for the message.
+
+    Raises:
+        ValueError: the scene has no soft grain.
+    """
+    bodies = soft_bodies()
+    if not bodies:
+        raise ValueError(f"{asker}: the scene has no soft grain")
+    return bodies
 
 
 def integrator():
@@ -42,10 +58,12 @@ def packing_fraction(box_area=None, nominal=False):
         float: phi or phi0 [-].
 
     Raises:
-        ValueError: no area is given, and the scene is not periodic.
+        ValueError: the area is not positive, or none is given and the scene is not periodic.
     """
     if box_area is None:
         box_area = cell_volume()
+    if not 0 < box_area < math.inf:
+        raise ValueError(f"box_area = {box_area} is outside the admissible range (0, inf)")
     if nominal:
         areas = [b.shape.undeformedVolume() for b in soft_bodies()]
     else:
@@ -173,8 +191,12 @@ def wall_force(body_id):
 
 def coordination_number():
     """Mean number of bodies that a soft grain exchanges force with, walls and rigid ones included
-    [-]."""
-    bodies = soft_bodies()
+    [-].
+
+    Raises:
+        ValueError: the scene has no soft grain.
+    """
+    bodies = some_soft_bodies("coordination_number")
     ids = {b.id for b in bodies}
     ends = 0
     for i in O.interactions:

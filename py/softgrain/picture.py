@@ -8,6 +8,13 @@ from yade import O, wrapper
 
 from softgrain.observe import nearest_images, soft_bodies, von_mises
 
+#: Size of a picture, without its colour bar, and the room for the title [inches].
+WIDTH, LARGEST_HEIGHT, TITLE_HEIGHT = 6.5, 9.0, 0.4
+#: Percentile of the stresses at which colours end if no limits are given: single points stick out.
+HIGHEST_SHOWN = 99
+#: Corners of the polygon that a rigid sphere is drawn as.
+CORNERS_OF_A_CIRCLE = 72
+
 
 def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, title=None, dpi=200):
     """Draw all soft disks with their outlines and a stress field inside, rigid spheres, boxes and
@@ -103,7 +110,7 @@ def rigid_polygons():
 def _corners(shape):
     """In the frame of the body; None for other shapes."""
     if isinstance(shape, wrapper.Sphere):
-        angle = np.linspace(0, 2 * np.pi, 72, endpoint=False)
+        angle = np.linspace(0, 2 * np.pi, CORNERS_OF_A_CIRCLE, endpoint=False)
         return shape.radius * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     if isinstance(shape, wrapper.Box):
         width, height, _ = shape.extents
@@ -119,7 +126,7 @@ def _size(outlines, box):
     if box is not None:
         low, high = np.minimum(low, [box[0], box[2]]), np.maximum(high, [box[1], box[3]])
     width, height = high - low
-    return (6.5, min(9.0, 6.5 * height / width + 0.4))
+    return WIDTH, min(LARGEST_HEIGHT, WIDTH * height / width + TITLE_HEIGHT)
 
 
 def _draw_field(figure, axes, images, outlines, field, scale, limits):
@@ -127,8 +134,12 @@ def _draw_field(figure, axes, images, outlines, field, scale, limits):
     unit = scale if scale else 1e3
     values = np.concatenate([v for _, v in fields]) / unit
     if limits is None:
-        low = 0.0 if field == "von_mises" else min(0.0, float(np.percentile(values, 1)))
-        limits = (low, max(float(np.percentile(values, 99)), low + 1e-12))
+        low = (
+            0.0
+            if field == "von_mises"
+            else min(0.0, float(np.percentile(values, 100 - HIGHEST_SHOWN)))
+        )
+        limits = (low, max(float(np.percentile(values, HIGHEST_SHOWN)), low + 1e-12))
     for (points, stress), outline in zip(fields, outlines):
         _draw_grain(axes, points, stress / unit, outline, limits)
     name = {"von_mises": "von Mises stress", "pressure": "pressure"}[field]

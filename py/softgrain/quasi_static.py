@@ -6,10 +6,13 @@ Formulas: ``doc/theory.md``, section 3; measured: ``doc/decisions/0016-quasi-sta
 import math
 import warnings
 
-from yade import NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
+from yade import NewtonIntegrator, NormShearPhys, O, Vector3, utils, wrapper
 
 from softgrain import time_loop
-from softgrain.observe import soft_bodies
+from softgrain.observe import soft_bodies, some_soft_bodies
+
+#: Grains whose kinetic energy is below this share of the elastic one count as at rest.
+AT_REST = 1e-3
 
 
 def quasi_static():
@@ -26,9 +29,7 @@ def quasi_static():
     Raises:
         ValueError: the scene has no soft grain.
     """
-    bodies = soft_bodies()
-    if not bodies:
-        raise ValueError("quasi_static: the scene has no soft grain")
+    bodies = some_soft_bodies("quasi_static")
     energies = [body.shape.energy() for body in bodies]
     kinetic = sum(energy["kinetic"] for energy in energies)
     elastic = sum(energy["elastic"] for energy in energies)
@@ -36,17 +37,19 @@ def quasi_static():
         "kinetic": kinetic,
         "elastic": elastic,
         "kinetic_over_elastic": _ratio(kinetic, elastic),
-        "unbalanced_force": _ratio(_mean_net_force(bodies), _mean_contact_force()),
+        "unbalanced_force": _ratio(_mean(_net_forces(bodies)), _mean_contact_force()),
     }
 
 
-def unbalanced_force():
+def unbalanced_force(largest=False):
     """Mean magnitude of the sum of forces on all soft grains and free rigid bodies over the mean
-    magnitude of the contact forces, after the last step [-].
+    magnitude of the contact forces that are not zero, after the last step.
 
-    ``utils.unbalancedForce()`` counts bodies with a degree of freedom that is not blocked, which
-    soft grains are not: it is nan in a scene of soft grains alone. 0 without any force, inf where
-    something is accelerated without any contact.
+    Args:
+        largest (bool): the largest sum of forces on a body in place of their mean.
+
+    Returns:
+        float: 0 without any force, inf where something is accelerated without any contact [-].
     """
     rigid = [
         b
@@ -55,9 +58,21 @@ def unbalanced_force():
     ]
     phys = [i.phys for i in O.interactions if i.isReal and isinstance(i.phys, NormShearPhys)]
     forces = [(p.normalForce + p.shearForce).norm() for p in phys]
-    carried = [force for force in forces if force > 0]
-    mean = math.fsum(carried) / len(carried) if carried else 0.0
-    return _ratio(_mean_net_force(soft_bodies() + rigid), mean)
+    carried = _mean([force for force in forces if force > 0])
+    net = _net_forces(soft_bodies() + rigid)
+    return _ratio(max(net, default=0.0) if largest else _mean(net), carried)
+
+
+#: Leaves out bodies whose degrees of freedom are all blocked, as those of soft grains are.
+_unbalanced_force_of_yade = utils.unbalancedForce
+
+
+def unbalanced_force_for_yade(useMaxForce=False):
+    """``utils.unbalancedForce`` once softgrain is imported: :func:`unbalanced_force` where there
+    are soft grains, YADE's own where there are none."""
+    if soft_bodies():
+        return unbalanced_force(largest=useMaxForce)
+    return _unbalanced_force_of_yade(useMaxForce)
 
 
 def _ratio(numerator, denominator):
@@ -66,10 +81,10 @@ def _ratio(numerator, denominator):
     return math.inf if numerator > 0 else 0.0
 
 
-def _mean_net_force(bodies):
+def _net_forces(bodies):
     gravity = next((e.gravity for e in O.engines if isinstance(e, NewtonIntegrator)), Vector3())
     sums = [O.forces.f(b.id) + gravity * _weighed_mass(b) for b in bodies]
-    return math.fsum(force.norm() for force in sums) / len(sums) if sums else 0.0
+    return [force.norm() for force in sums]
 
 
 def _weighed_mass(body):
@@ -83,8 +98,12 @@ def _mean_contact_force():
         for i in O.interactions
         if i.isReal and isinstance(i.phys, wrapper.SoftPhys) and i.phys.activeContacts > 0
     ]
-    # fsum: the order of O.interactions depends on threads
-    return math.fsum(forces) / len(forces) if forces else 0.0
+    return _mean(forces)
+
+
+def _mean(values):
+    """0 of none; the same whatever the order, which in O.interactions depends on threads."""
+    return math.fsum(values) / len(values) if values else 0.0
 
 
 def suggest_speed(stress=None, share=0.1):
@@ -110,9 +129,7 @@ def suggest_speed(stress=None, share=0.1):
     Raises:
         ValueError: a value is out of its range, or the scene has no soft grain.
     """
-    bodies = soft_bodies()
-    if not bodies:
-        raise ValueError("suggest_speed: the scene has no soft grain")
+    bodies = some_soft_bodies("suggest_speed")
     if stress is None:
         stress = 0.01 * min(body.material.young for body in bodies)
     if not 0 < stress < math.inf:
@@ -158,9 +175,7 @@ def scale_mass(factor, materials=None):
         UserWarning: the grains move: their velocities stay, so that their momentum and kinetic
             energy jump with their mass.
     """
-    bodies = soft_bodies()
-    if not bodies:
-        raise ValueError("scale_mass: the scene has no soft grain")
+    bodies = some_soft_bodies("scale_mass")
     if not 1 <= factor < math.inf:
         raise ValueError(f"factor = {factor} is outside the admissible range [1, inf)")
     materials = [b.material for b in bodies] if materials is None else list(materials)
@@ -168,7 +183,7 @@ def scale_mass(factor, materials=None):
         if not isinstance(material, wrapper.SoftMat):
             raise ValueError(f"materials: {type(material).__name__} is no SoftMat")
     changed = any(material.massScaling != factor for material in materials)
-    if changed and quasi_static()["kinetic_over_elastic"] > 1e-3:
+    if changed and quasi_static()["kinetic_over_elastic"] > AT_REST:
         warnings.warn(
             "scale_mass: the grains are not at rest; their momentum and kinetic energy change with "
             "their mass. Scale before they move, or where sg.quasi_static() is small",

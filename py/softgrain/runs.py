@@ -1,7 +1,6 @@
 """Runs of the cases in ``scripts/`` behind figures and benchmarks: each is made once, in a folder
 named by its options, and read from there afterwards."""
 
-import argparse
 import json
 import subprocess
 import sys
@@ -10,12 +9,14 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from softgrain import command_line
+
 
 def parse_options(description, jobs, out, **extra):
     """Options of a program that makes runs.
 
     Args:
-        description (str): docstring of the program; its first line is shown.
+        description (str): docstring of the program; its first paragraph is shown.
         jobs (int): default number of runs at the same time, each on one thread.
         out (str): default folder for pictures, tables and runs.
         **extra (dict): arguments of ``add_argument`` for further options, by name.
@@ -23,18 +24,16 @@ def parse_options(description, jobs, out, **extra):
     Returns:
         argparse.Namespace: the options; the folder ``out`` exists.
     """
-    parser = argparse.ArgumentParser(description=description.splitlines()[0])
+    parser = command_line.case_parser(description, out)
     for name, settings in extra.items():
         parser.add_argument("--" + name.replace("_", "-"), **settings)
     parser.add_argument(
-        "--jobs", type=int, default=jobs, help="runs at the same time, each on one thread [-]"
+        "--jobs",
+        type=command_line.whole_from(1),
+        default=jobs,
+        help="runs at the same time, each on one thread [-]",
     )
-    parser.add_argument(
-        "--out", type=Path, default=Path(out), help="folder for pictures, tables and runs"
-    )
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    return options
+    return parser.parse_args()
 
 
 def run_all(script, settings, options):
@@ -96,9 +95,14 @@ def new_figure(xlabel, ylabel, width=5, **axes_settings):
     return figure, axes
 
 
+def markdown_table(head, rows):
+    """A Markdown table (str) of cells of any type, without an end of line behind it."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+
+
 def write_table(path, head, rows):
     """Write a Markdown table to a file, and print it."""
-    lines = [head, ["---"] * len(head), *rows]
-    text = "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+    text = markdown_table(head, rows)
     path.write_text(text + "\n")
     print(text)

@@ -2,13 +2,7 @@
 
 import math
 
-from yade import (
-    InsertionSortCollider,
-    O,
-    Sphere,
-    Vector3,
-    wrapper,
-)
+from yade import InsertionSortCollider, O, Sphere, Vector3, wrapper
 
 from softgrain.build import soft_material, volume_and_inertia
 from softgrain.observe import nearest_images
@@ -19,6 +13,8 @@ from softgrain.time_loop import check_fraction, set_time_step
 WORKABLE_OVERLAP = 0.05
 #: Members of a clump count as touching, not overlapping, at this share of two radii: rounding.
 TOUCHING = 0.999
+#: Spheres lie in one plane where their centres differ by less than this share of a radius.
+ONE_PLANE = 1e-6
 
 
 def soften(
@@ -135,7 +131,7 @@ def _dimension(bodies):
     flat = all(set("zXY") <= set(b.state.blockedDOFs) for b in bodies)
     solid = not any(set("zXY") & set(b.state.blockedDOFs) for b in bodies)
     heights = [b.state.pos[2] for b in bodies]
-    one_layer = max(heights) - min(heights) < 1e-6 * min(b.shape.radius for b in bodies)
+    one_layer = max(heights) - min(heights) < ONE_PLANE * min(b.shape.radius for b in bodies)
     if flat and one_layer:
         return 2
     if solid and (not one_layer or len(bodies) == 1):
@@ -147,7 +143,18 @@ def _dimension(bodies):
 
 
 def overlap_factor(bodies, overlap):
-    """Common factor of the radii after the choice about overlaps."""
+    """Common factor of the radii after the choice about overlaps.
+
+    Args:
+        bodies (list of Body): spheres; walls of the scene count as well.
+        overlap (str): as for :func:`soften`.
+
+    Returns:
+        float: in (0, 1]; 1 unless with 'shrink' [-].
+
+    Raises:
+        ValueError: an unknown choice, or an overlap that it does not admit.
+    """
     if overlap not in ("relax", "shrink", "refuse"):
         raise ValueError(f"overlap = {overlap!r} is unknown; known: 'relax', 'shrink', 'refuse'")
     worst, factor, pair = 0.0, 1.0, None

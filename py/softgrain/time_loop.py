@@ -1,7 +1,6 @@
 """Engines and time step of scenes with soft grains."""
 
 import numpy as np
-
 from yade import (
     Bo1_Box_Aabb,
     Bo1_Facet_Aabb,
@@ -24,14 +23,16 @@ from yade import (
     wrapper,
 )
 
+from softgrain import _softgrain
+
 #: O.dt as last set by set_time_step [s] and the fraction of the critical step that it was.
 _own_step = {"dt": None, "fraction": None}
-
-
 #: What rigid bodies do to each other, by the name of ``engines(rigid=)``.
 _RIGID_LAWS = ("linear", "nonsmooth")
 #: Radii that bounding boxes of spheres have, so that the functors "ahead" are asked in time.
 _AHEAD = 1.05
+#: Distance by which bounding boxes are enlarged, over the smallest radius, if nothing else is said.
+_VERLET_SHARE = 0.05
 
 
 def engines(
@@ -54,6 +55,7 @@ def engines(
             ``Ip2_SoftPhys`` (frictAngle, dynamicFrictAngle, cohesion, cohesionRange, bondStrength,
             bondEnergy, bondStiffness, bondAtTouch, restitution), each a ``MatchMaker`` or a number
             for all pairs; ``interfaceRange`` of the integrator follows from it unless it is given.
+            With rigid = 'nonsmooth' its restitution is also that of rigid bodies with each other.
         rigid (str): how rigid bodies touch each other. 'linear': by YADE's linear law with friction
             (``Law2_ScGeom_FrictPhys_CundallStrack``), whose stiffness may ask for a smaller
             ``O.dt`` than soft grains do: assign it by hand then. 'nonsmooth': by the contact
@@ -75,7 +77,7 @@ def engines(
         radii = _radii(wrapper.SoftGrain) or _radii(Sphere)
         if not radii:
             raise ValueError("verlet_distance: give it, or add soft grains or spheres first")
-        verlet_distance = 0.05 * min(radii)
+        verlet_distance = _VERLET_SHARE * min(radii)
     walls = [b.id for b in O.bodies if b and isinstance(b.shape, wrapper.Wall)]
     if O.periodic and walls:
         raise ValueError(
@@ -110,7 +112,9 @@ def engines(
             [
                 wrapper.Law2_SoftGeom_SoftPhys_Nonsmooth(),
                 (
-                    wrapper.Law2_ScGeom_FrictPhys_Nonsmooth()
+                    wrapper.Law2_ScGeom_FrictPhys_Nonsmooth(
+                        **{k: v for k, v in interface.items() if k == "restitution"}
+                    )
                     if nonsmooth
                     else Law2_ScGeom_FrictPhys_CundallStrack()
                 ),
@@ -210,8 +214,6 @@ def critical_time_step():
     Raises:
         ValueError: the scene has no soft grain, or a body is wrong (see the message).
     """
-    from softgrain import _softgrain
-
     step = _softgrain.criticalTimeStep()
     if not step > 0:
         raise ValueError("critical_time_step: the scene has no soft grain")

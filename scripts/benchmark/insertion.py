@@ -23,9 +23,9 @@ REPEATS = 5
 def parse_options(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--grains", type=int, default=400, help="number of disks")
+    add("--grains", type=command_line.whole_from(1), default=400, help="number of disks")
     add("--zeta", type=command_line.resolution, default=0.25, help="relative resolution 2 dr/D [-]")
-    add("--mass-damping", type=float, default=0.0, help="of the grains [1/s]")
+    add("--mass-damping", type=command_line.non_negative, default=0.0, help="of the grains [1/s]")
     return parser.parse_args(arguments)
 
 

@@ -6,7 +6,6 @@ tables, which also go to ``DIR/quasi_static.md``; what they say:
 ``doc/decisions/0016-quasi-static.md``.
 """
 
-import argparse
 import itertools
 import math
 import sys
@@ -16,20 +15,24 @@ import numpy as np
 from yade import FrictMat, O, utils
 
 import softgrain as sg
+from softgrain import command_line
+from softgrain.runs import markdown_table
 
 sys.path.append(str(Path(sys.argv[0]).resolve().parents[1]))  # scripts/
 import compaction  # noqa: E402
 
-YOUNG, DENSITY, RADIUS = 1e6, 1000.0, 0.01
-IMPEDANCE = math.sqrt(DENSITY * YOUNG * 0.55 / (1.45 * 0.1))  # rho c, nu = 0.45 [Pa s/m]
+YOUNG, POISSON, DENSITY, RADIUS = 1e6, 0.45, 1000.0, 0.01  # Pa, -, kg/m3, m
+WAVE_MODULUS = YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))  # Pa
+IMPEDANCE = math.sqrt(DENSITY * WAVE_MODULUS)  # rho c [Pa s/m]
 APPROACH = (0.1, 0.2)  # of the plates, over the diameter
 PHI = (0.84, 0.88, 0.92)
+WINDOW = 0.005  # of phi on both sides, over which records are averaged
 
 
 def squeeze(speed, zeta, **material):
     """Mean force at both plates over E D from each approach to 1.1 of it, and energy ratio."""
     O.reset()
-    soft = sg.SoftMat(young=YOUNG, poisson=0.45, density=DENSITY, **material)
+    soft = sg.SoftMat(young=YOUNG, poisson=POISSON, density=DENSITY, **material)
     O.bodies.append(sg.soft_disk((0, 0, 0), RADIUS, soft, zeta=zeta))
     plates = [
         utils.wall(y, axis=1, sense=s, material=FrictMat(frictionAngle=0))
@@ -72,10 +75,9 @@ def compact(out, speed, grains, zeta, scaling=1, **material):
     recorder, _ = compaction.compact(options, box)
     records = {name: np.array(values, float) for name, values in recorder.records.items()}
     names = ("stress_over_E", "stress_top_over_E", "kinetic_over_elastic", "unbalanced_force")
-    width = 0.005  # records of a window of phi, averaged
     rows = []
     for phi in PHI:
-        near = np.abs(records["phi"] - phi) <= width
+        near = np.abs(records["phi"] - phi) <= WINDOW
         rows.append([records[name][near].mean() for name in names])
     times = sg.phase_times()
     steps = int(sg.integrator().steps)
@@ -85,9 +87,7 @@ def compact(out, speed, grains, zeta, scaling=1, **material):
 
 
 def table(title, head, rows):
-    lines = [f"### {title}", "", "| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
-    lines += ["| " + " | ".join(map(str, row)) + " |" for row in rows]
-    return "\n".join(lines) + "\n"
+    return f"### {title}\n\n{markdown_table(head, rows)}\n"
 
 
 def speeds_of_plates(zeta):
@@ -147,13 +147,16 @@ def compactions(out, grains, zeta):
     return table(f"Compaction of {grains} grains, mu = 0.3", head, rows)
 
 
+def parse_options(arguments=None):
+    parser = command_line.case_parser(__doc__, out="quasi_static")
+    add = parser.add_argument
+    add("--grains", type=command_line.whole_from(4), default=30, help="of the compaction [-]")
+    add("--zeta", type=command_line.resolution, default=0.25, help="relative resolution [-]")
+    return parser.parse_args(arguments)
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--grains", type=int, default=30, help="of the compaction [-]")
-    parser.add_argument("--zeta", type=float, default=0.25, help="relative resolution [-]")
-    parser.add_argument("--out", type=Path, required=True, help="folder for the tables")
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
+    options = parse_options()
     with open(options.out / "quasi_static.md", "w") as file:
         for text in (
             speeds_of_plates(options.zeta),

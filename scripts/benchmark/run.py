@@ -5,7 +5,6 @@ scripts/benchmark/run.py --out doc/benchmarks``. Every case (``scenes.py``) runs
 own; ``NAME.md`` and ``NAME.csv`` hold all of them, NAME being that of the machine.
 """
 
-import argparse
 import csv
 import json
 import re
@@ -15,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from softgrain import _softgrain
+from softgrain import _softgrain, command_line
 
 SCENES = Path(__file__).resolve().with_name("scenes.py")
 BUILD = Path(_softgrain.__file__).resolve().parents[2]
@@ -291,19 +290,20 @@ def write_csv(path, columns, machine):
 
 
 def parse_options():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="benchmark")
     add = parser.add_argument
     add("--quick", action="store_true", help="smaller scenes, under two minutes")
-    add("--threads", type=int, nargs="+", default=[1], help="numbers of threads [-]")
+    add(
+        "--threads",
+        type=command_line.whole_from(1),
+        nargs="+",
+        default=[1],
+        help="numbers of threads [-]",
+    )
     names = [case.name for case in cases()]
     add("--only", nargs="+", choices=names, default=names, help="cases", metavar="CASE")
-    add("--out", type=Path, default=Path("benchmark"), help="folder for the tables")
     add("--name", default=re.sub(r"\W+", "_", machine_name().lower()), help="of the tables")
-    options = parser.parse_args()
-    if min(options.threads) < 1:
-        parser.error(f"argument --threads: {min(options.threads)} is outside [1, inf)")
-    options.out.mkdir(parents=True, exist_ok=True)
-    return options
+    return parser.parse_args()
 
 
 def main():

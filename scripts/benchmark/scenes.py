@@ -8,7 +8,6 @@ otherwise.
 """
 
 import argparse
-import json
 import math
 import resource
 import statistics
@@ -18,17 +17,14 @@ import time
 from pathlib import Path
 
 import numpy as np
-import yade.utils
 from yade import (
     FrictMat,
-    Ig2_Sphere_Sphere_ScGeom,
-    InteractionLoop,
-    Ip2_FrictMat_FrictMat_FrictPhys,
-    Law2_ScGeom_FrictPhys_CundallStrack,
     O,
+    utils,
 )
 
 import softgrain as sg
+from softgrain import command_line
 
 sys.path.append(str(Path(sys.argv[0]).resolve().parents[1]))  # scripts/
 
@@ -246,7 +242,7 @@ def rigid(options):
     press(box, case.speed, DENSE_PHI)
     measured = measure(options)
     O.materials["walls"].young = compaction.YOUNG
-    return {"grains": options.grains, **measured, "dt": 0.5 * yade.utils.PWaveTimeStep()}
+    return {"grains": options.grains, **measured, "dt": 0.5 * utils.PWaveTimeStep()}
 
 
 def paper(options):
@@ -306,7 +302,7 @@ def resting(options):
     sg.soft_bodies()[0].material.massDamping = DAMPING
     low, high = -0.5 * spacing, centers.max() + 0.5 * spacing
     for axis in (0, 1):
-        O.bodies.append([yade.utils.wall(x, axis=axis, material=FrictMat()) for x in (low, high)])
+        O.bodies.append([utils.wall(x, axis=axis, material=FrictMat()) for x in (low, high)])
     start()
     able = skip(options.skip) and options.skip
     advance(SETTLING_STEPS)
@@ -324,15 +320,11 @@ def mixed(options):
     aside, mirror = np.array([-4 * RADIUS, 0, 0]), np.array([-1, 1, 1])
     stiff = FrictMat(young=compaction.YOUNG, density=compaction.DENSITY)
     ids = O.bodies.append(
-        [yade.utils.sphere(tuple(x * mirror + aside), RADIUS, material=stiff) for x in centers]
+        [utils.sphere(tuple(x * mirror + aside), RADIUS, material=stiff) for x in centers]
     )
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"
     O.engines = sg.engines()
-    loop = next(e for e in O.engines if isinstance(e, InteractionLoop))
-    loop.geomDispatcher.functors += [Ig2_Sphere_Sphere_ScGeom()]
-    loop.physDispatcher.functors += [Ip2_FrictMat_FrictMat_FrictPhys()]
-    loop.lawDispatcher.functors += [Law2_ScGeom_FrictPhys_CundallStrack()]
     sg.set_time_step()
     O.step()
     skip(False)
@@ -360,7 +352,7 @@ def sizes(options):
     rough = FrictMat(frictionAngle=math.atan(0.3))
     walls = [(0, 0, 1), (width, 0, -1), (0, 1, 1), (height, 1, -1)]
     ids = O.bodies.append(
-        [yade.utils.wall(at, axis, sense=sense, material=rough) for at, axis, sense in walls]
+        [utils.wall(at, axis, sense=sense, material=rough) for at, axis, sense in walls]
     )
     start(multirate=options.multirate)
     skip(False)
@@ -408,16 +400,26 @@ def parse_options():
     parser.add_argument("case", choices=[case.__name__ for case in CASES])
     add = parser.add_argument
     add("--result", type=Path, required=True, help="JSON file to write")
-    add("--grains", type=int, default=400, help="number of grains [-]")
-    add("--zeta", type=float, default=0.11, help="relative resolution 2 dr/D [-]")
+    add("--grains", type=command_line.whole_from(1), default=400, help="number of grains [-]")
+    add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
     add("--dim", type=int, choices=(2, 3), default=2, help="disks or balls")
     add("--order", type=int, choices=(1, 2, 3), default=3, help="order of the B-splines")
-    add("--node-spacing", type=float, default=1.25, help="step of the grid over dr [-]")
+    add(
+        "--node-spacing",
+        type=command_line.node_spacing,
+        default=1.25,
+        help="step of the grid over dr [-]",
+    )
     add("--formulation", choices=("total", "updated"), default="total", help="of the grains")
     add("--own-templates", action="store_true", help="each grain has a resolution of its own")
-    add("--steps", type=int, default=20, help="steps in a repetition [-]")
-    add("--repeat", type=int, default=5, help="repetitions [-]")
-    add("--until-phi", type=float, default=0.98, help="paper: packing fraction to stop at [-]")
+    add("--steps", type=command_line.whole_from(1), default=20, help="steps in a repetition [-]")
+    add("--repeat", type=command_line.whole_from(1), default=5, help="repetitions [-]")
+    add(
+        "--until-phi",
+        type=command_line.fraction,
+        default=0.98,
+        help="paper: packing fraction to stop at [-]",
+    )
     add("--skip", action="store_true", help="sleeping, resting: let the integrator skip grains")
     add("--multirate", action="store_true", help="sizes: let grains take steps of their own")
     add("--scene", type=Path, help="scene: file to load")
@@ -428,7 +430,7 @@ def main():
     options = parse_options()
     case = next(case for case in CASES if case.__name__ == options.case)
     figures = {"threads": O.numThreads, **case(options), "peak_memory": peak_memory()}
-    options.result.write_text(json.dumps(figures, indent=1) + "\n")
+    command_line.write_json(options.result, figures)
 
 
 if __name__ == "__main__":

@@ -15,10 +15,11 @@ import numpy as np
 from yade import FrictMat, O, utils
 
 import softgrain as sg
+from softgrain import command_line
 
-RADIUS = 0.01
-YOUNG = 1e6
-DENSITY = 1000.0
+RADIUS = 0.01  # m
+YOUNG = 1e6  # Pa
+DENSITY = 1000.0  # kg/m3
 
 
 def make(options, sleep):
@@ -88,14 +89,19 @@ def pair_difference(a, b):
 def parse_options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--grains", type=int, default=50, help="number of grains [-]")
-    add("--columns", type=int, default=7, help="grains side by side at the start [-]")
-    add("--zeta", type=float, default=0.3, help="relative resolution 2 dr/D [-]")
-    add("--weight", type=float, default=2e-2, help="rho g D/E [-]")
-    add("--damping", type=float, default=2000.0, help="massDamping [1/s]")
-    add("--mu", type=float, default=0.5, help="coefficient of friction [-]")
-    add("--until", type=float, default=1.0, help="simulated time [s]")
-    add("--rows", type=int, default=10, help="rows to print [-]")
+    add("--grains", type=command_line.whole_from(1), default=50, help="number of grains [-]")
+    add(
+        "--columns",
+        type=command_line.whole_from(1),
+        default=7,
+        help="grains side by side at the start [-]",
+    )
+    add("--zeta", type=command_line.resolution, default=0.3, help="relative resolution 2 dr/D [-]")
+    add("--weight", type=command_line.positive, default=2e-2, help="rho g D/E [-]")
+    add("--damping", type=command_line.non_negative, default=2000.0, help="massDamping [1/s]")
+    add("--mu", type=command_line.non_negative, default=0.5, help="coefficient of friction [-]")
+    add("--until", type=command_line.positive, default=1.0, help="simulated time [s]")
+    add("--rows", type=command_line.whole_from(1), default=10, help="rows to print [-]")
     return parser.parse_args()
 
 

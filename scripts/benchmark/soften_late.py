@@ -16,6 +16,7 @@ import numpy as np
 from yade import FrictMat, O, Sphere
 
 import softgrain as sg
+from softgrain import command_line
 
 sys.path.append(str(Path(sys.argv[0]).resolve().parents[1]))  # scripts/
 import compaction  # noqa: E402
@@ -25,13 +26,12 @@ WINDOWS = (0.72, 0.76, 0.80, 0.84, 0.88, 0.92)
 
 def parse_options(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--grains", type=int, default=100, help="number of grains, at least 4 [-]")
-    parser.add_argument("--zeta", type=float, default=0.2, help="relative resolution 2 dr/D [-]")
-    parser.add_argument("--mu", type=float, default=0.3, help="friction between grains [-]")
-    parser.add_argument("--speed", type=float, default=0.5, help="of the top wall [m/s]")
-    parser.add_argument(
-        "--loads", type=float, nargs="*", default=[1e-4, 1e-3, 1e-2], help="over E D [-]"
-    )
+    add, positive = parser.add_argument, command_line.positive
+    add("--grains", type=command_line.whole_from(4), default=100, help="number of grains [-]")
+    add("--zeta", type=command_line.resolution, default=0.2, help="relative resolution 2 dr/D [-]")
+    add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
+    add("--speed", type=positive, default=0.5, help="of the top wall [m/s]")
+    add("--loads", type=positive, nargs="*", default=[1e-4, 1e-3, 1e-2], help="over E D [-]")
     return parser.parse_args(arguments)
 
 

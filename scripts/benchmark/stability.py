@@ -7,7 +7,6 @@ bound. Every study runs in a process of its own; ``stability.csv``, ``stability.
 ``stability.png`` hold all of them.
 """
 
-import argparse
 import json
 import math
 import subprocess
@@ -234,8 +233,7 @@ def make_study(name, options):
         verdict, message, figures = outcome(case)
         rows.append({"value": value, "outcome": verdict, "message": message, "figures": figures})
         print(f"{name} {value:g}: {verdict} {message}", file=sys.stderr, flush=True)
-    text = json.dumps(rows, indent=1, default=float)
-    (options.out / f"{name}.json").write_text(text + "\n")
+    command_line.write_json(options.out / f"{name}.json", rows)
 
 
 def make_in_child(name, options):
@@ -251,14 +249,11 @@ def read_rows(out, names):
 
 
 def parse_options(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line.case_parser(__doc__, out="stability")
     parser.add_argument(
         "--only", choices=STUDIES, metavar="NAME", nargs="+", help=", ".join(STUDIES)
     )
     parser.add_argument("--quick", action="store_true", help="few values and small scenes")
-    parser.add_argument(
-        "--out", type=command_line.output_folder, default=Path("stability"), help="for results"
-    )
     return parser.parse_args(arguments)
 
 

@@ -3,8 +3,7 @@
 import math
 
 import numpy as np
-import yade.utils
-from yade import FrictMat, O
+from yade import FrictMat, O, utils
 
 import softgrain as sg
 
@@ -31,9 +30,7 @@ def add_disk(center, radius=RADIUS, soft=None, **shape):
 
 def add_wall(position, axis, sense, velocity=0.0, mu=0.0):
     wall = O.bodies.append(
-        yade.utils.wall(
-            position, axis=axis, sense=sense, material=FrictMat(frictionAngle=math.atan(mu))
-        )
+        utils.wall(position, axis=axis, sense=sense, material=FrictMat(frictionAngle=math.atan(mu)))
     )
     O.bodies[wall].state.vel = [velocity if a == axis else 0 for a in range(3)]
     return wall

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from softgrain import finite_elements
+from softgrain import command_line, finite_elements
 from softgrain.runs import new_figure, parse_options, run_all, try_all, write_table
 
 CASES = Path(__file__).resolve().parents[1]
@@ -218,7 +218,7 @@ def main():
         jobs=1,
         out="work_precision",
         zeta={
-            "type": float,
+            "type": command_line.resolution,
             "nargs": "+",
             "help": "relative resolutions 2 dr/D, the same for all problems [-]",
         },

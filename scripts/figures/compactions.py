@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from softgrain.command_line import fraction, whole_from
 from softgrain.runs import parse_options, run_all
 
 COMPACTION = Path(__file__).resolve().parents[1] / "compaction.py"
@@ -15,8 +16,8 @@ def compaction_options(description, **extra):
         description,
         jobs=2,
         out="figures",
-        grains={"type": int, "default": 400, "help": "number of grains [-]"},
-        until_phi={"type": float, "default": 0.98, "help": "packing fraction to stop at [-]"},
+        grains={"type": whole_from(4), "default": 400, "help": "number of grains [-]"},
+        until_phi={"type": fraction, "default": 0.98, "help": "packing fraction to stop at [-]"},
         **extra,
     )
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from softgrain import finite_elements
+from softgrain import command_line, finite_elements
 from softgrain.runs import new_figure, parse_options, run_all, write_table
 
 HERTZ = Path(__file__).resolve().parents[1] / "hertz.py"
@@ -25,7 +25,11 @@ def main():
         __doc__,
         jobs=1,
         out="figures",
-        zeta={"type": float, "default": 0.03, "help": "relative resolution 2 dr/D [-]"},
+        zeta={
+            "type": command_line.resolution,
+            "default": 0.03,
+            "help": "relative resolution 2 dr/D [-]",
+        },
         contact={"default": "points", "help": "contact geometry; the paper's is points"},
     )
     common = {"contact": options.contact, "zeta": options.zeta, "until": UNTIL}

@@ -10,6 +10,7 @@ coordination number take off are given beside them.
 import numpy as np
 
 from compactions import COMPACTION, FRICTIONS, RESOLUTION, compact_all, compaction_options, setting
+from softgrain.command_line import resolution, whole_from
 from softgrain.runs import new_figure, run_folder, write_table
 
 #: Standard deviation in phi of the Gaussian that smooths the ratio before extrema are sought.
@@ -72,8 +73,8 @@ def takes_off(phi, values, level):
 def main():
     options = compaction_options(
         __doc__,
-        seeds={"type": int, "default": 3, "help": "packings for each friction [-]"},
-        zeta={"type": float, "default": RESOLUTION, "help": "relative resolution 2 dr/D [-]"},
+        seeds={"type": whole_from(1), "default": 3, "help": "packings for each friction [-]"},
+        zeta={"type": resolution, "default": RESOLUTION, "help": "relative resolution 2 dr/D [-]"},
     )
     seeds = range(1, options.seeds + 1)
     figure, axes = new_figure(r"packing fraction $\phi$", r"mean $|dy|$ / mean $|dx|$", width=6)

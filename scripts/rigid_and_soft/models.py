@@ -8,7 +8,6 @@ it.
 import math
 
 import numpy as np
-import yade.utils
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
@@ -28,6 +27,7 @@ from yade import (
     Law2_ScGeom_MindlinPhys_Mindlin,
     NewtonIntegrator,
     O,
+    utils,
 )
 
 import softgrain as sg
@@ -88,7 +88,7 @@ class Spheres(Model):
         material = self._material()
         O.materials.append(material)
         for g, ((x, y), radius) in enumerate(zip(centres, radii)):
-            body = yade.utils.sphere((x, y, 0), radius, material=material)
+            body = utils.sphere((x, y, 0), radius, material=material)
             body.state.blockedDOFs = "zXY"
             self.grain_of[O.bodies.append(body)] = g
 
@@ -110,7 +110,7 @@ class Linear(Spheres):
 
     def start(self):
         O.engines = self._engines(Ig2_Sphere_Sphere_ScGeom(), [self.physics()], [self.law()])
-        O.dt = 0.3 * yade.utils.PWaveTimeStep()
+        O.dt = 0.3 * utils.PWaveTimeStep()
 
 
 class Hertz(Linear):
@@ -170,7 +170,7 @@ class Bonded(Spheres):
             )
             O.materials.append(material)
             for place in self._lattice(radius, small):
-                body = yade.utils.sphere(
+                body = utils.sphere(
                     (centre[0] + place[0], centre[1] + place[1], 0), small, material=material
                 )
                 body.state.blockedDOFs = "zXY"

@@ -1,21 +1,22 @@
 """One model of ``models.py`` on one problem: ``yade -n -x run.py MODEL PROBLEM --result FILE``."""
 
 import argparse
-import json
 import math
 import sys
 import time
 from pathlib import Path
 
 import numpy as np
-import yade.utils
-from yade import O, Sphere
+from yade import O, Sphere, utils
+
+from softgrain import command_line
 
 SCRIPTS = Path(sys.argv[0]).resolve().parents[1]
 sys.path[:0] = [str(SCRIPTS)]
 
 import compaction  # noqa: E402
 from rigid_and_soft.models import MODELS, YOUNG  # noqa: E402
+from rigid_and_soft.options import add_packing_options  # noqa: E402
 
 DIAMETER = 0.02  # m, of the grain in the cell
 CELL_SPEED = 0.01  # m/s, of each wall of the cell
@@ -30,9 +31,7 @@ def parse_options():
     add("model", choices=MODELS)
     add("problem", choices=PROBLEMS)
     add("--result", type=Path, required=True, help="JSON file to write")
-    add("--grains", type=int, default=25, help="in the packing [-]")
-    add("--mu", type=float, default=0.3, help="friction between grains [-]")
-    add("--until-phi", type=float, default=0.95, help="nominal packing fraction to stop at [-]")
+    add_packing_options(parser)
     return parser.parse_args()
 
 
@@ -43,7 +42,7 @@ class Box:
         O.materials.append(material)
         self.walls = O.bodies.append(
             [
-                yade.utils.wall(side[axis], axis=axis, sense=sense, material=material)
+                utils.wall(side[axis], axis=axis, sense=sense, material=material)
                 for axis in (0, 1)
                 for side, sense in ((low, 1), (high, -1))
             ]
@@ -102,7 +101,9 @@ def cell(model, options):
 
 def prepared(options):
     """Loose packing by rigid DEM: centres, radii and box sides, the same for all models."""
-    case = compaction.parse_options([f"--grains={options.grains}", f"--mu={options.mu}"])
+    case = compaction.parse_options(
+        [f"--grains={options.grains}", f"--mu={options.mu}", f"--out={options.result.parent}"]
+    )
     box = compaction.prepare_rigid(case)
     spheres = [b for b in O.bodies if isinstance(b.shape, Sphere)]
     centres = [tuple(b.state.pos)[:2] for b in spheres]
@@ -150,7 +151,7 @@ def main():
     started = time.time()
     columns = PROBLEMS[options.problem](model, options)
     facts = {"seconds": time.time() - started, "steps": O.iter, "parts": model.parts}
-    options.result.write_text(json.dumps({**columns, **facts}, indent=1) + "\n")
+    command_line.write_json(options.result, {**columns, **facts})
 
 
 if __name__ == "__main__":

@@ -27,11 +27,16 @@ def parse_options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("--out", type=Path, required=True, help="file to write, .npz")
-    add("--grains", type=int, default=400, help="number of grains, at least 4 [-]")
+    add("--grains", type=command_line.whole_from(4), default=400, help="number of grains [-]")
     add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
-    add("--node-spacing", type=float, default=1.25, help="step of the grid over dr [-]")
+    add(
+        "--node-spacing",
+        type=command_line.node_spacing,
+        default=1.25,
+        help="step of the grid over dr [-]",
+    )
     add("--tolerance", type=command_line.positive, default=1e-2, help="of the sweeps [-]")
-    add("--steps", type=int, default=50, help="steps measured [-]")
+    add("--steps", type=command_line.whole_from(1), default=50, help="steps measured [-]")
     return parser.parse_args()
 
 

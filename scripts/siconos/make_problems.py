@@ -6,9 +6,7 @@ Random contacts, towers of blocks, strong friction and redundant contacts, made 
 only translate; and the problem of one step of a compaction of soft disks.
 """
 
-import argparse
 import math
-from pathlib import Path
 
 import numpy as np
 from yade import FrictMat, O, utils
@@ -121,19 +119,8 @@ def problems():
     }
 
 
-def parse_options():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--out",
-        type=command_line.output_folder,
-        default=Path("contact_problems"),
-        help="folder for the files",
-    )
-    return parser.parse_args()
-
-
 def main():
-    options = parse_options()
+    options = command_line.case_parser(__doc__, out="contact_problems").parse_args()
     for name, arrays in problems().items():
         answer = sg.solve_contact_problem(arrays, TOLERANCE, MAX_SWEEPS)
         print(

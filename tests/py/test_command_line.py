@@ -13,12 +13,16 @@ from softgrain import command_line
     "check, good, bad",
     [
         (command_line.positive, ("1", "1e-9", "2.5"), ("0", "-1", "nan", "x", "")),
+        (command_line.negative, ("-1e-9", "-3"), ("0", "1", "nan", "x")),
         (command_line.non_negative, ("0", "0.3"), ("-1e-9", "nan", "x")),
         (command_line.fraction, ("0.5", "1e-3"), ("0", "1", "-1", "nan", "x")),
         (command_line.angle, ("0", "-30", "400"), ("nan", "x")),
         (command_line.node_spacing, ("1.25", "4"), ("1.24", "4.1", "nan", "x")),
         (command_line.surface_spacing, ("0.5", "4"), ("0.49", "4.1", "nan", "x")),
         (command_line.step_fraction, ("1e-3", "1"), ("0", "1.01", "nan", "x")),
+        (command_line.share, ("0", "0.5", "1"), ("-1e-9", "1.01", "nan", "x")),
+        (command_line.resolution, ("0.001", "0.5"), ("0", "0.51", "nan", "x")),
+        (command_line.poisson, ("-0.99", "0", "0.49"), ("-1", "0.5", "nan", "x")),
     ],
 )
 def test_number_types(check, good, bad):
@@ -31,11 +35,28 @@ def test_number_types(check, good, bad):
 
 
 @pytest.mark.parametrize(
-    "check", (command_line.positive, command_line.non_negative, command_line.angle)
+    "check",
+    (
+        command_line.positive,
+        command_line.negative,
+        command_line.non_negative,
+        command_line.angle,
+        command_line.whole_from(0),
+    ),
 )
 def test_infinity_is_refused(check):
-    with pytest.raises(argparse.ArgumentTypeError):
-        check("inf")
+    for text in ("inf", "-inf"):
+        with pytest.raises(argparse.ArgumentTypeError):
+            check(text)
+
+
+def test_whole_numbers():
+    check = command_line.whole_from(4)
+    assert [check(text) for text in ("4", "400")] == [4, 400]
+    for text in ("3", "-4", "4.5", "1e3", "many", ""):
+        with pytest.raises(argparse.ArgumentTypeError) as caught:
+            check(text)
+        assert str(caught.value) == f"{text!r} is not a whole number in [4, inf)"
 
 
 def test_output_folder(tmp_path):
@@ -45,6 +66,27 @@ def test_output_folder(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(argparse.ArgumentTypeError, match="cannot make the folder"):
         command_line.output_folder(str(tmp_path / "file"))
+
+
+def test_case_parser(tmp_path, monkeypatch, capsys):
+    """The folder for results is there when options have been read, also that of the default."""
+    monkeypatch.chdir(tmp_path)
+    parser = command_line.case_parser("What it does.\n\nHow it does it.\n", out="found")
+    with pytest.raises(SystemExit):
+        parser.parse_args(["--help"])
+    said = capsys.readouterr().out
+    assert "What it does." in said and "How" not in said and "default: found" in said
+    assert not (tmp_path / "found").exists()
+    assert parser.parse_args([]).out.resolve() == tmp_path / "found"
+    assert (tmp_path / "found").is_dir()
+    assert parser.parse_args(["--out", "a/b"]).out.resolve() == tmp_path / "a" / "b"
+    assert (tmp_path / "a" / "b").is_dir()
+
+
+def test_option_texts(tmp_path):
+    options = argparse.Namespace(zeta=0.1, out=tmp_path, errors=[0.1, 0.2])
+    texts = {"zeta": "0.1", "out": str(tmp_path), "errors": "[0.1, 0.2]"}
+    assert command_line.option_texts(options) == texts
 
 
 def test_result(tmp_path):
@@ -59,6 +101,14 @@ def test_result(tmp_path):
         "d": 1,
     }
     assert [p.name for p in tmp_path.iterdir()] == ["result.json"]
+
+
+def test_json_file(tmp_path):
+    """Any name, and a list as well; a file that is there is replaced."""
+    for value in ([1], [{"a": np.float32(0.5)}]):
+        command_line.write_json(tmp_path / "rows.json", value)
+    assert json.loads((tmp_path / "rows.json").read_text()) == [{"a": 0.5}]
+    assert [p.name for p in tmp_path.iterdir()] == ["rows.json"]
 
 
 def test_failed_result_leaves_the_old_one(tmp_path):

@@ -188,3 +188,14 @@ def test_picture_errors(tmp_path):
     with pytest.raises(ValueError, match="field = 'tresca' is unknown.*'von_mises', 'pressure'"):
         sg.draw_packing(tmp_path / "packing.png", field="tresca")
     assert not (tmp_path / "packing.png").exists()
+
+
+@pytest.mark.parametrize("area", (0, -1, math.nan, math.inf))
+def test_area_of_a_box_that_cannot_be(area):
+    with pytest.raises(ValueError, match=r"box_area = .* is outside the admissible range \(0, inf"):
+        sg.packing_fraction(area)
+
+
+def test_coordination_of_no_grain():
+    with pytest.raises(ValueError, match="coordination_number: the scene has no soft grain"):
+        sg.coordination_number()

@@ -3,11 +3,15 @@
 import subprocess
 from pathlib import Path
 
+import adhesion
 import compaction
+import compare_rigid
 import hertz
 import hexagonal_cell
+import interfaces
 import pytest
 import square_cell
+import stress_control
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 UNITS = {
@@ -38,83 +42,83 @@ def test_exit_status(tmp_path):
     """The status of the whole run, so that a batch of runs notices."""
     process = yade_script("compaction", "--grains", "2", "--out", str(tmp_path))
     assert process.returncode == 2, process.stdout + process.stderr
-    assert "argument --grains: 2 is outside the admissible range [4, inf)" in process.stderr
+    assert "argument --grains: '2' is not a whole number in [4, inf)" in process.stderr
 
 
-def refusal(parse, options, capsys):
-    """What is said about wrong options."""
-    with pytest.raises(SystemExit) as caught:
-        parse(options)
-    assert caught.value.code == 2
-    return capsys.readouterr().err
-
-
-COMPACTION = {
-    "--grains 3": "--grains: 3 is outside the admissible range [4, inf)",
-    "--grains many": "--grains: invalid int value: 'many'",
-    "--seed 0": "--seed: 0 is outside the admissible range [1, inf)",
-    "--until-phi 0.5": "--until-phi: 0.5 is not above the start at 0.7",
-    "--until-phi 1.5": "--until-phi: '1.5' is not a number in (0, 1)",
-    "--mu -1": "--mu: '-1' is not a number in [0, inf)",
-    "--speed fast": "--speed: 'fast' is not a number in (0, inf)",
-    "--zeta 3": "--zeta: ",
-    "--zeta 0": "--zeta: ",
-    "--poisson 0.5": "--poisson: ",
-    "--poisson -2": "--poisson: ",
-    "--contact springs": "--contact: invalid choice: 'springs'",
-    "--resolution 1": "--resolution",
-    "--out /proc/none": "cannot make the folder '/proc/none'",
-}
-
-
-@pytest.mark.parametrize("options", COMPACTION)
-def test_compaction(options, capsys, tmp_path):
-    arguments = ["--out", str(tmp_path), *options.split()]
-    assert COMPACTION[options] in refusal(compaction.parse_options, arguments, capsys)
-
-
-HERTZ = {
-    "--until 1.5": "--until: '1.5' is not a number in (0, 1)",
-    "--young 0": "--young: '0' is not a number in (0, inf)",
-    "--zeta 3": "--zeta: ",
-    "--poisson 0.5": "--poisson: ",
-    "--order 4": "--order: invalid choice: ",
-    "--node-spacing 1": "--node-spacing: ",
-    "--surface-spacing 0": "--surface-spacing: ",
-    "--tolerance 0": "--tolerance: ",
-    "--time-step-fraction 1.1": "--time-step-fraction: ",
-    "--condition flat": "--condition: invalid choice: 'flat'",
-    "--formulation euler": "--formulation: invalid choice: 'euler'",
-    "--velocity-update pic": "--velocity-update: invalid choice: 'pic'",
-    "--formulation updated --order 1": "--order: 1 is outside the admissible range [2, 3]",
-    "--pic-share 0.1": "--pic-share: 0.1 needs --velocity-update flip",
-    "--velocity-update flip --pic-share 2": "--pic-share: '2' is not a number in [0, 1]",
-}
-
-
-@pytest.mark.parametrize("options", HERTZ)
-def test_hertz(options, capsys, tmp_path):
-    arguments = ["--out", str(tmp_path), *options.split()]
-    assert HERTZ[options] in refusal(hertz.parse_options, arguments, capsys)
-
-
+#: Of several cases.
 CELLS = {
     "--until-phi 0.5": "--until-phi: 0.5 is not above the start at pi/",
     "--orientation east": "--orientation: 'east' is not a number",
     "--zeta 3": "--zeta: ",
 }
+#: By case, wrong options and what is said about them.
+REFUSED = {
+    compaction: {
+        "--grains 3": "--grains: '3' is not a whole number in [4, inf)",
+        "--grains many": "--grains: 'many' is not a whole number in [4, inf)",
+        "--seed 0": "--seed: '0' is not a whole number in [1, inf)",
+        "--until-phi 0.5": "--until-phi: 0.5 is not above the start at 0.7",
+        "--until-phi 1.5": "--until-phi: '1.5' is not a number in (0, 1)",
+        "--mu -1": "--mu: '-1' is not a number in [0, inf)",
+        "--speed fast": "--speed: 'fast' is not a number in (0, inf)",
+        "--zeta 3": "--zeta: ",
+        "--zeta 0": "--zeta: ",
+        "--poisson 0.5": "--poisson: ",
+        "--poisson -2": "--poisson: ",
+        "--contact springs": "--contact: invalid choice: 'springs'",
+        "--resolution 1": "--resolution",
+        "--out /proc/none": "cannot make the folder '/proc/none'",
+    },
+    hertz: {
+        "--until 1.5": "--until: '1.5' is not a number in (0, 1)",
+        "--young 0": "--young: '0' is not a number in (0, inf)",
+        "--zeta 3": "--zeta: ",
+        "--poisson 0.5": "--poisson: ",
+        "--order 4": "--order: invalid choice: ",
+        "--node-spacing 1": "--node-spacing: ",
+        "--surface-spacing 0": "--surface-spacing: ",
+        "--tolerance 0": "--tolerance: ",
+        "--time-step-fraction 1.1": "--time-step-fraction: ",
+        "--condition flat": "--condition: invalid choice: 'flat'",
+        "--formulation euler": "--formulation: invalid choice: 'euler'",
+        "--velocity-update pic": "--velocity-update: invalid choice: 'pic'",
+        "--formulation updated --order 1": "--order: 1 is outside the admissible range [2, 3]",
+        "--pic-share 0.1": "--pic-share: 0.1 needs --velocity-update flip",
+        "--velocity-update flip --pic-share 2": "--pic-share: '2' is not a number in [0, 1]",
+    },
+    square_cell: CELLS,
+    hexagonal_cell: {**CELLS, "--rings 1": "--rings: '1' is not a whole number in [2, inf)"},
+    adhesion: {
+        "--zeta 0.1 0": "--zeta: '0' is not a number in [0.001, 0.5]",
+        "--range 0": "--range: '0' is not a number in (0, inf)",
+        "--poisson 0.5": "--poisson: '0.5' is not a number in (-1, 0.5)",
+    },
+    interfaces: {"--zeta 1": "--zeta: '1' is not a number in [0.001, 0.5]"},
+    stress_control: {
+        "--stress 3e4": "--stress: '3e4' is not a number in (-inf, 0)",
+        "--dim 1": "--dim: invalid choice: ",
+        "--ways push:1": "--ways: 'push:1' is none of wall, force, servo, triaxial",
+        "--ways wall:slow": "--ways: 'slow' is not a number in (0, inf)",
+        "--ways triaxial:1": "--ways: triaxial needs --dim 3",
+    },
+    compare_rigid: {
+        "--grains 3": "--grains: '3' is not a whole number in [4, inf)",
+        "--mu -1": "--mu: '-1' is not a number in [0, inf)",
+        "--models springs": "--models: invalid choice: 'springs'",
+    },
+}
 
 
-@pytest.mark.parametrize("case", (square_cell, hexagonal_cell))
-@pytest.mark.parametrize("options", CELLS)
-def test_cells(case, options, capsys, tmp_path):
-    arguments = ["--out", str(tmp_path), *options.split()]
-    assert CELLS[options] in refusal(case.parse_options, arguments, capsys)
-
-
-def test_rings(capsys, tmp_path):
-    said = refusal(hexagonal_cell.parse_options, ["--out", str(tmp_path), "--rings", "1"], capsys)
-    assert "--rings: 1 is outside the admissible range [2, inf)" in said
+@pytest.mark.parametrize(
+    "case, options",
+    [(case, options) for case, known in REFUSED.items() for options in known],
+    ids=lambda value: getattr(value, "__name__", value),
+)
+def test_refusal(case, options, capsys, tmp_path):
+    with pytest.raises(SystemExit) as caught:
+        case.parse_options(["--out", str(tmp_path), *options.split()])
+    assert caught.value.code == 2
+    assert REFUSED[case][options] in capsys.readouterr().err
 
 
 def test_good_options(tmp_path):

@@ -23,8 +23,8 @@ def add_sphere(centre, radius=R, friction=0.3, velocity=(0, 0, 0), blocked=""):
     return body
 
 
-def start(dt, gravity=(0, 0, -GRAVITY), **integrator):
-    O.engines = sg.engines(gravity=gravity, rigid="nonsmooth", **integrator)
+def start(dt, gravity=(0, 0, -GRAVITY), **options):
+    O.engines = sg.engines(gravity=gravity, rigid="nonsmooth", **options)
     O.dt = dt
 
 
@@ -43,7 +43,7 @@ def add_incline(angle):
     return (GRAVITY * math.sin(math.radians(angle)), 0, -GRAVITY * math.cos(math.radians(angle)))
 
 
-def pile(dim=3, columns=4, layers=3):
+def pile(dim=3, columns=4, layers=3, **options):
     """Spheres dropped into a box, a little out of order."""
     random = np.random.default_rng(3)
     up, side = dim - 1, 2.2 * R * columns
@@ -59,7 +59,7 @@ def pile(dim=3, columns=4, layers=3):
         add_sphere(tuple(centre), R * random.uniform(0.8, 1), 0.4, blocked=blocked)
     gravity = [0, 0, 0]
     gravity[up] = -GRAVITY
-    start(2e-4, gravity)
+    start(2e-4, gravity, **options)
 
 
 def state():

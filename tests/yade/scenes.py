@@ -7,6 +7,7 @@ import sys
 import textwrap
 
 import numpy as np
+import pytest
 
 import softgrain as sg
 from yade import FrictMat, O, utils
@@ -20,6 +21,10 @@ YADE = "/usr/bin/yade"
 
 def soft_material(**attributes):
     return sg.SoftMat(**{"young": YOUNG, "poisson": 0.45, "density": DENSITY, **attributes})
+
+
+def damped_material():
+    return soft_material(massDamping=300, frictionAngle=0.3)
 
 
 def add_disk(center=(0, 0, 0), radius=RADIUS, material=None, **shape):
@@ -86,6 +91,26 @@ def assert_goes_on_after_loading(path, steps):
     O.load(str(path))
     run(steps)
     assert_same_bits(present_state(), expected)
+
+
+def assert_threads_change_nothing(make_scene, steps, numbers=(1, 2)):
+    """The same bits with every one of the numbers of threads, the scene made anew for each."""
+    states = []
+    for threads in numbers:
+        O.reset()
+        make_scene()
+        sg.integrator().ompThreads = threads
+        run(steps)
+        states.append(present_state())
+    for state in states[1:]:
+        assert_same_bits(state, states[0])
+
+
+def complaint():
+    """What the next step says when it refuses the scene."""
+    with pytest.raises(RuntimeError) as error:
+        O.step()
+    return str(error.value)
 
 
 def run_python(code, folder, environment=None, command=None):

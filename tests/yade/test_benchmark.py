@@ -60,4 +60,4 @@ def test_soft_is_compared_with_rigid(table):
 
 def test_what_cannot_be_is_refused():
     assert "invalid choice" in run("--only", "bulge").stderr
-    assert "outside [1, inf)" in run("--threads", "0").stderr
+    assert "'0' is not a whole number in [1, inf)" in run("--threads", "0").stderr

@@ -29,14 +29,20 @@ def test_head_on_impact():
     assert grains[0].state.vel[0] < 0 < grains[1].state.vel[0]
 
 
-def test_oblique_impact_with_friction():
-    """Friction sets both spinning; the momentum stays."""
+def oblique_pair(speed):
+    """Two disks with friction, the first of which goes for the second one off its centre."""
     material = sg.SoftMat(frictionAngle=0.5)
     grains = [
         add_disk((-RADIUS, 0, 0), material=material),
         add_disk((1.01 * RADIUS, 0.01, 0), material=material),
     ]
-    grains[0].state.vel = (3, 0, 0)
+    grains[0].state.vel = (speed, 0, 0)
+    return grains
+
+
+def test_oblique_impact_with_friction():
+    """Friction sets both spinning; the momentum stays."""
+    grains = oblique_pair(3)
     ready()
     run(1)
     before = momentum(grains)
@@ -49,12 +55,7 @@ def test_oblique_impact_with_friction():
 
 
 def test_impact_energy_balance():
-    material = sg.SoftMat(frictionAngle=0.5)
-    grains = [
-        add_disk((-RADIUS, 0, 0), material=material),
-        add_disk((1.01 * RADIUS, 0.01, 0), material=material),
-    ]
-    grains[0].state.vel = (1, 0, 0)
+    oblique_pair(1)
     O.trackEnergy = True
     ready()
     run(1)

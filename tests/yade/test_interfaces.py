@@ -9,7 +9,7 @@ from scenes import (
     add_disk,
     add_wall,
     assert_goes_on_after_loading,
-    present_state,
+    assert_threads_change_nothing,
     ready,
     run,
     soft_material,
@@ -155,14 +155,14 @@ def test_bonds_on_demand():
     assert O.forces.f(wall.id)[1] > 0
 
 
-def bonded_disks(threads=1):
+def bonded_disks():
     """Disks that fall on one another, bond, slide and break."""
     material = damped(frictionAngle=math.atan(0.5))
     for k in range(4):
         add_disk((2.02 * RADIUS * k, 0.3 * RADIUS * (k % 2), 0), material=material)
     add_wall(-1.01 * RADIUS, 1, friction=0.5)
     law = dict(bondStrength=3e3, bondEnergy=0.3, dynamicFrictAngle=math.atan(0.3), **COHESION)
-    ready(gravity=(3, -50, 0), interface=law, ompThreads=threads)
+    ready(gravity=(3, -50, 0), interface=law)
     O.trackEnergy = True
 
 
@@ -175,14 +175,7 @@ def test_saved_and_loaded(tmp_path):
 
 
 def test_same_bits_for_any_number_of_threads():
-    states = []
-    for threads in (1, 2):
-        O.reset()
-        bonded_disks(threads)
-        run(300)
-        states.append(present_state())
-    for name, value in states[0].items():
-        np.testing.assert_array_equal(states[1][name], value, err_msg=name)
+    assert_threads_change_nothing(bonded_disks, 300)
 
 
 def test_sleeping_pairs_keep_their_forces(tmp_path):

@@ -1,20 +1,15 @@
-"""Loading as in the laboratory: walls under stress, engines of YADE that steer walls and grains."""
+"""Loading as in the laboratory: walls under stress, by softgrain's controller and YADE's."""
 
 import math
 
 import numpy as np
 import pytest
-from scenes import RADIUS, YOUNG, add_disk, add_wall, ready, run, soft_material
+from scenes import RADIUS, YOUNG, add_disk, add_wall, damped_material, ready, run
 from yade import (
     Box,
-    ForceEngine,
     FrictMat,
-    HarmonicMotionEngine,
     O,
-    RotationEngine,
     ServoPIDController,
-    TorqueEngine,
-    TranslationEngine,
     TriaxialStressController,
     UniaxialStrainer,
     utils,
@@ -23,10 +18,6 @@ from yade import (
 import softgrain as sg
 
 STRESS = -0.03 * YOUNG  # Pa
-
-
-def damped_material():
-    return soft_material(massDamping=300, frictionAngle=0.3)
 
 
 def four_disks():
@@ -199,13 +190,15 @@ def test_free_wall_rests_with_its_weight():
     lid = add_wall(RADIUS, axis=1)
     lid.state.blockedDOFs, lid.state.mass = "xzXYZ", 0.5
     ready(gravity=(0, -10, 0))
-    O.run(4000, True)
-    forces = []
-    for _ in range(4000):
+    while O.time < 0.6:  # s, of which a swing of the lid takes 0.2
+        O.run(1000, True)
+    forces, heights = [], []
+    for _ in range(6000):
         run(1)
         forces.append(sg.wall_force(lid.id)[1])
-    assert np.mean(forces) == pytest.approx(5, rel=0.01)
-    assert abs(lid.state.pos[1] - RADIUS) < 0.01 * RADIUS
+        heights.append(lid.state.pos[1])
+    assert np.mean(forces) == pytest.approx(5, rel=2e-3)
+    assert abs(np.mean(heights) - RADIUS) < 0.01 * RADIUS
 
 
 def test_wall_that_turns_is_refused():
@@ -290,104 +283,3 @@ def test_uniaxial_strainer():
     assert wall_distance(walls, 1) / start - 1 == pytest.approx(-5 * O.time, rel=0.01)
     mean = (sg.wall_force(walls[2])[1] - sg.wall_force(walls[3])[1]) / (2 * 4 * RADIUS)
     assert strainer.avgStress == pytest.approx(mean, rel=1e-9) and mean < 0.1 * STRESS
-
-
-def free_grain():
-    disk = add_disk()
-    ready()
-    O.dt = 0.4 * sg.critical_time_step()
-    return disk
-
-
-def with_engine(engine):
-    """In front of the contacts, where kinematic engines stand."""
-    engines = list(O.engines)
-    O.engines = engines[:1] + [engine] + engines[1:]
-
-
-def test_force_and_torque_engine_on_a_grain():
-    disk = free_grain()
-    with_engine(ForceEngine(ids=[disk.id], force=(0.3, 0.1, 0)))
-    with_engine(TorqueEngine(ids=[disk.id], moment=(0, 0, 1e-3)))
-    run(200)
-    mean = O.time - O.dt / 2  # velocities are half a step behind
-    np.testing.assert_allclose(
-        disk.state.vel, np.array((0.3, 0.1, 0)) / disk.state.mass * mean, rtol=0.01
-    )
-    assert disk.state.angVel[2] == pytest.approx(1e-3 / disk.state.inertia[2] * mean, rel=0.01)
-
-
-def test_translation_engine_on_a_grain():
-    """It has its velocity from the engine in every step, and is deformed by what is in its way."""
-    disk = free_grain()
-    add_wall(1.2 * RADIUS, axis=0)
-    with_engine(TranslationEngine(ids=[disk.id], translationAxis=(1, 0, 0), velocity=0.5))
-    while O.time < 0.38 * RADIUS:
-        run(1)
-    assert disk.state.pos[0] == pytest.approx(0.5 * O.time, rel=1e-6)
-    while O.time < 0.6 * RADIUS:
-        run(1)
-    assert 0.26 * RADIUS < disk.state.pos[0] < 0.5 * O.time
-    assert disk.shape.outline()[:, 0].max() < 1.205 * RADIUS
-    assert disk.shape.energy()["elastic"] > 0
-
-
-def test_rotation_engine_on_a_grain():
-    disk = free_grain()
-    with_engine(RotationEngine(ids=[disk.id], rotationAxis=(0, 0, 1), angularVelocity=20))
-    run(300)
-    angle = 2 * math.atan2(disk.state.ori[2], disk.state.ori[3])
-    assert angle == pytest.approx(20 * O.time, rel=0.01)
-
-
-def test_translation_engine_on_a_wall():
-    """And a wall driven by HarmonicMotionEngine: the grain follows it."""
-    disk = free_grain()
-    low, high = add_wall(-RADIUS, axis=0), add_wall(RADIUS, axis=0)
-    with_engine(TranslationEngine(ids=[low.id, high.id], translationAxis=(1, 0, 0), velocity=0.2))
-    run(500)
-    assert high.state.pos[0] == pytest.approx(RADIUS + 0.2 * O.time, rel=1e-9)
-    assert disk.state.pos[0] == pytest.approx(0.2 * O.time, abs=0.05 * RADIUS)
-
-
-def test_accelerated_walls():
-    """Harmonic motion of a box of two walls, slow against the grain's vibrations."""
-    disk = add_disk(material=damped_material())
-    walls = [add_wall(side * RADIUS, axis=0) for side in (-1, 1)]
-    ready()
-    with_engine(
-        HarmonicMotionEngine(
-            ids=[w.id for w in walls], A=(0.1 * RADIUS, 0, 0), f=(50, 0, 0), fi=(0, 0, 0)
-        )
-    )
-    worst = 0
-    while O.time < 0.04:
-        run(1)
-        worst = max(worst, abs(disk.state.pos[0] - (walls[0].state.pos[0] + RADIUS)))
-        if O.time > 0.02:
-            moved = 0.1 * RADIUS * (math.cos(2 * math.pi * 50 * O.time) - 1)
-            assert walls[0].state.pos[0] == pytest.approx(moved - RADIUS, abs=0.005 * RADIUS)
-    assert worst < 0.02 * RADIUS
-
-
-def test_rotating_box_turns_a_grain():
-    """RotationEngine on a Box on which a grain lies: friction carries it along."""
-    disk = add_disk((0, 1.0001 * RADIUS, 0), material=damped_material())
-    paddle = utils.box((0, -RADIUS, 0), (4 * RADIUS, RADIUS, RADIUS), fixed=True)
-    O.bodies.append(paddle)
-    ready(gravity=(0, -10, 0))
-    with_engine(
-        RotationEngine(
-            ids=[paddle.id],
-            rotationAxis=(0, 0, 1),
-            angularVelocity=2,
-            rotateAroundZero=True,
-            zeroPoint=(0, -RADIUS, 0),
-        )
-    )
-    while O.time < 0.05:
-        run(1)
-    assert 2 * math.atan2(paddle.state.ori[2], paddle.state.ori[3]) == pytest.approx(0.1, rel=0.01)
-    normal = np.array((-math.sin(0.1), math.cos(0.1), 0))
-    depth = (disk.shape.outline() - np.array(paddle.state.pos)) @ normal - RADIUS
-    assert depth.min() > -0.02 * RADIUS and sg.wall_force(paddle.id)[1] < 0

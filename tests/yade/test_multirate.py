@@ -2,7 +2,17 @@
 
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, present_state, ready, run, soft_material
+from scenes import (
+    RADIUS,
+    add_disk,
+    add_wall,
+    assert_goes_on_after_loading,
+    assert_same_bits,
+    present_state,
+    ready,
+    run,
+    soft_material,
+)
 from yade import O
 
 import softgrain as sg
@@ -112,8 +122,7 @@ def test_equal_grains_are_not_touched():
         pressed(ratio=1.9, multirate=multirate)
         run(150)
         states.append(present_state())
-    for name in states[0]:
-        np.testing.assert_array_equal(states[0][name], states[1][name], err_msg=name)
+    assert_same_bits(*states)
 
 
 @pytest.mark.parametrize(
@@ -134,15 +143,8 @@ def test_save_and_load_between_two_computations(damping, suffix, tmp_path):
     for body in sg.soft_bodies():
         body.material.stiffnessDamping = damping
     run(3 * RATIO + 4)
-    O.save(str(tmp_path / f"scene.{suffix}"))
-    run(5 * RATIO)
-    after = present_state()
-    O.load(str(tmp_path / f"scene.{suffix}"))
-    run(5 * RATIO)
+    assert_goes_on_after_loading(tmp_path / f"scene.{suffix}", 5 * RATIO)
     assert sg.integrator().rates() == {1: 2, max(sg.integrator().rates()): 1}
-    found = present_state()
-    for name in after:
-        np.testing.assert_array_equal(found[name], after[name], err_msg=name)
 
 
 def test_material_may_change_between_two_computations():

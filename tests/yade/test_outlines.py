@@ -1,12 +1,10 @@
-"""Polygons, ellipses, superdisks and grains from images inside YADE."""
+"""Polygons, ellipses and superdisks inside YADE."""
 
 import math
 import re
 
 import numpy as np
 import pytest
-from PIL import Image
-from scipy import optimize
 from scenes import (
     DENSITY,
     YOUNG,
@@ -17,6 +15,7 @@ from scenes import (
     run,
     soft_material,
 )
+from scipy import optimize
 from yade import O
 
 import softgrain as sg
@@ -315,70 +314,3 @@ def test_saved_polygon_goes_on_with_the_same_bits(tmp_path):
     ready(gravity=(0, -100, 0))
     run(50)
     assert_goes_on_after_loading(tmp_path / "scene.xml", 50)
-
-
-def drawn_labels():
-    """Two disks side by side and a square, labels 5, 9 and 70, in a picture of 90 x 60 pixels."""
-    labels = np.zeros((60, 90), np.uint8)
-    rows, columns = np.mgrid[:60, :90] + 0.5
-    labels[(columns - 25) ** 2 + (rows - 30) ** 2 < 15**2] = 5
-    labels[(columns - 55) ** 2 + (rows - 30) ** 2 < 15**2] = 9
-    labels[35:55, 70:85] = 70
-    return labels
-
-
-@pytest.mark.parametrize("how", ("array", "grey", "palette", "colour"))
-def test_grains_from_an_image(how, tmp_path):
-    labels = drawn_labels()
-    names = [5, 9, 70]
-    if how == "array":
-        image = labels
-    else:
-        image = tmp_path / "labels.png"
-        picture = Image.fromarray(labels)
-        if how == "palette":
-            picture.putpalette([int(v) for v in np.arange(768) % 256])
-        if how == "colour":
-            colours = np.zeros((*labels.shape, 3), np.uint8)
-            colours[:, :, 1] = labels
-            picture = Image.fromarray(colours)
-            names = [256 * name for name in names]
-        picture.save(image)
-    pixel = 1e-4
-    found = sg.grains_from_image(image, pixel, soft_material(), zeta=0.25)
-    assert found.labels == names and not found.left_out
-    assert found.size == pytest.approx((90 * pixel, 60 * pixel))
-    assert np.abs(found.area_errors).max() < 0.02  # corners of the square
-    O.bodies.append(found.bodies)
-    left, right, square = found.bodies
-    np.testing.assert_allclose(left.state.pos, (25 * pixel, 30 * pixel, 0), atol=0.1 * pixel)
-    np.testing.assert_allclose(square.state.pos, (77.5 * pixel, 15 * pixel, 0), atol=0.1 * pixel)
-    assert left.state.mass == pytest.approx(DENSITY * math.pi * (15 * pixel) ** 2, rel=0.02)
-    ready()
-    run(20)
-    assert sg.integrator().largestOverlap < 0.1
-
-
-def test_unusable_labels_are_refused_or_reported():
-    labels = drawn_labels()
-    labels[0:10, 0:10] = 3
-    with pytest.raises(ValueError, match="label 3 touches the border of the image"):
-        sg.grains_from_image(labels, 1e-4, soft_material())
-    found = sg.grains_from_image(labels, 1e-4, soft_material(), unusable="skip")
-    assert found.labels == [5, 9, 70] and list(found.left_out) == [3]
-
-
-@pytest.mark.parametrize(
-    "arguments, message",
-    [
-        ({"pixel": 0}, "pixel = 0 is outside"),
-        ({"unusable": "mend"}, "unusable = 'mend' is unknown"),
-        ({"least_pixels": 2}, "least_pixels = 2 is outside"),
-        ({"smoothing": 0.1}, "smoothing = 0.1 is outside"),
-        ({"image": np.zeros((5, 5))}, "image: float64 of shape (5, 5)"),
-        ({"image": np.zeros((5, 5), int)}, "image: no usable label"),
-    ],
-)
-def test_bad_image(arguments, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        sg.grains_from_image(**{"image": drawn_labels(), "pixel": 1e-4, **arguments})

@@ -1,56 +1,25 @@
 """Soft grains in a periodic cell."""
 
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
-from yade import FrictMat, Matrix3, O, Peri3dController, PeriTriaxController, pack, utils
-
-import softgrain as sg
+from periodic_scenes import DIAMETER, compress, flow, irregular_packing, set_cell
 from scenes import (
     DENSITY,
     RADIUS,
     YOUNG,
-    ZETA,
     add_disk,
+    assert_same_bits,
+    assert_threads_change_nothing,
     present_state,
     ready,
     run,
     run_python,
-    soft_material,
 )
+from yade import FrictMat, O, utils
 
-DIAMETER = 2 * RADIUS
-
-
-def set_cell(width, height):
-    """One metre along z: what YADE takes per volume of the cell is per metre of thickness then."""
-    O.periodic = True
-    O.cell.setBox(width, height, 1)
-
-
-def flow(xx=0.0, xy=0.0, yx=0.0, yy=0.0):
-    O.cell.velGrad = Matrix3(xx, xy, 0, yx, yy, 0, 0, 0, 0)
-
-
-def irregular_packing(shift=(0, 0), count=3, friction=0.3, gap=0.0, **material):
-    """Touching disks of several sizes on a square lattice with noise, in a square cell."""
-    random = np.random.default_rng(7)
-    spacing = DIAMETER * (1 + gap)
-    set_cell(count * spacing, count * spacing)
-    kind = soft_material(frictionAngle=math.atan(friction), **material)
-    for i in range(count):
-        for j in range(count):
-            noise = random.uniform(-0.01, 0.01, 2) * RADIUS
-            place = (np.array([i, j]) + 0.5) * spacing + noise + shift
-            add_disk((*place, 0), random.uniform(0.95, 0.99) * RADIUS, kind)
-
-
-def compress(phi, rate):
-    flow(xx=-rate, yy=-rate)
-    while sg.packing_fraction() < phi:
-        run(20)
+import softgrain as sg
 
 
 def positions():
@@ -248,137 +217,6 @@ def test_rigid_disks_flow_with_the_cell():
         sg.cell_stress("grains")
 
 
-@pytest.mark.parametrize("mass", (3, 0.03))
-def test_stress_control_by_yade(mass):
-    """PeriTriaxController with the mass of the cell holds the target within 1 %."""
-    irregular_packing(massDamping=400.0)
-    ready()
-    target = -0.05 * YOUNG
-    control = PeriTriaxController(
-        goal=(target, target, 0),
-        stressMask=3,
-        dynCell=True,
-        mass=mass * DENSITY * (3 * DIAMETER) ** 2,
-        growDamping=0.5,
-        maxStrainRate=(5, 5, 0),
-    )
-    engines = O.engines
-    O.engines = engines[:3] + [control] + engines[3:]
-    run(6000)
-    stresses = []
-    for _ in range(300):
-        O.step()
-        stresses.append(np.diag(np.array(utils.getStress()))[:2])
-    np.testing.assert_allclose(stresses, target, rtol=0.01)
-    assert np.abs(np.array(O.cell.velGrad)).max() < 0.05
-
-
-@pytest.mark.parametrize("dim", (2, 3))
-def test_full_stress_and_strain_control_by_yade(dim):
-    """Peri3dController: stresses follow their way to the goal within 0.5 % (3D: 1 %, rms), strains
-    keep to theirs. In 2D both normal stresses and the shear strain, in 3D all normal stresses.
-    """
-    stress = -0.05 * YOUNG
-    if dim == 2:
-        irregular_packing(massDamping=400.0)
-        goal, mask, steps = (stress, stress, 0, 0, 0, 0.05), 0b011, 2000
-    else:
-        pack.randomPeriPack(RADIUS, (0.09, 0.09, 0.09), seed=3, noPrint=True).toSimulation(
-            material=FrictMat()
-        )
-        sg.soften(material=soft_material(massDamping=1000.0, frictionAngle=0.3), zeta=0.5)
-        goal, mask, steps = (stress, stress, stress, 0, 0, 0), 0b111, 1500
-    ready()
-    if dim == 3:
-        # The controller may have no rate to start from in a packing that bears nothing.
-        O.cell.velGrad = -5 * Matrix3.Identity
-        run(150)
-    control = Peri3dController(
-        goal=goal,
-        stressMask=mask,
-        nSteps=steps,
-        youngEstimation=0.3 * YOUNG,
-        maxStrainRate=5,
-        doneHook="pass",
-    )
-    engines = O.engines
-    O.engines = engines[:3] + [control] + engines[3:]
-    errors = []
-    while control.progress < 1:
-        O.step()
-        assert O.iter < 2 * steps
-        if control.progress > 0.5:
-            found, wanted = np.array(control.stress), np.array(control.stressIdeal)
-            errors.append((found - wanted)[:dim] / stress)
-    errors = np.array(errors)
-    rms, largest = np.sqrt((errors**2).mean()), np.abs(errors).max()
-    print(f"Peri3dController, {dim}D: error of the stresses {rms:.2e} rms, {largest:.2e} at most")
-    assert rms < (0.005 if dim == 2 else 0.01) and largest < 0.03
-    strain = np.array(O.cell.trsf) - np.eye(3)
-    assert strain[0, 1] + strain[1, 0] == pytest.approx(goal[5], rel=0.1, abs=1e-9)
-    if dim == 2:
-        assert strain[2, 2] == pytest.approx(0, abs=1e-12)
-
-
-def test_periodic_cloud_to_soft_disks():
-    """YADE leaves the cell of a flat cloud to the script."""
-    set_cell(0.16, 0.12)
-    cloud = pack.SpherePack()
-    cloud.makeCloud((0, 0, 0), (0.16, 0.12, 0), rMean=0.008, rRelFuzz=0.2, num=25, periodic=True)
-    ids = cloud.toSimulation(material=FrictMat())
-    for i in ids:
-        O.bodies[i].state.blockedDOFs = "zXY"
-    assert O.periodic and len(ids) > 15
-    sg.soften(material=soft_material(), zeta=ZETA, overlap="refuse")
-    O.engines = sg.engines()
-    start = sg.packing_fraction()
-    flow(xx=-10.0, yy=-10.0)
-    run(300)
-    assert sg.packing_fraction() > 1.02 * start
-    assert sg.integrator().largestOverlap < 0.5
-
-
-def test_overlaps_across_the_border_are_seen():
-    set_cell(0.1, 0.1)
-    for x in (0.002, 0.095):
-        body = utils.sphere((x, 0.05, 0), 0.01, material=FrictMat())
-        body.state.blockedDOFs = "zXY"
-        O.bodies.append(body)
-    with pytest.raises(ValueError, match="#1 and #0 overlap by 1.3e\\+02 %"):
-        sg.soften(material=soft_material(), zeta=ZETA)
-
-
-def test_periodic_cloud_to_soft_balls():
-    cloud = pack.SpherePack()
-    cloud.makeCloud((0, 0, 0), (0.1, 0.1, 0.1), rMean=0.0125, num=30, periodic=True, seed=2)
-    cloud.toSimulation(material=FrictMat())
-    assert O.periodic and O.cell.size[0] == 0.1
-    sg.soften(material=soft_material(), zeta=0.5)
-    O.engines = sg.engines()
-    O.cell.velGrad = Matrix3(-20, 0, 0, 0, -20, 0, 0, 0, -20)
-    while sg.packing_fraction() < 0.66:
-        run(10)
-    contacts, grains = sg.cell_stress("contacts"), sg.cell_stress("grains")
-    assert contacts[0, 0] < 0 and contacts[2, 2] < 0
-    assert np.trace(grains) < 0
-    assert any(i.isReal and i.cellDist[2] != 0 for i in O.interactions)
-
-
-def test_dense_periodic_pack_to_soft_balls():
-    """Under load as it comes from randomPeriPack; what it overlaps becomes stress."""
-    pack.randomPeriPack(RADIUS, (0.09, 0.09, 0.09), seed=3, noPrint=True).toSimulation(
-        material=FrictMat()
-    )
-    assert O.periodic and O.cell.size[0] < 0.085
-    before = len(O.bodies)
-    sg.soften(material=soft_material(massDamping=1000.0), zeta=0.5)
-    O.engines = sg.engines()
-    run(60)
-    assert len(sg.soft_bodies()) == before > 20
-    assert np.diag(sg.cell_stress()).max() < 0
-    assert any(i.isReal and i.cellDist[0] != 0 for i in O.interactions)
-
-
 def test_pictures_show_images(tmp_path):
     irregular_packing(shift=(RADIUS, 0.5 * RADIUS))
     ready()
@@ -414,70 +252,13 @@ def test_save_and_load(tmp_path):
     tests = repr(str(Path(__file__).parent))
     process = run_python(LOADED.replace("TESTS", tests), tmp_path)
     assert "done" in process.stdout, process.stdout + process.stderr
-    loaded = np.load(tmp_path / "loaded.npz")
-    for name, value in here.items():
-        np.testing.assert_array_equal(loaded[name], value, err_msg=name)
+    assert_same_bits(dict(np.load(tmp_path / "loaded.npz")), here)
 
 
 def test_threads_give_the_same_bits():
-    results = []
-    for threads in (1, 2, 3):
-        O.reset()
+    def make_scene():
         irregular_packing()
-        ready(ompThreads=threads)
+        ready()
         flow(xx=-2.0, yy=-2.0, xy=1.0)
-        run(300)
-        results.append(present_state())
-    for result in results[1:]:
-        for name, value in result.items():
-            np.testing.assert_array_equal(value, results[0][name], err_msg=name)
 
-
-def complaint():
-    with pytest.raises(RuntimeError) as error:
-        O.step()
-    return str(error.value)
-
-
-def test_wall_in_a_cell():
-    set_cell(0.1, 0.1)
-    add_disk()
-    wall = O.bodies.append(utils.wall(0, axis=1, material=FrictMat()))
-    for make in (sg.engines, sg.set_time_step):
-        with pytest.raises(ValueError, match=f"body #{wall} is a Wall, but O.periodic"):
-            make()
-
-
-def test_cell_too_small():
-    set_cell(3.9 * RADIUS, 8 * RADIUS)
-    add_disk()
-    ready()
-    message = complaint()
-    assert "soft grain #0 spans" in message and "half of its length 0.039 m" in message
-
-
-def test_cell_leaves_the_plane():
-    add_disk()
-    O.periodic = True
-    O.cell.hSize = Matrix3(0.1, 0, 0.01, 0, 0.1, 0, 0, 0, 1)
-    ready()
-    assert "O.cell.hSize couples z" in complaint()
-    set_cell(0.1, 0.1)
-    O.cell.velGrad = Matrix3(0, 0, 0, 0, 0, 0, 0, 0, -1)
-    assert "O.cell.velGrad has components of z" in complaint()
-
-
-def test_common_grid_is_refused():
-    set_cell(0.1, 0.1)
-    add_disk(contact="nodes")
-    ready()
-    assert "contact = 'nodes'" in complaint()
-
-
-def test_reading_without_a_cell():
-    add_disk()
-    with pytest.raises(ValueError, match="O.periodic is False"):
-        sg.packing_fraction()
-    set_cell(0.1, 0.1)
-    with pytest.raises(ValueError, match="known: 'contacts', 'grains'"):
-        sg.cell_stress("walls")
+    assert_threads_change_nothing(make_scene, 300, numbers=(1, 2, 3))

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from scenes import DENSITY, RADIUS, add_disk, ready, run, soft_material
+from periodic_scenes import set_cell
+from scenes import DENSITY, RADIUS, add_disk, complaint, ready, run, soft_material
 from yade import FrictMat, Matrix3, O, utils
 
 import softgrain as sg
@@ -12,9 +13,8 @@ import softgrain as sg
 WIDTH, HEIGHT = 8 * RADIUS, 40 * RADIUS
 
 
-def set_cell(width=WIDTH, height=HEIGHT, depth=1.0):
-    O.periodic = True
-    O.cell.setBox(width, height, depth)
+def set_tall_cell():
+    set_cell(WIDTH, HEIGHT)
 
 
 def rigid(friction=0.3):
@@ -56,7 +56,7 @@ def test_across_the_border_as_on_a_long_floor(velocity):
     for periodic in (False, True):
         O.reset()
         if periodic:
-            set_cell()
+            set_tall_cell()
         box_floor(11 * RADIUS if periodic else 100 * RADIUS)
         disk = sliding_disk(velocity, soft_material(frictionAngle=0.3))
         ready(gravity=(0, -100, 0), tolerance=1e-8, maxSweeps=2000)
@@ -74,7 +74,7 @@ def weight_on(bodies):
 @pytest.mark.parametrize("floor", ("box", "facets"))
 def test_disks_lie_on_a_floor(floor):
     """Some of them on the border; the floor bears their weight, and no grain is through it."""
-    set_cell()
+    set_tall_cell()
     if floor == "box":
         box_floor(0.5 * WIDTH + 6 * RADIUS)
     else:
@@ -145,45 +145,36 @@ def test_an_obstacle_of_half_the_cell():
         assert turns >= 3
 
 
-def complaint():
-    with pytest.raises(RuntimeError) as error:
-        O.step()
-    return str(error.value)
+def with_a_disk_on(add_floor, *arguments):
+    """A soft disk on a floor in a periodic cell; returns what ``add_floor`` does."""
+    set_tall_cell()
+    floor = add_floor(*arguments)
+    sliding_disk(0)
+    ready()
+    return floor
 
 
 @pytest.mark.parametrize("half", (0.4 * WIDTH, 0.5 * WIDTH, 0.6 * WIDTH))
 def test_a_floor_with_ends_is_refused(half):
-    set_cell()
-    floor = box_floor(half)
-    sliding_disk(0)
-    ready()
+    floor = with_a_disk_on(box_floor, half)
     message = complaint()
     assert f"rigid body #{floor.id} (Box) spans" in message
     assert "it might touch a soft grain on two sides" in message
 
 
 def test_a_tilted_floor_is_refused():
-    set_cell()
-    floor = box_floor(2 * WIDTH)
+    floor = with_a_disk_on(box_floor, 2 * WIDTH)
     floor.state.ori = utils.Quaternion((0, 0, 1), 0.01)
-    sliding_disk(0)
-    ready()
     assert "for a Box with a side along that base vector" in complaint()
 
 
 def test_a_long_facet_is_refused():
-    set_cell()
-    facet_floor(1, 3 * WIDTH)
-    sliding_disk(0)
-    ready()
+    with_a_disk_on(facet_floor, 1, 3 * WIDTH)
     assert "(Facet) spans" in complaint()
 
 
 def test_a_sort_along_the_floor_is_refused():
-    set_cell()
-    floor = box_floor(2 * WIDTH)
-    sliding_disk(0)
-    ready()
+    floor = with_a_disk_on(box_floor, 2 * WIDTH)
     assert O.engines[1].sortAxis == 1
     O.engines[1].sortAxis = 0
     message = complaint()
@@ -191,10 +182,7 @@ def test_a_sort_along_the_floor_is_refused():
 
 
 def test_a_floor_in_a_cell_that_shrinks_along_it_is_refused():
-    set_cell()
-    box_floor(2 * WIDTH)
-    sliding_disk(0)
-    ready()
+    with_a_disk_on(box_floor, 2 * WIDTH)
     O.cell.velGrad = Matrix3(0, 0, 0, 0, -1, 0, 0, 0, 0)
     O.step()
     O.cell.velGrad = Matrix3(-1, 0, 0, 0, 0, 0, 0, 0, 0)
@@ -203,10 +191,7 @@ def test_a_floor_in_a_cell_that_shrinks_along_it_is_refused():
 
 def test_a_box_in_a_sheared_cell_is_refused():
     """YADE would end the process."""
-    set_cell()
-    box = box_floor(2 * WIDTH)
-    sliding_disk(0)
-    ready()
+    box = with_a_disk_on(box_floor, 2 * WIDTH)
     O.step()
     O.cell.velGrad = Matrix3(0, 1, 0, 0, 0, 0, 0, 0, 0)
     assert f"body #{box.id} is a Box in a sheared periodic cell" in complaint()

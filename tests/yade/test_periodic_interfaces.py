@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from periodic_scenes import set_cell
 from scenes import (
     DENSITY,
     RADIUS,
@@ -26,11 +27,6 @@ LAWS = {
     "friction": dict(dynamicFrictAngle=math.atan(0.1)),
 }
 LAWS["all"] = {name: value for law in LAWS.values() for name, value in law.items()}
-
-
-def set_cell(side=SIDE):
-    O.periodic = True
-    O.cell.setBox(side, side, 1)
 
 
 def soft_disks(second):
@@ -92,7 +88,7 @@ def pull_apart(bodies, start, meanwhile):
 
 def history(make, second, law, meanwhile=None):
     O.reset()
-    set_cell()
+    set_cell(SIDE, SIDE)
     O.trackEnergy = True
     bodies = make(second)
     start = {b.id: np.array(b.state.pos) for b in bodies}
@@ -176,7 +172,7 @@ def bonded_packing(shift=(0, 0), count=3):
     """Disks of several sizes on a square lattice, nearly touching, all pairs bonded."""
     random = np.random.default_rng(7)
     spacing = 2 * RADIUS
-    set_cell(count * spacing)
+    set_cell(count * spacing, count * spacing)
     material = soft_material(massDamping=200.0, frictionAngle=math.atan(0.5))
     for i in range(count):
         for j in range(count):

@@ -24,13 +24,14 @@ def balance():
     return e["rigidKinetic"] + lost - e["rigidWalls"] - e["rigidCell"] - e["rigidLoads"], e
 
 
+@pytest.mark.parametrize("restitution", (0, 0.6))
 @pytest.mark.parametrize("offset", (0, 0.8 * R))
-def test_impact(offset):
+def test_impact(offset, restitution):
     """Head on: what the centres lose of their motion; obliquely friction takes its share."""
     first = add_sphere((-1.2 * R, 0, 0), velocity=(1, 0, 0))
     second = add_sphere((1.2 * R, offset, 0), 0.7 * R, velocity=(-1, 0, 0))
     O.trackEnergy = True
-    start(1e-4, (0, 0, 0))
+    start(1e-4, (0, 0, 0), interface={"restitution": restitution})
     run(1)
     before = balance()[0]
     assert before == pytest.approx(kinetic_energy(), rel=1e-12)
@@ -42,7 +43,7 @@ def test_impact(offset):
     assert O.energy.total() == pytest.approx(before, rel=1e-12)  # with YADE's kinetic energy
     if offset == 0:
         masses = first.state.mass, second.state.mass
-        lost = 0.5 * np.prod(masses) / sum(masses) * 2**2
+        lost = (1 - restitution**2) * 0.5 * np.prod(masses) / sum(masses) * 2**2
         assert energy["rigidImpact"] == pytest.approx(lost, rel=1e-12)
         assert energy["rigidFriction"] == pytest.approx(0, abs=1e-15)
     else:
@@ -81,10 +82,11 @@ def test_sliding_down_an_incline():
     )
 
 
-def test_moving_wall_and_many_contacts():
+@pytest.mark.parametrize("restitution", (0, 0.6))
+def test_moving_wall_and_many_contacts(restitution):
     """A wall is moved into a pile; bodies that fly count from the start. After loading the run goes
     on with what was summed."""
-    pile(columns=3, layers=2)
+    pile(columns=3, layers=2, interface={"restitution": restitution})
     O.trackEnergy = True
     run(1)
     before = balance()[0]

@@ -9,6 +9,9 @@ from .interface import Interface, has_slid, node_areas
 from .search import contacts_of_grains, contacts_with_plane
 from .solver import SolverSettings, closing_bias, project_on_cone, solve
 
+#: Bodies in a cluster at most.
+BODIES_PER_CLUSTER = 16
+
 
 @dataclass
 class Wall:
@@ -198,10 +201,6 @@ class System:
             wall.position = wall.position + dt * np.asarray(wall.velocity)
         if self.cell:
             self.cell.move(dt)
-
-
-#: Bodies in a cluster at most.
-BODIES_PER_CLUSTER = 16
 
 
 def in_sweep_order(contacts):

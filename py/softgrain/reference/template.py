@@ -24,6 +24,8 @@ CUT_DEPTH = 6
 NEGLIGIBLE_SHARE = 1e-9
 #: Nodes that a tied node is extrapolated from; more where several are as far away as the last one.
 TIED_TO = 6
+#: Functions of less than this share of the greatest weight are left out of the projection of ln J.
+LIGHT_FUNCTION_SHARE = 0.02
 
 
 @dataclass(frozen=True)
@@ -89,10 +91,6 @@ class Template:
 def template(recipe):
     """Return the template of a recipe, made once."""
     return Template(recipe)
-
-
-#: Functions of less than this share of the greatest weight are left out of the projection.
-LIGHT_FUNCTION_SHARE = 0.02
 
 
 def volume_projection(X, volume, spacing):

@@ -1,0 +1,119 @@
+"""Engines of YADE that move grains and walls."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import RADIUS, add_disk, add_wall, damped_material, ready, run
+from yade import (
+    ForceEngine,
+    HarmonicMotionEngine,
+    O,
+    RotationEngine,
+    TorqueEngine,
+    TranslationEngine,
+    utils,
+)
+
+import softgrain as sg
+
+
+def free_grain():
+    disk = add_disk()
+    ready()
+    O.dt = 0.4 * sg.critical_time_step()
+    return disk
+
+
+def with_engine(engine):
+    """In front of the contacts, where kinematic engines stand."""
+    engines = list(O.engines)
+    O.engines = engines[:1] + [engine] + engines[1:]
+
+
+def test_force_and_torque_engine_on_a_grain():
+    disk = free_grain()
+    with_engine(ForceEngine(ids=[disk.id], force=(0.3, 0.1, 0)))
+    with_engine(TorqueEngine(ids=[disk.id], moment=(0, 0, 1e-3)))
+    run(200)
+    mean = O.time - O.dt / 2  # velocities are half a step behind
+    np.testing.assert_allclose(
+        disk.state.vel, np.array((0.3, 0.1, 0)) / disk.state.mass * mean, rtol=0.01
+    )
+    assert disk.state.angVel[2] == pytest.approx(1e-3 / disk.state.inertia[2] * mean, rel=0.01)
+
+
+def test_translation_engine_on_a_grain():
+    """It has its velocity from the engine in every step, and is deformed by what is in its way."""
+    disk = free_grain()
+    add_wall(1.2 * RADIUS, axis=0)
+    with_engine(TranslationEngine(ids=[disk.id], translationAxis=(1, 0, 0), velocity=0.5))
+    while O.time < 0.38 * RADIUS:
+        run(1)
+    assert disk.state.pos[0] == pytest.approx(0.5 * O.time, rel=1e-6)
+    while O.time < 0.6 * RADIUS:
+        run(1)
+    assert 0.26 * RADIUS < disk.state.pos[0] < 0.5 * O.time
+    assert disk.shape.outline()[:, 0].max() < 1.205 * RADIUS
+    assert disk.shape.energy()["elastic"] > 0
+
+
+def test_rotation_engine_on_a_grain():
+    disk = free_grain()
+    with_engine(RotationEngine(ids=[disk.id], rotationAxis=(0, 0, 1), angularVelocity=20))
+    run(300)
+    angle = 2 * math.atan2(disk.state.ori[2], disk.state.ori[3])
+    assert angle == pytest.approx(20 * O.time, rel=0.01)
+
+
+def test_translation_engine_on_a_wall():
+    """And a wall driven by HarmonicMotionEngine: the grain follows it."""
+    disk = free_grain()
+    low, high = add_wall(-RADIUS, axis=0), add_wall(RADIUS, axis=0)
+    with_engine(TranslationEngine(ids=[low.id, high.id], translationAxis=(1, 0, 0), velocity=0.2))
+    run(500)
+    assert high.state.pos[0] == pytest.approx(RADIUS + 0.2 * O.time, rel=1e-9)
+    assert disk.state.pos[0] == pytest.approx(0.2 * O.time, abs=0.05 * RADIUS)
+
+
+def test_accelerated_walls():
+    """Harmonic motion of a box of two walls, slow against the grain's vibrations."""
+    disk = add_disk(material=damped_material())
+    walls = [add_wall(side * RADIUS, axis=0) for side in (-1, 1)]
+    ready()
+    with_engine(
+        HarmonicMotionEngine(
+            ids=[w.id for w in walls], A=(0.1 * RADIUS, 0, 0), f=(50, 0, 0), fi=(0, 0, 0)
+        )
+    )
+    worst = 0
+    while O.time < 0.04:
+        run(1)
+        worst = max(worst, abs(disk.state.pos[0] - (walls[0].state.pos[0] + RADIUS)))
+        if O.time > 0.02:
+            moved = 0.1 * RADIUS * (math.cos(2 * math.pi * 50 * O.time) - 1)
+            assert walls[0].state.pos[0] == pytest.approx(moved - RADIUS, abs=0.005 * RADIUS)
+    assert worst < 0.02 * RADIUS
+
+
+def test_rotating_box_turns_a_grain():
+    """RotationEngine on a Box on which a grain lies: friction carries it along."""
+    disk = add_disk((0, 1.0001 * RADIUS, 0), material=damped_material())
+    paddle = utils.box((0, -RADIUS, 0), (4 * RADIUS, RADIUS, RADIUS), fixed=True)
+    O.bodies.append(paddle)
+    ready(gravity=(0, -10, 0))
+    with_engine(
+        RotationEngine(
+            ids=[paddle.id],
+            rotationAxis=(0, 0, 1),
+            angularVelocity=2,
+            rotateAroundZero=True,
+            zeroPoint=(0, -RADIUS, 0),
+        )
+    )
+    while O.time < 0.05:
+        run(1)
+    assert 2 * math.atan2(paddle.state.ori[2], paddle.state.ori[3]) == pytest.approx(0.1, rel=0.01)
+    normal = np.array((-math.sin(0.1), math.cos(0.1), 0))
+    depth = (disk.shape.outline() - np.array(paddle.state.pos)) @ normal - RADIUS
+    assert depth.min() > -0.02 * RADIUS and sg.wall_force(paddle.id)[1] < 0

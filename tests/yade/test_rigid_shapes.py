@@ -1,0 +1,140 @@
+"""Clumps, facets, boxes and balls in space as rigid partners of soft grains."""
+
+import numpy as np
+import pytest
+from partner_scenes import (
+    add_clump,
+    assert_comes_to_rest,
+    bed_of_grains,
+    box_strip,
+    facet_strip,
+    momentum,
+    rest_material,
+    rigid_material,
+)
+from scenes import RADIUS, add_disk, ready, run, soft_material
+from yade import O, Quaternion, Vector3, utils
+
+import softgrain as sg
+
+
+def test_clump_keeps_the_momenta():
+    disk = add_disk(material=soft_material(frictionAngle=0.5))
+    disk.state.vel = (2, 0, 0)
+    r = 0.4 * RADIUS
+    clump = add_clump([(1.45 * RADIUS, 0, 0), (1.45 * RADIUS, 2 * r, 0)], r)
+    ready()
+    run(1)
+    before = momentum()
+
+    def angular():
+        total = 0
+        for b in O.bodies:
+            if b.isClumpMember:
+                continue
+            s = b.state
+            total += s.mass * s.pos.cross(s.vel)[2] + s.inertia[2] * s.angVel[2]
+        return total
+
+    start = angular()
+    run(300)
+    np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
+    assert abs(clump.state.angVel[2]) > 10
+    scale = disk.state.mass * 2 * RADIUS
+    assert angular() == pytest.approx(start, abs=0.02 * scale)
+
+
+def test_clump_rests_on_soft_grains():
+    bed_of_grains()
+    r = 0.3 * RADIUS
+    clump = add_clump([(x * RADIUS, (1 + 0.3) * RADIUS, 0) for x in (-0.9, -0.3, 0.3, 0.9)], r)
+    assert_comes_to_rest(clump, clump.shape.members)
+
+
+@pytest.mark.parametrize("kind", ("facets", "boxes"))
+def test_container(kind):
+    """A grain thrown into a container comes to rest on its floor, whose reaction is the weight."""
+    disk = add_disk(material=rest_material())
+    disk.state.vel, disk.state.angVel = (0.5, 0.2, 0), (0, 0, 20)
+    half = 1.05 * RADIUS
+    if kind == "facets":
+        # the floor of two pieces: the grain lies on their seam
+        ends = [(-half, half), (-half, -half), (0, -half), (half, -half), (half, half)]
+        bodies = facet_strip(ends)
+    else:
+        bodies = box_strip()
+    ids = O.bodies.append(bodies)
+    ready(gravity=(0, -10, 0))
+    run(8000)
+    total, steps = np.zeros(3), 2000
+    for _ in range(steps):
+        run(1)
+        total += sum(np.array(O.forces.f(i)) for i in ids)
+        assert np.abs(disk.shape.outline()[:, :2]).max() < half + 0.05 * RADIUS
+    weight = 10 * disk.state.mass
+    # it still rolls to and fro a little: rolling is not damped
+    np.testing.assert_allclose(total / steps, (0, -weight, 0), atol=0.05 * weight)
+    assert sg.integrator().largestOverlap < 0.2
+
+
+def test_turned_box_carries():
+    """A free box, turned by 30 degrees, is hit and turns on."""
+    disk = add_disk(material=soft_material(frictionAngle=0.5))
+    disk.state.vel = (1, 0, 0)
+    box = utils.box(
+        (1.9 * RADIUS, 0.4 * RADIUS, 0),
+        (0.5 * RADIUS, 0.8 * RADIUS, RADIUS),
+        orientation=Quaternion((0, 0, 1), 0.5),
+        fixed=False,
+        material=rigid_material(0.5),
+    )
+    box.state.blockedDOFs = "zXY"
+    box.state.mass, box.state.inertia = 0.3, (1e-5, 1e-5, 1e-5)
+    O.bodies.append(box)
+    ready()
+    run(1)
+    before = momentum()
+    run(400)
+    np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
+    assert box.state.vel[0] > 0.2 and abs(box.state.angVel[2]) > 1
+    assert sg.integrator().cappedSteps == 0
+
+
+def test_box_turned_out_of_the_plane_is_refused():
+    add_disk()
+    box = utils.box(
+        (1.3 * RADIUS, 0, 0), (0.5 * RADIUS,) * 3, orientation=Quaternion((1, 0, 0), 0.5)
+    )
+    O.bodies.append(box)
+    ready()
+    with pytest.raises(RuntimeError, match="turn it about z only"):
+        run(2)
+
+
+def test_three_dimensions():
+    """A free sphere falls on a soft ball in a box of facets."""
+    ball = sg.soft_sphere((0, 0, 0), RADIUS, rest_material(), zeta=0.4)
+    O.bodies.append(ball)
+    corners = [Vector3(x, y, -RADIUS) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    O.bodies.append(
+        [
+            utils.facet((corners[0], corners[1], corners[2]), material=rigid_material()),
+            utils.facet((corners[0], corners[2], corners[3]), material=rigid_material()),
+        ]
+    )
+    rigid = utils.sphere((0, 0, 1.62 * RADIUS), 0.6 * RADIUS, material=rigid_material())
+    rigid.state.vel = (0.02, 0, -0.5)
+    O.bodies.append(rigid)
+    ready(gravity=(0, 0, -10))
+    touched = 0
+    for _ in range(200):
+        velocity = np.array(rigid.state.vel)
+        run(1)
+        force = np.array(O.forces.f(rigid.id))
+        touched += force[2] > 0
+        expected = O.dt * (force / rigid.state.mass + np.array((0, 0, -10)))
+        np.testing.assert_allclose(
+            np.array(rigid.state.vel) - velocity, expected, rtol=0, atol=1e-13
+        )
+    assert touched > 10
+    assert rigid.state.vel[2] > -0.3

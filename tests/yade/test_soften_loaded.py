@@ -1,0 +1,58 @@
+"""Spheres that turn soft when they first bear load."""
+
+import numpy as np
+import pytest
+from partner_scenes import add_rigid_disk, momentum
+from scenes import RADIUS, assert_goes_on_after_loading, run, soft_material
+from yade import O
+
+import softgrain as sg
+
+
+def late_scene(load=1e-3):
+    """Three disks in a row, the first of which hits the second."""
+    for x, speed in ((0, 1), (2.02 * RADIUS, 0), (6 * RADIUS, 0)):
+        add_rigid_disk((x, 0, 0), RADIUS, (speed, 0, 0), density=1000, young=1e8)
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    O.dt = 1e-5
+    return sg.soften(material=soft_material(), zeta=0.25, when="loaded", load=load)
+
+
+def test_soften_when_loaded():
+    """Spheres that touch turn soft, with their momentum; one that is not touched waits."""
+    ids = late_scene()
+    before = momentum()
+    assert not sg.soft_bodies()
+    run(10)
+    assert not sg.soft_bodies()
+    run(400)
+    assert [b.id for b in sg.soft_bodies()] == ids[:2]
+    np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
+    softener = [e for e in O.engines if isinstance(e, sg.SoftenWhenLoaded)][0]
+    assert softener.softened == 2 and softener.ids == ids[2:]
+    assert O.dt == sg.integrator().dtSet
+    first, second, _ = (O.bodies[i].state.vel[0] for i in ids)
+    assert first < 0.2 and second > 0.8
+    while not softener.softened == 3:
+        run(20)
+        assert O.time < 0.1
+    run(200)
+    np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
+
+
+def test_soften_when_loaded_is_saved(tmp_path):
+    late_scene()
+    run(250)
+    assert_goes_on_after_loading(tmp_path / "scene.xml.gz", 400)
+
+
+def test_soften_when_loaded_needs_an_integrator():
+    add_rigid_disk((0, 0, 0), RADIUS)
+    O.engines = []
+    with pytest.raises(ValueError, match="SoftGrainIntegrator"):
+        sg.soften(when="loaded")
+    with pytest.raises(ValueError, match="when = 'later'"):
+        sg.soften(when="later")
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    with pytest.raises(ValueError, match="load = -1"):
+        sg.soften(when="loaded", load=-1)
