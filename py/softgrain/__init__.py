@@ -19,6 +19,7 @@ from softgrain import _host  # noqa: E402
 _classes = _host.load_plugin()
 globals().update(_classes)
 
+from softgrain import yade_utils  # noqa: E402
 from softgrain.build import (  # noqa: E402
     soft_block,
     soft_disk,
@@ -50,13 +51,12 @@ from softgrain.quasi_static import (  # noqa: E402
     scale_mass,
     suggest_speed,
     unbalanced_force,
-    unbalanced_force_for_yade,
 )
 from softgrain.softening import as_disks, soften  # noqa: E402
 from softgrain.time_loop import critical_time_step, engines, set_time_step  # noqa: E402
 from softgrain.timing import phase_times, reset_times  # noqa: E402
 
-_host.replace_in_utils("unbalancedForce", unbalanced_force_for_yade)
+yade_utils.replace()
 
 __all__ = sorted(_classes) + [
     "Balance",

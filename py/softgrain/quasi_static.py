@@ -6,7 +6,7 @@ Formulas: ``doc/theory.md``, section 3; measured: ``doc/decisions/0016-quasi-sta
 import math
 import warnings
 
-from yade import NewtonIntegrator, NormShearPhys, O, Vector3, utils, wrapper
+from yade import NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 
 from softgrain import time_loop
 from softgrain.observe import soft_bodies, some_soft_bodies
@@ -61,18 +61,6 @@ def unbalanced_force(largest=False):
     carried = _mean([force for force in forces if force > 0])
     net = _net_forces(soft_bodies() + rigid)
     return _ratio(max(net, default=0.0) if largest else _mean(net), carried)
-
-
-#: Leaves out bodies whose degrees of freedom are all blocked, as those of soft grains are.
-_unbalanced_force_of_yade = utils.unbalancedForce
-
-
-def unbalanced_force_for_yade(useMaxForce=False):
-    """``utils.unbalancedForce`` once softgrain is imported: :func:`unbalanced_force` where there
-    are soft grains, YADE's own where there are none."""
-    if soft_bodies():
-        return unbalanced_force(largest=useMaxForce)
-    return _unbalanced_force_of_yade(useMaxForce)
 
 
 def _ratio(numerator, denominator):

@@ -13,7 +13,17 @@ from scenes import (
     run_python,
     soft_material,
 )
-from yade import FrictMat, GenericSpheresContact, NormShearPhys, O, Wall, _utils, utils
+from yade import (
+    FrictMat,
+    GenericSpheresContact,
+    Matrix3,
+    NormShearPhys,
+    O,
+    Sphere,
+    Wall,
+    _utils,
+    utils,
+)
 
 import softgrain as sg
 
@@ -145,6 +155,46 @@ def test_unbalanced_force_by_yade(packing):
     assert sg.unbalanced_force() == utils.unbalancedForce()
 
 
+def test_kinetic_energy_by_yade(packing):
+    """``utils.kineticEnergy`` counts soft grains with their vibrations, and the rigid disk."""
+    rigid = next(b for b in O.bodies if isinstance(b.shape, Sphere))
+    O.bodies[packing[3]].state.vel = (0, -1, 0)
+    run(5)
+    rigid.state.angVel = (0, 0, 1000)
+    soft = {b.id: b.shape.energy()["kinetic"] for b in sg.soft_bodies()}
+    state = rigid.state
+    energy = (state.mass * state.vel.squaredNorm() + state.inertia[2] * state.angVel[2] ** 2) / 2
+    assert energy > 0 and all(value > 0 for value in soft.values())
+    for kinetic in (utils.kineticEnergy, _utils.kineticEnergy):
+        assert kinetic() == pytest.approx(sum(soft.values()) + energy, rel=1e-12)
+        assert kinetic(findMaxId=True) == (kinetic(), rigid.id)
+    assert sum(soft.values()) == pytest.approx(sg.quasi_static()["kinetic"])
+    state.angVel = state.vel = (0, 0, 0)
+    assert utils.kineticEnergy(True)[1] == max(soft, key=soft.get)
+
+
+def test_kinetic_energy_in_a_cell():
+    """Relative to the motion of the cell, as YADE has it for rigid bodies."""
+    O.periodic = True
+    O.cell.setBox(0.2, 0.2, 1)
+    O.cell.velGrad = Matrix3(-1, 0.5, 0, 0, -2, 0, 0, 0, 0)
+    add_disk((0.04, 0.1, 0), RADIUS, soft_material())
+    sphere = utils.sphere((0.16, 0.1, 0), RADIUS, material=FrictMat())
+    sphere.state.blockedDOFs = "zXY"
+    O.bodies.append(sphere)
+    sg.as_disks()
+    ready()
+    run(20)
+    resting = utils.kineticEnergy()
+    fast = sg.quasi_static()["kinetic"]
+    assert resting < 1e-3 * fast
+    for body in O.bodies:
+        body.state.vel += (1, 0, 0)
+    run(1)
+    mass = sum(body.state.mass for body in O.bodies)
+    assert utils.kineticEnergy() == pytest.approx(mass / 2, rel=1e-2)
+
+
 SCRIPT = """
 from yade.utils import *
 import softgrain as sg
@@ -154,15 +204,18 @@ O.engines = sg.engines(gravity=(0, -10, 0))
 sg.set_time_step()
 O.run(100, True)
 assert unbalancedForce() == sg.unbalanced_force() > 0
+assert kineticEnergy() == O.bodies[0].shape.energy()["kinetic"] > 0
 O.reset()
 O.bodies.append(sphere((0, 0, 0), 1, material=FrictMat()))
 assert unbalancedForce() != unbalancedForce(), "nan without forces, as YADE has it"
+O.bodies[0].state.vel = (2, 0, 0)
+assert kineticEnergy(True) == (2 * O.bodies[0].state.mass, 0)
 print("done")
 """
 
 
-def test_unbalanced_force_in_a_script(tmp_path):
-    """The name that a script has had from YADE before."""
+def test_functions_of_utils_in_a_script(tmp_path):
+    """The names that a script has had from YADE before; without soft grains YADE's own."""
     assert_done(run_python(SCRIPT, tmp_path, command=["/usr/bin/yade", "-n", "-x"]))
 
 
