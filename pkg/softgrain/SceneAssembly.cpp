@@ -1,4 +1,5 @@
 #include "SceneAssembly.hpp"
+#include "FetchBodies.hpp"
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
 #include "SoftGrain.hpp"
@@ -97,7 +98,11 @@ SoftScene softScene(const Scene& scene)
 {
 	SoftScene soft;
 	bool isCurrent = true;
-	for (const shared_ptr<Body>& body : *scene.bodies) {
+	const BodyContainer& bodies = *scene.bodies;
+	const int count = static_cast<int>(bodies.size());
+	for (int id = 0; id < count; ++id) {
+		fetchBodies(bodies, id, count, [](int i) { return i; });
+		const shared_ptr<Body>& body = bodies[id];
 		if (!body || !body->shape) continue;
 		if (scene.isPeriodic) checkPeriodic(*body, scene);
 		checkBody(*body);

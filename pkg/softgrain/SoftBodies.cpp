@@ -1,4 +1,5 @@
 #include "SoftBodies.hpp"
+#include "FetchBodies.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
@@ -60,6 +61,7 @@ std::set<int> SoftBodies::applyUserMotions(const NewtonIntegrator& newton, int t
 	std::vector<char> changed(count);
 #pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
 	for (int g = 0; g < count; ++g) {
+		fetchBodies(*scene_.bodies, g, count, [&](int k) { return assembly_.idOf(k); });
 		const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
 		const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
 		changed[g] = !isAsWritten(*body.state, grain.written, grain.radius);
