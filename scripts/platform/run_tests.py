@@ -108,7 +108,7 @@ def cpp_files():
     """List the C++ files that are formatted by rule."""
     return sorted(
         str(path)
-        for folder in ("pkg", "tests")
+        for folder in ("pkg", "scripts", "tests")
         for suffix in ("cpp", "hpp")
         for path in Path(folder).rglob(f"*.{suffix}")
     )
