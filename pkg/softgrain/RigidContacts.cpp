@@ -1,6 +1,7 @@
 #include "RigidContacts.hpp"
 #include "NonsmoothLaw.hpp"
 #include "PeriodicCell.hpp"
+#include "Require.hpp"
 #include "RigidPartners.hpp"
 #include "SceneAssembly.hpp"
 
@@ -81,10 +82,9 @@ Vec3 placeOnSurface(const RigidContactDescription& d)
 	return d.point - 0.5 * d.gap * d.normal - d.image.shift;
 }
 
-void refuse(const Interaction& I, const std::string& name, Real value, const std::string& range)
+void requireOf(const Interaction& I, bool holds, const char* name, Real value, const char* range)
 {
-	throw std::runtime_error(namesOf(I) + ": " + name + " = " + std::to_string(value) +
-				 " is outside the admissible range " + range);
+	softgrain::require(holds, namesOf(I) + ": " + name, value, range);
 }
 
 /// By the materials of the pair; 0 where the law has none for them.
@@ -93,7 +93,7 @@ Real restitutionOf(const Law2_ScGeom_FrictPhys_Nonsmooth& law, const Interaction
 {
 	if (!law.restitution) return 0;
 	const Real e = (*law.restitution)(first.material->id, second.material->id, 0, 0);
-	if (!(e >= 0 && e <= 1)) refuse(I, "restitution", e, "[0, 1]");
+	requireOf(I, e >= 0 && e <= 1, "restitution", e, "[0, 1]");
 	return e;
 }
 
@@ -138,7 +138,7 @@ void RigidContacts::requireTreatable(const Interaction& I, const Pair& pair)
 			") meet under Law2_ScGeom_FrictPhys_Nonsmooth, which is for a "
 			"Sphere against a Sphere, Facet, Box or Wall");
 	const Real friction = static_cast<const FrictPhys&>(*I.phys).tangensOfFrictionAngle;
-	if (!(friction >= 0)) refuse(I, "tangensOfFrictionAngle", friction, "[0, inf)");
+	requireOf(I, friction >= 0, "tangensOfFrictionAngle", friction, "[0, inf)");
 }
 
 void RigidContacts::describe(const Scene& scene, RigidPartners& partners, Real maxOverlap)

@@ -1,4 +1,5 @@
 #include "RigidPartners.hpp"
+#include "Require.hpp"
 
 namespace yade {
 
@@ -37,11 +38,12 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 			"state.isDamped = False for this body");
 	const bool translates = (state.blockedDOFs & State::DOF_XYZ) != State::DOF_XYZ,
 		   turns = (state.blockedDOFs & State::DOF_RXRYRZ) != State::DOF_RXRYRZ;
-	if (translates && !(state.mass > 0))
-		throw std::runtime_error(
+	if (translates)
+		softgrain::require(
+			state.mass > 0,
 			nameOf(body) +
-			" takes part in contact dynamics and is free to move, but state.mass = " +
-			std::to_string(state.mass) + "; admissible: (0, inf) kg");
+				" takes part in contact dynamics and is free to move: state.mass",
+			state.mass, "(0, inf) kg");
 	if (turns && dynamic_cast<const Wall*>(body.shape.get()))
 		throw std::runtime_error(
 			nameOf(body) +

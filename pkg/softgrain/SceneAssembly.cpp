@@ -66,15 +66,10 @@ void checkPeriodic(const Body& body, const Scene& scene)
 					    "O.cell.velGrad diagonal");
 }
 
-bool sameConstants(const softgrain::ElasticConstants& a, const softgrain::ElasticConstants& b)
-{
-	return a.young == b.young && a.poisson == b.poisson && a.density == b.density;
-}
-
 /// Whether the material of a grain in an assembly is still what it was assembled with.
 bool isAsAssembled(const SoftGrain& grain, const SoftMat& material)
 {
-	return sameConstants(grain.assembledConstants, material.constants()) &&
+	return grain.assembledConstants == material.constants() &&
 	       grain.assembledDamping == material.damping() && grain.assembledLaw == material.law &&
 	       grain.assembledCondition == material.condition;
 }

@@ -201,6 +201,11 @@ Real SoftGrain::undeformedVolume() { return assembled().undeformedVolume(index);
 
 Real SoftGrain::presentVolume() { return assembled().presentVolume(index); }
 
+void Bo1_SoftGrain_Aabb::postLoad(Bo1_SoftGrain_Aabb&)
+{
+	softgrain::require(margin > 0 && math::isfinite(margin), "margin", margin, "(0, inf)");
+}
+
 void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound,
 			    const Se3r& se3, const Body*)
 {

@@ -57,14 +57,14 @@ public:
 		((Real, zeta, 0.11, Attr::readonly, "Relative resolution ζ = 2 dr/D = dr/radius with dr the spacing of material points, in [0.001, 0.5] [-]. Cost grows as ζ⁻³ in 2D; for errors see doc/validation.md."))
 		((int, order, 3, Attr::readonly, "Order of the B-splines: 1, 2 or 3."))
 		((Real, nodeSpacing, 1.25, Attr::readonly, "Spacing of background nodes h/dr, in [1.25, 4] [-]: larger is coarser and allows longer steps."))
-		((Real, surfaceSpacing, 1, Attr::readonly, "Spacing of surface nodes over dr, in [0.5, 4] [-]; above 1.5 outlines sink into each other between nodes."))
+		((Real, surfaceSpacing, 1, Attr::readonly, "Spacing of surface nodes over dr, in [0.5, 4] [-]; above 1.25 outlines sink into each other between nodes."))
 		((string, quadrature, "cutCell", Attr::readonly, "Where the material points lie: 'cutCell' (lattice cells cut with the outline, weights exact) or 'lattice' (uniform weights)."))
 		((string, contact, "surface", Attr::readonly, "What touches: 'surface' (nodes on the outline against the other outline), "
 			"'points' (boundary points as disks of diameter dr) or 'nodes' (nodes of a grid in space that get mass from two bodies; for comparison only)."))
 		((string, formulation, "total", Attr::readonly, "'total' (total Lagrangian: grid and shape functions stay in the reference configuration) or 'updated' (updated Lagrangian: a grid fixed in space, shape functions made anew in every step; order 2 or 3). 'updated' is there for comparison: slower and less accurate."))
 		((string, velocityUpdate, "nodal", Attr::readonly, "Where velocities live from step to step with formulation 'total': 'nodal' (at the background nodes; conserves energy and angular momentum) or 'flip' (at the material points, mapped to the nodes and back in every step, the classical cycle; for comparison). With formulation 'updated' always at the points."))
 		((Real, picShare, 0, Attr::readonly, "Where velocities live at the points: share of the nodal velocity itself (PIC) instead of its change (FLIP) that points take over in a step, in [0, 1] [-]. Damps; doc/decisions/0005-formulations.md."))
-		((string, volumetric, "pointwise", Attr::readonly, "How the law sees the change of volume: 'pointwise', or 'projected' on a coarser space of pressures, for Poisson's ratios above 0.48 or so in plane strain and 3D: no oscillating pressures, small contacts not too stiff, at 1.4 to 1.8 times the cost of the bulk."))
+		((string, volumetric, "pointwise", Attr::readonly, "How the law sees the change of volume: 'pointwise', or 'projected' on a coarser space of pressures, for Poisson's ratios above 0.48 or so in plane strain and 3D: no oscillating pressures, small contacts not too stiff, at some 1.7 times the cost of the bulk."))
 		((string, basis, "splines", Attr::readonly, "What the displacements are made of: 'splines' (B-splines on the background grid) or 'triangles' (linear triangles with sides of about dr that follow the outline: finite elements, for disks, with formulation 'total', velocityUpdate 'nodal' and contact 'surface'). 'triangles' is there for comparison."))
 		((Vector3r, stateOrigin, Vector3r::Zero(), Attr::hidden, "Origin of savedPositions."))
 		((vector<Real>, savedPositions, , Attr::hidden, "Positions of the state (GrainState) relative to stateOrigin as last fetched."))
@@ -100,11 +100,12 @@ class Bo1_SoftGrain_Aabb : public BoundFunctor {
 public:
 	void go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3,
 		const Body* body) override;
+	void postLoad(Bo1_SoftGrain_Aabb&);
 	FUNCTOR1D(SoftGrain);
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Bo1_SoftGrain_Aabb, BoundFunctor,
 		"Box about the present outline of a :yref:`SoftGrain`, enlarged by *margin*. :yref:`SoftGrainIntegrator` calls for a new run of the collider when the outline of a grain leaves its box.",
-		((Real, margin, 0.05, , "Enlargement of the box over the radius of the grain, > 0 [-]; larger: fewer runs of the collider, more candidate pairs."))
+		((Real, margin, 0.05, Attr::triggerPostLoad, "Enlargement of the box over the radius of the grain, > 0 [-]; larger: fewer runs of the collider, more candidate pairs."))
 	);
 	// clang-format on
 };

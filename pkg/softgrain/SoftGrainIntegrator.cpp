@@ -37,14 +37,14 @@ void SoftGrainIntegrator::postLoad(SoftGrainIntegrator&)
 {
 	require(timeStepFraction > 0 && timeStepFraction <= 1, "timeStepFraction", timeStepFraction,
 		"(0, 1]");
-	require(tolerance > 0, "tolerance", tolerance, "(0, inf)");
+	require(tolerance > 0 && math::isfinite(tolerance), "tolerance", tolerance, "(0, inf)");
 	require(maxSweeps >= 1, "maxSweeps", maxSweeps, "1, 2, ...");
 	require(overlapRelaxation >= 0 && overlapRelaxation <= 1, "overlapRelaxation",
 		overlapRelaxation, "[0, 1]");
-	require(overlapSpeed >= 0, "overlapSpeed", overlapSpeed, "[0, inf)");
+	require(overlapSpeed >= 0, "overlapSpeed", overlapSpeed, "[0, inf]");
 	require(interfaceRange >= 0 && math::isfinite(interfaceRange), "interfaceRange",
 		interfaceRange, "[0, inf) m");
-	require(maxOverlap > 0, "maxOverlap", maxOverlap, "(0, inf)");
+	require(maxOverlap > 0, "maxOverlap", maxOverlap, "(0, inf]");
 }
 
 void SoftGrainIntegrator::action()

@@ -15,8 +15,7 @@ using softgrain::Vec3;
 
 namespace {
 
-/// The SoftGeom of the interaction bound to the assembly, or null if there is nothing to search in:
-/// the grains are not assembled (SoftGrainIntegrator will say why).
+/// The SoftGeom of the interaction, made if there is none, bound to the assembly.
 shared_ptr<SoftGeom> geometryOf(const Interaction& I,
 				const std::shared_ptr<softgrain::GrainAssembly>& assembly)
 {
@@ -49,7 +48,7 @@ private:
 };
 
 /// Length of the coming step for the reach of the search. In the first step O.dt may still be
-/// YADE's default, which SoftGrainIntegrator replaces by half the critical step or more.
+/// YADE's default, which SoftGrainIntegrator replaces by the critical step at most.
 Real searchStep(const Scene& scene, const SoftGrain& grain)
 {
 	const bool unset = scene.dt == defaultTimeStep();

@@ -1,6 +1,7 @@
 """Each mistake has its own message: the parameter, its value, what is admissible; none aborts."""
 
 import contextlib
+import math
 import re
 
 import numpy as np
@@ -18,6 +19,7 @@ from scenes import (
     soft_material,
 )
 from yade import (
+    Bo1_SoftGrain_Aabb,
     FrictMat,
     InteractionLoop,
     NewtonIntegrator,
@@ -118,14 +120,20 @@ def test_grain_of_unknown_attribute():
         ({"tolerance": -1}, "tolerance = -1 .*(0, inf)"),
         ({"maxSweeps": 0}, "maxSweeps = 0 .*1, 2"),
         ({"overlapRelaxation": 2}, "overlapRelaxation = 2 .*[0, 1]"),
-        ({"overlapSpeed": -1}, "overlapSpeed = -1 .*[0, inf)"),
-        ({"maxOverlap": 0}, "maxOverlap = 0 .*(0, inf)"),
+        ({"overlapSpeed": -1}, "overlapSpeed = -1 .*[0, inf]"),
+        ({"maxOverlap": 0}, "maxOverlap = 0 .*(0, inf]"),
     ],
     ids=str,
 )
 def test_integrator(attributes, message):
     with pytest.raises(ValueError, match=pattern(message)):
         sg.engines(verlet_distance=0.1, **attributes)
+
+
+@pytest.mark.parametrize("margin", (0, -0.1, math.nan, math.inf))
+def test_margin_of_boxes(margin):
+    with pytest.raises(ValueError, match=pattern("margin = .*(0, inf)")):
+        Bo1_SoftGrain_Aabb(margin=margin)
 
 
 def test_rigid_material_for_a_soft_grain():

@@ -123,7 +123,7 @@ REFUSED = [
     (tetra, r"of shape Tetra\. Soft grains touch"),
     (free_damped_sphere, "NewtonIntegrator.damping = 0.2"),
     (free_turning_wall, "free to turn, which a Wall cannot"),
-    (massless_wall, r"state.mass = 0.*admissible: \(0, inf\) kg"),
+    (massless_wall, r"state.mass = 0.*admissible range \(0, inf\) kg"),
     (out_of_plane, "must lie in one plane z = const"),
     (two_and_three_dimensions, "dim"),
     (two_integrators, "two SoftGrainIntegrators"),

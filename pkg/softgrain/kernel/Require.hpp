@@ -3,12 +3,13 @@
 
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 namespace softgrain {
 
 /// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 template <class Number>
-void require(bool holds, const char* parameter, const Number& value, const char* range)
+void require(bool holds, std::string_view parameter, const Number& value, std::string_view range)
 {
 	if (holds) return;
 	std::ostringstream message;

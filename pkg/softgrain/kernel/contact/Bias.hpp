@@ -1,7 +1,7 @@
 // What a contact asks of its normal velocity.
 #pragma once
 
-#include "contact/PairSolver.hpp"
+#include "contact/SolverSettings.hpp"
 
 #include <algorithm>
 

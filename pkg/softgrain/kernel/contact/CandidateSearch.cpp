@@ -2,8 +2,6 @@
 #include "contact/NodesInLanes.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
-#include <cmath>
-
 namespace softgrain {
 
 namespace {

@@ -1,6 +1,5 @@
 #include "contact/CommonGrid.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 

@@ -98,17 +98,19 @@ private:
 	/// Calls with the solver of pair k, of whichever kind.
 	template <class Visit> decltype(auto) withPair(int k, Visit&& visit)
 	{
-		const Slot& slot = slot_[k];
-		if (slot.kind == Kind::rigid) return visit(rigidContacts_[slot.index]);
-		if (slot.kind == Kind::grainOnRigid) return visit(rigidPairs_[slot.index]);
-		return visit(pairs_[slot.index]);
+		return visitPair(*this, k, visit);
 	}
 	template <class Visit> decltype(auto) withPair(int k, Visit&& visit) const
 	{
-		const Slot& slot = slot_[k];
-		if (slot.kind == Kind::rigid) return visit(rigidContacts_[slot.index]);
-		if (slot.kind == Kind::grainOnRigid) return visit(rigidPairs_[slot.index]);
-		return visit(pairs_[slot.index]);
+		return visitPair(*this, k, visit);
+	}
+	template <class Self, class Visit>
+	static decltype(auto) visitPair(Self& self, int k, Visit& visit)
+	{
+		const Slot& slot = self.slot_[k];
+		if (slot.kind == Kind::rigid) return visit(self.rigidContacts_[slot.index]);
+		if (slot.kind == Kind::grainOnRigid) return visit(self.rigidPairs_[slot.index]);
+		return visit(self.pairs_[slot.index]);
 	}
 	/// The same unless pair k is one of two rigid bodies.
 	template <class Visit> void withGrainPair(int k, Visit&& visit) const

@@ -18,6 +18,8 @@ namespace softgrain {
 /// Gaps below it, in dr, count as closed: contact dynamics leaves touching nodes that near.
 inline constexpr double touchingGap = 0.01;
 
+template <int dim> struct Contact;
+
 enum class Bond : int { none, whole, broken };
 
 /// What a contact with an interface law remembers.
@@ -65,6 +67,13 @@ public:
 	{
 		return history[k].slid && law.hasDynamicFriction() ? law.dynamicFriction : friction;
 	}
+	/// What the law asks of the contacts in the step at hand: apply(c, p) hands its impulses
+	/// on; if the other body is rigid, so that there may be a restitution, approach(c) is u
+	/// half a step before t_n.
+	template <class Constraint, class Apply, class Approach>
+	void engage(std::vector<Constraint>& constraints, const std::vector<Contact<dim>>& contacts,
+		    const std::vector<ContactArea>& areas, bool onRigid, Apply&& apply,
+		    Approach&& approach);
 	/// What became of contact k in the step: reaction r', velocity u after it, with the gap of
 	/// t_n and the one below which it counts as closed, m.
 	void remember(std::size_t k, const Vec<dim>& normal, const Vec<dim>& reaction,
@@ -87,5 +96,23 @@ private:
 	std::vector<ContactHistory<dim>> last_; ///< before the search
 	double kick_ = 0, dt_ = 0;
 };
+
+template <int dim>
+template <class Constraint, class Apply, class Approach>
+void PairInterface<dim>::engage(std::vector<Constraint>& constraints,
+				const std::vector<Contact<dim>>& contacts,
+				const std::vector<ContactArea>& areas, bool onRigid, Apply&& apply,
+				Approach&& approach)
+{
+	const bool rebounds = onRigid && law.restitution > 0;
+	for (std::size_t k = 0; k < constraints.size(); ++k) {
+		Constraint& c = constraints[k];
+		const double gap = contacts[k].gap;
+		const Vec<dim>& p = pullOn(k, { c.normal, gap, areas[k] });
+		if (!p.isZero(0)) apply(c, p);
+		if (!rebounds) continue;
+		c.bias = biasOf(c.bias, gap, approach(c).dot(c.normal), !c.impulse.isZero(0));
+	}
+}
 
 } // namespace softgrain

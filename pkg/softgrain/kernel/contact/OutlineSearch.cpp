@@ -3,7 +3,6 @@
 #include "contact/PlaceOnOutline.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace softgrain {
 

@@ -59,23 +59,14 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	}
 	stretch_[0] = stretchOf(*first_);
 	if (second_) stretch_[1] = stretchOf(*second_);
-	if (interface_) engageInterface();
-}
-
-/// Known tractions and what a rebound asks for.
-template <int dim> void PairSolver<dim>::engageInterface()
-{
-	const auto areas = contactAreas<dim>(*first_, second_, list_->contacts);
-	for (std::size_t k = 0; k < constraints_.size(); ++k) {
-		Constraint& c = constraints_[k];
-		const double gap = list_->contacts[k].gap;
-		const Vec<dim>& p = interface_->pullOn(k, { c.normal, gap, areas[k] });
-		if (!p.isZero(0)) applyImpulse(c, p);
-		if (second_ || interface_->law.restitution == 0) continue;
-		const Vec<dim> before = relativeVelocity(c, &ContactBody<dim>::velocityBefore);
-		c.bias =
-			interface_->biasOf(c.bias, gap, before.dot(c.normal), !c.impulse.isZero(0));
-	}
+	if (interface_)
+		interface_->engage(
+			constraints_, list.contacts,
+			contactAreas<dim>(*first_, second_, list.contacts), !second_,
+			[this](const Constraint& c, const Vec<dim>& p) { applyImpulse(c, p); },
+			[this](const Constraint& c) {
+				return relativeVelocity(c, &ContactBody<dim>::velocityBefore);
+			});
 }
 
 /// The partner's share of W.

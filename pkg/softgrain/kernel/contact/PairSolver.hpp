@@ -5,92 +5,15 @@
 
 #include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
+#include "contact/ContactWork.hpp"
 #include "contact/PairProblem.hpp"
 #include "contact/Residual.hpp"
+#include "contact/SolverSettings.hpp"
+#include "contact/Sweep.hpp"
 
-#include <algorithm>
 #include <vector>
 
 namespace softgrain {
-
-struct SolverSettings {
-	/// Residual (ResidualSum) at which sweeps end: doc/decisions/0002-sweep-tolerance.md.
-	double tolerance = 1e-2;
-	int maxSweeps = 100; ///< cap; steps that hit it are counted
-	/// Share of an overlap that is worked off per step. All at once would throw the grains
-	/// apart.
-	double overlapRelaxation = 0.1;
-	/// Cap on the speed at which overlaps are worked off, m/s.
-	double overlapSpeed = 1e300;
-};
-
-/// Work of the contact impulses of one step, J (2D: J/m), split into the halves done at the
-/// velocities before and after the impulse; their sum is exact for the kinetic energy.
-struct ContactWork {
-	struct Halves {
-		double before = 0, after = 0;
-
-		Halves& operator+=(const Halves& other)
-		{
-			before += other.before;
-			after += other.after;
-			return *this;
-		}
-	};
-	Halves impact;   ///< lost by normal impulses (gained where an overlap is pushed out)
-	Halves friction; ///< lost by friction
-	Halves planes;   ///< done by moving planes and rigid bodies on the grains
-	Halves cell;     ///< done on the grains by the motion of their images
-	Halves cohesion; ///< taken by the tractions of interfaces (given back where they close)
-
-	ContactWork& operator+=(const ContactWork& other)
-	{
-		impact += other.impact;
-		friction += other.friction;
-		planes += other.planes;
-		cell += other.cell;
-		cohesion += other.cohesion;
-		return *this;
-	}
-};
-
-/// What a sweep did, in the residual's norm, kg m^2/s^2.
-struct SweepChange {
-	double changed = 0; ///< sum W |dr|^2
-	double total = 0;   ///< sum W |r|^2
-
-	SweepChange& operator+=(const SweepChange& other)
-	{
-		changed += other.changed;
-		total += other.total;
-		return *this;
-	}
-};
-
-enum class SweepOrder { forwards, backwards };
-
-/// Solves each of the constraints once, the others held: solved(c) is the impulse that solves c,
-/// energy(c, r) the square of r in the residual's norm, apply(c, J) hands a change on.
-template <class Constraint, class Solved, class Energy, class Apply>
-SweepChange sweepOver(std::vector<Constraint>& constraints, SweepOrder order, Solved&& solved,
-		      Energy&& energy, Apply&& apply)
-{
-	SweepChange sum;
-	auto visit = [&](Constraint& c) {
-		const auto r = solved(c);
-		const auto J = (r - c.impulse).eval();
-		sum.total += energy(c, r);
-		if (J.isZero(0)) return;
-		sum.changed += energy(c, J);
-		c.impulse = r;
-		apply(c, J);
-	};
-	if (order == SweepOrder::forwards)
-		std::for_each(constraints.begin(), constraints.end(), visit);
-	else
-		std::for_each(constraints.rbegin(), constraints.rend(), visit);
-	return sum;
-}
 
 template <int dim> class PairSolver {
 public:
@@ -172,7 +95,6 @@ private:
 		if (!interface_) return visit([this](const Constraint&) { return friction_; });
 		return visit([this](const Constraint& c) { return friction(c); });
 	}
-	void engageInterface();
 	Vec<dim> finishInterface(std::size_t k);
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	/// Adds what an impulse does to velocities of the nodes of both bodies.

@@ -6,8 +6,11 @@
 // (doc/decisions/0020-rigid-contact-dynamics.md).
 #pragma once
 
-#include "contact/PairSolver.hpp"
+#include "contact/ContactWork.hpp"
+#include "contact/Residual.hpp"
 #include "contact/RigidPartner.hpp"
+#include "contact/SolverSettings.hpp"
+#include "contact/Sweep.hpp"
 #include "contact/TwoStepContact.hpp"
 
 #include <vector>

@@ -39,24 +39,16 @@ void RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, Contac
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
 	}
-	if (interface_) engageInterface();
-}
-
-/// As PairSolver does. Ends of the rigid body stand for no area: the nodes about them do.
-template <int dim> void RigidPairSolver<dim>::engageInterface()
-{
-	const auto areas = contactAreas<dim>(*grain_, nullptr, list_->contacts);
-	for (std::size_t k = 0; k < constraints_.size(); ++k) {
-		Constraint& c = constraints_[k];
-		const double gap = list_->contacts[k].gap;
-		const Vec<dim>& p = interface_->pullOn(k, { c.normal, gap, areas[k] });
-		if (!p.isZero(0)) applyImpulse(c, p);
-		if (interface_->law.restitution == 0) continue;
-		const Vec<dim> before = grainVelocity(c, &ContactBody<dim>::velocityBefore) -
-					partner_->velocityBeforeAt(c.arm) - list_->image.velocity;
-		c.bias =
-			interface_->biasOf(c.bias, gap, before.dot(c.normal), !c.impulse.isZero(0));
-	}
+	if (interface_) // ends of the rigid body stand for no area: the nodes about them do
+		interface_->engage(
+			constraints_, list.contacts,
+			contactAreas<dim>(*grain_, nullptr, list.contacts), true,
+			[this](const Constraint& c, const Vec<dim>& p) { applyImpulse(c, p); },
+			[this](const Constraint& c) {
+				return Vec<dim>(
+					grainVelocity(c, &ContactBody<dim>::velocityBefore) -
+					partner_->velocityBeforeAt(c.arm) - list_->image.velocity);
+			});
 }
 
 template <int dim> void RigidPairSolver<dim>::findMobility(Constraint& c)

@@ -2,10 +2,16 @@
 // PairSolver. Its contacts are solved in two steps (TwoStepContact.hpp).
 #pragma once
 
-#include "contact/PairSolver.hpp"
+#include "contact/Contact.hpp"
+#include "contact/ContactBody.hpp"
+#include "contact/ContactWork.hpp"
+#include "contact/Residual.hpp"
 #include "contact/RigidPartner.hpp"
+#include "contact/SolverSettings.hpp"
+#include "contact/Sweep.hpp"
 #include "contact/TwoStepContact.hpp"
 
+#include <array>
 #include <vector>
 
 namespace softgrain {
@@ -55,7 +61,6 @@ private:
 	};
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
 	void findMobility(Constraint& c);
-	void engageInterface();
 	Vec<dim> finishInterface(std::size_t k);
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <numeric>
 #include <tuple>
-#include <utility>
 
 namespace softgrain {
 

@@ -1,5 +1,5 @@
-// State of a batch of congruent grains. For the loops over material points its grains are taken in
-// blocks of laneWidth, one grain per lane (BlockField.hpp).
+// State of a batch of congruent grains, which lie in blocks of laneWidth: the loops over material
+// points pass over a full block one grain a lane, over others one point a lane (Strip.hpp).
 #pragma once
 
 #include "Vector.hpp"

@@ -4,7 +4,6 @@
 
 #include "grain/Batch.hpp"
 
-#include <algorithm>
 #include <numeric>
 
 namespace softgrain {

@@ -1,4 +1,5 @@
 #include "grain/GrainSet.hpp"
+#include "Require.hpp"
 #include "grain/TotalLagrangian.hpp"
 #include "grain/UpdatedLagrangian.hpp"
 
@@ -73,12 +74,14 @@ makeGrainSet(std::shared_ptr<const GrainTemplate<dim>> reference, Law law, Condi
 {
 	scheme.validate(reference->recipe);
 	for (const GrainParameters<dim>& grain : grains)
-		if (grain.damping.acts() && scheme.hasPointVelocities())
-			throw std::invalid_argument(
-				"massDamping = " + std::to_string(grain.damping.mass) +
-				", stiffnessDamping = " + std::to_string(grain.damping.stiffness) +
-				": damping is for velocities at the nodes (formulation = 'total', "
-				"velocityUpdate = 'nodal'); admissible for others: 0");
+		if (scheme.hasPointVelocities())
+			for (const auto& [name, value] :
+			     { std::pair("massDamping", grain.damping.mass),
+			       std::pair("stiffnessDamping", grain.damping.stiffness) })
+				require(value == 0, name, value,
+					"{0}: damping is for velocities at the nodes (formulation "
+					"= "
+					"'total', velocityUpdate = 'nodal')");
 	if (scheme.formulation == Formulation::updated)
 		return std::make_unique<UpdatedLagrangian<dim>>(std::move(reference), law,
 								condition, grains, scheme.picShare);

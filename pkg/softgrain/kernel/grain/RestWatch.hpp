@@ -3,8 +3,6 @@
 
 #include "grain/Batch.hpp"
 
-#include <vector>
-
 namespace softgrain {
 
 /// A damped grain is calm while its kinetic energy is below a share of its elastic energy. Damping

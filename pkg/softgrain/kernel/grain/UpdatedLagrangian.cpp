@@ -3,7 +3,6 @@
 #include "material/Dispatch.hpp"
 #include "reference/BackgroundGrid.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 

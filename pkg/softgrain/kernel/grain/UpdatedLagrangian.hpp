@@ -12,6 +12,7 @@
 #include "grain/GrainSet.hpp"
 #include "grain/UpdatedGrain.hpp"
 
+#include <algorithm>
 #include <memory>
 
 namespace softgrain {

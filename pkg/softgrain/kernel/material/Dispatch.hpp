@@ -3,8 +3,6 @@
 
 #include "material/NeoHookean.hpp"
 
-#include <utility>
-
 namespace softgrain {
 
 /// Calls `use(Evaluator{})` with the evaluator of (law, condition). The only list of laws.

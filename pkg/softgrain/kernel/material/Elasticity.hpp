@@ -30,6 +30,10 @@ struct ElasticConstants {
 	double poisson = 0.45; ///< dimensionless, in (-1, 0.5)
 	double density = 1000; ///< kg/m^3, > 0
 
+	bool operator==(const ElasticConstants& o) const
+	{
+		return young == o.young && poisson == o.poisson && density == o.density;
+	}
 	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 	void validate() const;
 	/// First and second Lame constant, Pa.

@@ -1,11 +1,12 @@
-// The unit of the bulk computation: the same material point of `laneWidth` congruent grains.
+// The unit of the bulk computation and of the search: `laneWidth` numbers side by side, be it of as
+// many congruent grains, of material points of one grain, or of nodes.
 #pragma once
 
 #include <initializer_list>
 
 namespace softgrain {
 
-/// Grains handled side by side, one per SIMD lane. Eight doubles fill an AVX-512 register.
+/// Eight doubles fill an AVX-512 register.
 constexpr int laneWidth = 8;
 
 /// One number in every lane. The compiler computes with it as with one number, in as many

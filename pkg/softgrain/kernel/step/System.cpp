@@ -313,17 +313,12 @@ void System<dim>::balanceEnergy(const ContactWork& work, double kick, double dro
 	book(&EnergyBalance::sleep, { dropped, 0 });
 }
 
+/// Into the order of the sweeps, which is part of the result: it must not depend on who found which
+/// contact when. Returns by grain whether there are contacts on it.
 template <int dim>
-StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactList<dim>*> lists)
+std::vector<char> System<dim>::sortLists(std::vector<ContactList<dim>*>& lists,
+					 StepReport& report) const
 {
-	StepReport report;
-	PhaseClock silent;
-	PhaseClock& clock = settings.clock ? *settings.clock : silent;
-	if (!forcesFresh_) updateForces(settings.threads);
-	report.kick = lastKick_ = kickTime(settings.dt);
-
-	// The sweep order is part of the result: it must not depend on who found which contact
-	// when.
 	std::stable_sort(lists.begin(), lists.end(),
 			 [](const ContactList<dim>* a, const ContactList<dim>* b) {
 				 return a->sweepOrder() < b->sweepOrder();
@@ -341,8 +336,15 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	for (const RigidContact<dim>& contact : rigidContacts_)
 		if (partners_[contact.first].moves() || partners_[contact.second].moves())
 			report.deepest = std::max(report.deepest, -contact.gap / contact.size);
+	return touched;
+}
 
-	clock.end("sortLists");
+/// Which grains are computed, move rigidly or sleep in this step; leaves out the lists of sleepers.
+template <int dim>
+void System<dim>::chooseInactiveGrains(std::vector<ContactList<dim>*>& lists,
+				       const std::vector<char>& touched,
+				       const StepSettings& settings, StepReport& report)
+{
 	wakeGrains(lists, report.kick, settings.sleep);
 	chooseRigidGrains(touched, settings);
 	bondsAsleep_ = std::any_of(lists.begin(), lists.end(), [](const ContactList<dim>* list) {
@@ -353,6 +355,35 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	findRestedGrains(lists, touched, settings);
 	report.activeGrains = static_cast<int>(active_.size());
 	report.sleepingGrains = static_cast<int>(asleep_.size());
+}
+
+/// To t_{n+1}.
+template <int dim> void System<dim>::move(const StepSettings& settings)
+{
+	for (const auto& set : sets_)
+		set->prepareMove(settings.threads);
+	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+		set.move(k, settings.dt);
+		followMotion(g, settings.dt);
+	});
+	listGrains();
+	continuation_.lastStep = settings.dt;
+	++continuation_.steps;
+	forcesFresh_ = false;
+}
+
+template <int dim>
+StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactList<dim>*> lists)
+{
+	StepReport report;
+	PhaseClock silent;
+	PhaseClock& clock = settings.clock ? *settings.clock : silent;
+	if (!forcesFresh_) updateForces(settings.threads);
+	report.kick = lastKick_ = kickTime(settings.dt);
+
+	const std::vector<char> touched = sortLists(lists, report);
+	clock.end("sortLists");
+	chooseInactiveGrains(lists, touched, settings, report);
 	clock.end("chooseInactiveGrains");
 	if (gridSpacing_ > 0) useGridNodes(lists);
 	beginInterfaces(lists, report.kick, settings.dt);
@@ -374,16 +405,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 		if (settings.trackRigidBodies) balanceRigidBodies();
 		clock.end("balanceEnergy");
 	}
-	for (const auto& set : sets_)
-		set->prepareMove(settings.threads);
-	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
-		set.move(k, settings.dt);
-		followMotion(g, settings.dt);
-	});
-	listGrains();
-	continuation_.lastStep = settings.dt;
-	++continuation_.steps;
-	forcesFresh_ = false;
+	move(settings);
 	clock.end("move");
 	report.work.points = std::exchange(updatedPoints_, 0);
 	report.work.visits = report.solver.visits;

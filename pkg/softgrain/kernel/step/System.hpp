@@ -232,6 +232,12 @@ private:
 	bool isFarFrom(int g, const Plane<dim>& plane, double reach) const;
 	bool isFarFrom(int g, const RigidSide<dim>& rigid, double reach) const;
 	double outsideReach(double reach) const;
+	std::vector<char> sortLists(std::vector<ContactList<dim>*>& lists,
+				    StepReport& report) const;
+	void chooseInactiveGrains(std::vector<ContactList<dim>*>& lists,
+				  const std::vector<char>& touched, const StepSettings& settings,
+				  StepReport& report);
+	void move(const StepSettings& settings);
 	void chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings);
 	void listGrains();
 	std::vector<int> ratesOf(const std::vector<double>& timeSteps) const;
