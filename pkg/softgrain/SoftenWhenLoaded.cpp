@@ -2,6 +2,8 @@
 #include "Require.hpp"
 #include "SoftGrainIntegrator.hpp"
 
+#include <lib/pyutil/gil.hpp>
+
 #include <algorithm>
 
 namespace yade {
@@ -46,9 +48,10 @@ bool SoftenWhenLoaded::isLoaded(const Body& body) const
 	});
 }
 
-/// As sg.soften() does.
+/// As sg.soften() does. Python holds the sphere that goes if a script made it.
 void SoftenWhenLoaded::soften(Body& body) const
 {
+	const gilLock lock;
 	const auto grain = shared_ptr<SoftGrain>(new SoftGrain(*shape));
 	grain->radius = static_cast<const Sphere&>(*body.shape).radius;
 	grain->color = body.shape->color;

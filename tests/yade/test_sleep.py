@@ -14,7 +14,7 @@ from scenes import (
     run,
     soft_material,
 )
-from yade import NewtonIntegrator, O, Quaternion, Vector3
+from yade import NewtonIntegrator, O, Quaternion, Vector3, utils
 
 import softgrain as sg
 
@@ -228,6 +228,35 @@ def test_woken_by_a_falling_disk():
     assert sum(asleep()) == 0
     run(100)
     assert sg.integrator().activeGrains == 4
+
+
+def box_below():
+    return utils.box((RADIUS, -2 * RADIUS, 0), (5 * RADIUS, RADIUS, RADIUS), fixed=True)
+
+
+def facet_below():
+    low = (-9 * RADIUS, -RADIUS, -9 * RADIUS)
+    return utils.facet((low, (30 * RADIUS, *low[1:]), (*low[:2], 30 * RADIUS)))
+
+
+@pytest.mark.parametrize("gate", (box_below, facet_below), ids=lambda g: g.__name__)
+@pytest.mark.parametrize("going", ("erased", "moved"))
+def test_a_floor_that_goes(gate, going):
+    """Grains at rest between walls on a rigid body, which keeps them awake, fall when it goes: in
+    a step in which it is looked who may sleep, before anything has moved."""
+    disks = heap()
+    O.bodies.erase(O.bodies[len(disks)].id)  # the floor
+    floor = O.bodies.append(gate())
+    O.materials[O.bodies[floor].mat.id].frictionAngle = math.atan(0.3)
+    run(8000)
+    assert sg.quasi_static()["kinetic_over_elastic"] < 1e-10 and not any(asleep())
+    heights = [disk.state.pos[1] for disk in disks]
+    if going == "erased":
+        O.bodies.erase(floor)
+    else:
+        O.bodies[floor].state.pos -= Vector3(0, 5 * RADIUS, 0)
+    run(200)
+    assert all(disk.state.pos[1] < y - 0.1 * RADIUS for disk, y in zip(disks, heights))
 
 
 def test_undamped_grains_do_not_sleep():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from partner_scenes import add_rigid_disk, momentum
-from scenes import RADIUS, assert_goes_on_after_loading, run, soft_material
+from scenes import RADIUS, assert_done, assert_goes_on_after_loading, run, run_python, soft_material
 from yade import O
 
 import softgrain as sg
@@ -38,6 +38,28 @@ def test_soften_when_loaded():
         assert O.time < 0.1
     run(200)
     np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
+
+
+SCRIPT = """
+import softgrain as sg
+from yade import O, FrictMat, utils
+for x in (0, 0.0199):
+    O.bodies.append(utils.sphere((x, 0, 0), 0.01, material=FrictMat()))
+    O.bodies[-1].state.blockedDOFs = "zXY"
+O.bodies[0].state.vel = (1, 0, 0)
+O.engines = sg.engines(verlet_distance=1e-3)
+sg.soften(material=sg.SoftMat(), zeta=0.3, when="loaded", load=0)
+O.dt = 2e-5
+O.run(50, True)
+assert len(sg.soft_bodies()) == 2
+print("done")
+"""
+
+
+def test_soften_when_loaded_in_a_thread(tmp_path):
+    """``O.run`` computes in a thread of its own, without Python's lock; the spheres that go were
+    made by Python."""
+    assert_done(run_python(SCRIPT, tmp_path, command=["/usr/bin/yade", "-n", "-x"]))
 
 
 def test_soften_when_loaded_is_saved(tmp_path):

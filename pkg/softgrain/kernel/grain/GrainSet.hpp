@@ -103,6 +103,9 @@ public:
 	/// periods of its slowest vibration, the last dt included; the report must be that
 	/// of the present positions. Always 0 where nothing damps.
 	virtual double watchRest(int /*g*/, double /*dt*/) { return 0; }
+	/// Before the next `move`: whether the forces of this step, which act for `kick`, balance
+	/// as well as those of a grain at rest do.
+	virtual bool isBalanced(int /*g*/, double /*kick*/) const { return false; }
 	/// Before the last `move`: the new velocities become 0. Returns the momentum that this
 	/// takes away, N s.
 	virtual Vec<dim> fallAsleep(int g);

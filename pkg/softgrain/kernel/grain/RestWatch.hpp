@@ -3,6 +3,8 @@
 
 #include "grain/Batch.hpp"
 
+#include <numbers>
+
 namespace softgrain {
 
 /// A damped grain is calm while its kinetic energy is below a share of its elastic energy. Damping
@@ -18,6 +20,14 @@ public:
 	bool isCalm(double kineticEnergy, double elasticEnergy) const
 	{
 		return elasticEnergy > 0 && kineticEnergy <= share_ * elasticEnergy;
+	}
+	/// Whether forces that change velocities by so much kinetic energy in a step balance:
+	/// within a radian of the slowest vibration they would bring up no more than a calm grain
+	/// has.
+	bool isBalanced(double energyOfChange, double kick, double elasticEnergy) const
+	{
+		const double radians = 2 * std::numbers::pi * kick / period_;
+		return energyOfChange <= share_ * radians * radians * elasticEnergy;
 	}
 	/// After a further time dt; returns the time since the grain became calm, in periods.
 	double count(bool calm, double dt)

@@ -47,6 +47,7 @@ public:
 	}
 	bool isAsleep(int g) const override { return rest_[g].isAsleep(); }
 	double watchRest(int g, double dt) override;
+	bool isBalanced(int g, double kick) const override;
 	Vec<dim> fallAsleep(int g) override;
 	void wake(int g) override;
 	void arrangeGrains() override;

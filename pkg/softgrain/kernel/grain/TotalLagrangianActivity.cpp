@@ -84,6 +84,16 @@ template <int dim> double TotalLagrangian<dim>::watchRest(int g, double dt)
 	return rest.count(rest.isCalm(kinetic, batch_.report[g].elasticEnergy), dt);
 }
 
+template <int dim> bool TotalLagrangian<dim>::isBalanced(int g, double kick) const
+{
+	double energy = 0;
+	for (int I = 0; I < nodes(); ++I) {
+		const Vec<dim> change = batch_.vNext.get(g, I) - batch_.v.get(g, I);
+		energy += 0.5 * batch_.nodeMass(g, I) * change.squaredNorm();
+	}
+	return rest_[g].isBalanced(energy, kick, batch_.report[g].elasticEnergy);
+}
+
 template <int dim> Vec<dim> TotalLagrangian<dim>::fallAsleep(int g)
 {
 	rest_[g].fallAsleep();
@@ -141,6 +151,7 @@ template <int dim> void TotalLagrangian<dim>::writeNodes(int g) const
 	template void TotalLagrangian<dim>::arrangeGrains();                                       \
 	template void TotalLagrangian<dim>::computeFirst(std::vector<int>);                        \
 	template double TotalLagrangian<dim>::watchRest(int, double);                              \
+	template bool TotalLagrangian<dim>::isBalanced(int, double) const;                         \
 	template Vec<dim> TotalLagrangian<dim>::fallAsleep(int);                                   \
 	template void TotalLagrangian<dim>::wake(int);                                             \
 	template RigidBounds<dim> TotalLagrangian<dim>::rigidBounds(int) const;                    \

@@ -5,7 +5,6 @@
 // Falling asleep is an impulse on every node, at t_n after the contacts were solved, that brings it
 // to rest: positions, internal forces and contact impulses stay those of t_n, and the work of that
 // impulse is what is booked as dropped.
-#include "step/Islands.hpp"
 #include "step/System.hpp"
 
 #include <algorithm>
@@ -131,7 +130,17 @@ struct IslandAtRest {
 
 } // namespace
 
-/// Makes the list of those that will fall asleep at the end of the step.
+template <int dim>
+Islands System<dim>::islandsInContact(const std::vector<ContactList<dim>*>& lists) const
+{
+	Islands islands(grains());
+	for (const ContactList<dim>* list : lists)
+		if (!list->contacts.empty() && list->second >= 0)
+			islands.join(list->first, list->second);
+	return islands;
+}
+
+/// Makes the list of those that will fall asleep at the end of the step, if forces balance then.
 template <int dim>
 void System<dim>::findRestedGrains(const std::vector<ContactList<dim>*>& lists,
 				   const std::vector<char>& touched, const StepSettings& settings)
@@ -147,10 +156,7 @@ void System<dim>::findRestedGrains(const std::vector<ContactList<dim>*>& lists,
 	}
 	if (none) return;
 
-	Islands islands(grains());
-	for (const ContactList<dim>* list : lists)
-		if (!list->contacts.empty() && list->second >= 0)
-			islands.join(list->first, list->second);
+	Islands islands = islandsInContact(lists);
 	std::vector<IslandAtRest> found(grains());
 	for (const ContactList<dim>* list : lists)
 		if (!list->image.velocity.isZero(0))
@@ -192,10 +198,23 @@ template <int dim> ContactWork System<dim>::workOfContacts()
 	return work;
 }
 
+/// Islands in which something has begun to act, while nothing moves yet, stay awake: what bore them
+/// may have gone before this step.
+template <int dim>
+void System<dim>::keepBalanced(const std::vector<ContactList<dim>*>& lists, double kick)
+{
+	Islands islands = islandsInContact(lists);
+	std::vector<char> isDriven(grains(), 0); // by island
+	for (int g : rested_)
+		if (!setOf(g).isBalanced(indexInSet(g), kick)) isDriven[islands.of(g)] = 1;
+	std::erase_if(rested_, [&](int g) { return isDriven[islands.of(g)]; });
+}
+
 template <int dim>
 void System<dim>::fallAsleep(const std::vector<ContactList<dim>*>& lists, StepReport& report)
 {
 	if (rested_.empty()) return;
+	keepBalanced(lists, report.kick);
 	for (int g : rested_) {
 		GrainSet<dim>& set = setOf(g);
 		const int k = indexInSet(g);
@@ -224,6 +243,9 @@ void System<dim>::fallAsleep(const std::vector<ContactList<dim>*>& lists, StepRe
 	template void System<dim>::findRestedGrains(const std::vector<ContactList<dim>*>&,         \
 						    const std::vector<char>&,                      \
 						    const StepSettings&);                          \
+	template Islands System<dim>::islandsInContact(const std::vector<ContactList<dim>*>&)      \
+		const;                                                                             \
+	template void System<dim>::keepBalanced(const std::vector<ContactList<dim>*>&, double);    \
 	template ContactWork System<dim>::workOfContacts();                                        \
 	template void System<dim>::fallAsleep(const std::vector<ContactList<dim>*>&, StepReport&);
 SOFTGRAIN_INSTANTIATE(2)

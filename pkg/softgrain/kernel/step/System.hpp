@@ -5,6 +5,7 @@
 #include "contact/ContactSolver.hpp"
 #include "contact/Search.hpp"
 #include "grain/GrainSet.hpp"
+#include "step/Islands.hpp"
 #include "step/PhaseClock.hpp"
 
 #include <atomic>
@@ -246,6 +247,8 @@ private:
 	void wakeGrains(const std::vector<ContactList<dim>*>& lists, double kick, bool sleep);
 	void findRestedGrains(const std::vector<ContactList<dim>*>& lists,
 			      const std::vector<char>& touched, const StepSettings& settings);
+	Islands islandsInContact(const std::vector<ContactList<dim>*>& lists) const;
+	void keepBalanced(const std::vector<ContactList<dim>*>& lists, double kick);
 	ContactWork workOfContacts();
 	void fallAsleep(const std::vector<ContactList<dim>*>& lists, StepReport& report);
 	void measureSleepers();
