@@ -138,3 +138,55 @@ def test_three_dimensions():
         )
     assert touched > 10
     assert rigid.state.vel[2] > -0.3
+
+
+def edge_of_box():
+    half = 2 * RADIUS
+    box = utils.box((0, 0, -(2**0.5) * half), (half, 5 * RADIUS, half), fixed=True)
+    box.state.ori = Quaternion((0, 1, 0), np.pi / 4)
+    return [box]
+
+
+def edge_of_facet():
+    return [
+        utils.facet([(0, -5 * RADIUS, 0), (0, 5 * RADIUS, 0), (0, 0, -10 * RADIUS)], fixed=True)
+    ]
+
+
+def ridge_of_facets():
+    a, b = (0, -5 * RADIUS, 0), (0, 5 * RADIUS, 0)
+    return [
+        utils.facet([a, b, (side * 9 * RADIUS, 0, -9 * RADIUS)], fixed=True) for side in (-1, 1)
+    ]
+
+
+@pytest.mark.parametrize("edge", (edge_of_box, edge_of_facet, ridge_of_facets))
+@pytest.mark.parametrize("aside", (0, 0.1))
+def test_edge_in_space_carries(edge, aside):
+    """A stiff ball laid on an edge, the nodes of its outline as they come, rests there (aside: it
+    rolls off, about the edge)."""
+    material = soft_material(young=1e7, massDamping=1000, frictionAngle=0.4)
+    ball = sg.soft_sphere((aside * RADIUS, 0, 1.01 * RADIUS), RADIUS, material, zeta=0.3)
+    ball.state.ori = Quaternion((1, 2, 3), 0.7)
+    O.bodies.append([ball, *edge()])
+    ready(gravity=(0, 0, -9.81))
+    while O.time < 0.03:
+        run(20)
+        place = ball.state.pos / RADIUS
+        assert np.hypot(place[0], place[2]) == pytest.approx(1, abs=0.025)
+    assert sg.integrator().largestOverlap < 0.02
+
+
+@pytest.mark.parametrize("aside", (0, 0.0625, 0.125, 0.25))
+def test_facet_that_pokes_into_a_disk(aside):
+    """Upright beneath a soft disk: nodes beside its tip are not taken for overlaps of its side."""
+    O.bodies.append(
+        utils.facet([(0, 0, -0.02), (0, 0, 0.02), (0, -0.05, 0)], material=rigid_material(0.4))
+    )
+    soft = soft_material(young=1e5, poisson=0.4, massDamping=50, frictionAngle=0.4)
+    disk = add_disk((aside * RADIUS, 1.06 * RADIUS, 0), RADIUS, soft, zeta=0.2)
+    ready(gravity=(0, -9.81, 0))
+    while O.time < 0.05:
+        run(20)
+    assert sg.integrator().largestOverlap < 0.01
+    assert 0.5 * RADIUS < disk.state.pos[1] < 1.06 * RADIUS

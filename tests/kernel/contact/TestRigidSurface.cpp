@@ -99,6 +99,61 @@ TEMPLATE_TEST_CASE_SIG("a plate is touched on the side that the outline faces", 
 	CHECK(!placeOn<dim>(plate, beyond, [](const auto&) { return false; }));
 }
 
+TEMPLATE_TEST_CASE_SIG("a plate that pokes into an outline has no side beneath its edge", "[rigid]",
+		       ((int dim), dim), 2, 3)
+{
+	PlateSurface<dim> plate; // upright, its upper edge at height 0
+	plate.corner.fill(Vec<dim>::Zero());
+	plate.corner[0][dim - 1] = -1;
+	if (dim == 3) {
+		plate.corner[1][1] = -1;
+		plate.corner[2][1] = 1;
+	}
+	Vec<dim> x = Vec<dim>::Zero(), down = -Vec<dim>::Unit(dim - 1);
+	x[0] = -0.3; // on the left, where the outline faces down and a little to the left
+	x[dim - 1] = -0.01;
+	const Vec<dim> outward = (down - 0.13 * Vec<dim>::Unit(0)).normalized();
+	auto faces = [](const Vec<dim>& m) {
+		return [m](const Vec<dim>& n) { return m.dot(n) < -0.1; };
+	};
+	CHECK(!placeOn<dim>(plate, x, faces(outward)));
+	const auto overlap = placeOn<dim>(plate, x, faces(-Vec<dim>::Unit(0)));
+	REQUIRE(overlap); // an outline that faces the right side has passed through
+	CHECK(std::abs(overlap->gap + 0.3) < 1e-12);
+	x[dim - 1] = -0.4; // deeper than wide
+	REQUIRE(placeOn<dim>(plate, x, faces(outward)));
+}
+
+TEST_CASE("points of edges in space: as near as asked for, with numbers of their own", "[rigid]")
+{
+	Random random(3);
+	const BlockSurface<3> block { random.vector<3>(), random.rotation<3>(), { 1, 0.5, 2 } };
+	const double spacing = 0.3;
+	const Box<3> everywhere { Vec<3>::Constant(-9), Vec<3>::Constant(9) };
+	const auto all = tipsOf<3>(block, everywhere, spacing);
+	const int points = 4 * (6 + 3 + 13); // of edges 2, 1 and 4 long
+	CHECK(all.size() == 8 + points);
+	for (const Tip<3>& tip : all) {
+		const Vec<3> y = block.axes.transpose() * (tip.ball.centre - block.centre);
+		const auto outer = (y.cwiseAbs() - block.halfSides).array().abs() < 1e-12;
+		CHECK(outer.count() >= 2);
+		for (const Tip<3>& other : all)
+			CHECK((&tip == &other || tip.number != other.number));
+	}
+	const Box<3> about = Box<3> { all[20].ball.centre, all[20].ball.centre }.grown(0.5);
+	int inside = 0;
+	for (const Tip<3>& tip : tipsOf<3>(block, about, spacing)) {
+		const bool found = std::any_of(all.begin(), all.end(), [&](const Tip<3>& other) {
+			return other.number == tip.number && other.ball.centre == tip.ball.centre;
+		});
+		CHECK(found);
+		inside += about.contains(tip.ball.centre);
+	}
+	CHECK(inside == std::count_if(all.begin(), all.end(), [&](const Tip<3>& tip) {
+		      return about.contains(tip.ball.centre);
+	      }));
+}
+
 TEMPLATE_TEST_CASE_SIG("a ball leans on the outline where it is nearest", "[rigid]",
 		       ((int dim), dim), 2, 3)
 {

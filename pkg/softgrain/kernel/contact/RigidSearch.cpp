@@ -54,10 +54,12 @@ void nodesOnSurface(const ContactBody<dim>& body, double reach, ContactList<dim>
 template <int dim>
 void tipsOnOutline(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
 {
-	const auto tips = tipsOf<dim>(list.rigid->surface);
-	for (std::size_t k = 0; k < tips.size(); ++k) {
-		auto contact = ballOnOutline<dim>(tips[k].centre, tips[k].radius, body, reach);
-		if (contact) append({ 1, static_cast<int>(k), -1 }, *contact, body, list);
+	const double margin = std::max(reach, contactDepth(body, body));
+	const auto tips =
+		tipsOf<dim>(list.rigid->surface, body.box.grown(margin), body.pointSpacing);
+	for (const Tip<dim>& tip : tips) {
+		auto contact = ballOnOutline<dim>(tip.ball.centre, tip.ball.radius, body, reach);
+		if (contact) append({ 1, tip.number, -1 }, *contact, body, list);
 	}
 }
 

@@ -3,6 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace softgrain {
 
@@ -47,6 +49,31 @@ Vec<3> plateNormal(const PlateSurface<3>& plate)
 		.normalized();
 }
 
+/// From a corner of the plate to the opposite edge, at right angles.
+Vec<2> awayFrom(const PlateSurface<2>& plate, int i)
+{
+	return plate.corner[1 - i] - plate.corner[i];
+}
+Vec<3> awayFrom(const PlateSurface<3>& plate, int i)
+{
+	const Vec<3>&a = plate.corner[(i + 1) % 3], &b = plate.corner[(i + 2) % 3];
+	const Vec<3> edge = (b - a).normalized(), apart = a - plate.corner[i];
+	return apart - apart.dot(edge) * edge;
+}
+
+/// Whether a point at such a depth beneath the plate is out of it sooner over an edge that the
+/// outline faces: the plate pokes into the outline then, and has no side there but its edge.
+template <int dim>
+bool pokesIn(const PlateSurface<dim>& plate, const std::array<double, dim>& weight, double depth,
+	     const Faces<dim>& faces)
+{
+	for (int i = 0; depth > 0 && i < dim; ++i) {
+		const Vec<dim> away = awayFrom(plate, i);
+		if (weight[i] * away.norm() < depth && faces(away.normalized())) return true;
+	}
+	return false;
+}
+
 template <int dim>
 Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 			  const Faces<dim>& faces)
@@ -60,8 +87,11 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 	const double size = (plate.corner[1] - plate.corner[0]).norm();
 	if (((x - foot) - height * normal).norm() > plateMargin * size)
 		return placeBeyondEdge<dim>(foot, x, faces);
-	for (const double side : { 1., -1. })
-		if (faces(side * normal)) return SurfacePlace<dim> { side * normal, side * height };
+	for (const double side : { 1., -1. }) {
+		if (!faces(side * normal)) continue;
+		if (pokesIn<dim>(plate, weight, -side * height, faces)) return std::nullopt;
+		return SurfacePlace<dim> { side * normal, side * height };
+	}
 	return std::nullopt;
 }
 
@@ -104,27 +134,79 @@ template <int dim> BallSurface<dim> ballAboutSurface(const BlockSurface<dim>& bl
 	return { block.centre, block.halfSides.norm() };
 }
 
-template <int dim> std::vector<BallSurface<dim>> tips(const BallSurface<dim>& ball)
+/// Corners of a polytope, and which of them edges join.
+template <int dim> struct Skeleton {
+	std::vector<Vec<dim>> corner;
+	std::vector<std::pair<int, int>> edge;
+};
+
+template <int dim> Skeleton<dim> skeletonOf(const PlateSurface<dim>& plate)
 {
-	return { ball };
+	Skeleton<dim> skeleton;
+	skeleton.corner.assign(plate.corner.begin(), plate.corner.end());
+	for (int i = 0; i < dim; ++i)
+		for (int k = 0; k < i; ++k)
+			skeleton.edge.push_back({ k, i });
+	return skeleton;
 }
 
-template <int dim> std::vector<BallSurface<dim>> tips(const PlateSurface<dim>& plate)
+template <int dim> Skeleton<dim> skeletonOf(const BlockSurface<dim>& block)
 {
-	std::vector<BallSurface<dim>> found;
-	for (const Vec<dim>& corner : plate.corner)
-		found.push_back({ corner, 0 });
-	return found;
-}
-
-template <int dim> std::vector<BallSurface<dim>> tips(const BlockSurface<dim>& block)
-{
-	std::vector<BallSurface<dim>> found;
+	Skeleton<dim> skeleton;
 	for (int k = 0; k < 1 << dim; ++k) {
 		Vec<dim> y = block.halfSides;
-		for (int a = 0; a < dim; ++a)
-			if (k >> a & 1) y[a] = -y[a];
-		found.push_back({ block.centre + block.axes * y, 0 });
+		for (int a = 0; a < dim; ++a) {
+			if (!(k >> a & 1)) continue;
+			y[a] = -y[a];
+			skeleton.edge.push_back({ k & ~(1 << a), k });
+		}
+		skeleton.corner.push_back(block.centre + block.axes * y);
+	}
+	return skeleton;
+}
+
+/// The parts from 0 to 1 of the way from a to b that lie in a box; the first is larger where none
+/// does.
+template <int dim>
+std::pair<double, double> partIn(const Box<dim>& box, const Vec<dim>& a, const Vec<dim>& b)
+{
+	double first = 0, last = 1;
+	for (int i = 0; i < dim; ++i) {
+		const double way = b[i] - a[i];
+		if (way == 0) {
+			if (a[i] < box.low[i] || a[i] > box.high[i]) return { 1, 0 };
+			continue;
+		}
+		const auto [from, to] =
+			std::minmax({ (box.low[i] - a[i]) / way, (box.high[i] - a[i]) / way });
+		first = std::max(first, from);
+		last = std::min(last, to);
+	}
+	return { first, last };
+}
+
+template <int dim> std::vector<Tip<dim>> tips(const BallSurface<dim>& ball, const Box<dim>&, double)
+{
+	return { { ball, 0 } };
+}
+
+template <int dim, class Surface>
+std::vector<Tip<dim>> tips(const Surface& surface, const Box<dim>& box, double spacing)
+{
+	const Skeleton<dim> skeleton = skeletonOf(surface);
+	std::vector<Tip<dim>> found;
+	int number = 0; // of the corners and points before
+	for (const Vec<dim>& corner : skeleton.corner)
+		found.push_back({ { corner, 0 }, number++ });
+	if (dim == 2) return found; // edges are the sides
+	for (const auto& [from, to] : skeleton.edge) {
+		const Vec<dim>&a = skeleton.corner[from], &b = skeleton.corner[to];
+		const int parts = static_cast<int>(std::ceil((b - a).norm() / spacing));
+		const auto [first, last] = partIn<dim>(box, a, b);
+		for (int k = std::max(1., std::ceil(first * parts)); k <= last * parts; ++k)
+			if (k < parts)
+				found.push_back({ { a + (b - a) * k / parts, 0 }, number + k });
+		number += parts;
 	}
 	return found;
 }
@@ -143,9 +225,10 @@ template <int dim> BallSurface<dim> ballAbout(const RigidSurface<dim>& surface)
 	return std::visit([](const auto& s) { return ballAboutSurface<dim>(s); }, surface);
 }
 
-template <int dim> std::vector<BallSurface<dim>> tipsOf(const RigidSurface<dim>& surface)
+template <int dim>
+std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& box, double spacing)
 {
-	return std::visit([](const auto& s) { return tips<dim>(s); }, surface);
+	return std::visit([&](const auto& s) { return tips<dim>(s, box, spacing); }, surface);
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
@@ -153,7 +236,8 @@ template <int dim> std::vector<BallSurface<dim>> tipsOf(const RigidSurface<dim>&
 		const RigidSurface<dim>&, const Vec<dim>&,                                         \
 		const std::function<bool(const Vec<dim>&)>&);                                      \
 	template BallSurface<dim> ballAbout<dim>(const RigidSurface<dim>&);                        \
-	template std::vector<BallSurface<dim>> tipsOf<dim>(const RigidSurface<dim>&);
+	template std::vector<Tip<dim>> tipsOf<dim>(const RigidSurface<dim>&, const Box<dim>&,      \
+						   double);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)
 #undef SOFTGRAIN_INSTANTIATE

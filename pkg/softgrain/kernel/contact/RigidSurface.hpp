@@ -1,7 +1,7 @@
 // Surfaces of rigid bodies that soft grains touch.
 #pragma once
 
-#include "Vector.hpp"
+#include "contact/ContactBody.hpp"
 
 #include <array>
 #include <functional>
@@ -48,8 +48,16 @@ std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const
 /// A ball that holds the surface.
 template <int dim> BallSurface<dim> ballAbout(const RigidSurface<dim>& surface);
 
-/// Balls (of radius 0: points) that the surface ends in; between contact nodes they may enter the
+/// A ball (of radius 0: a point) that the surface ends in; between contact nodes it may enter the
 /// outline of a grain.
-template <int dim> std::vector<BallSurface<dim>> tipsOf(const RigidSurface<dim>& surface);
+template <int dim> struct Tip {
+	BallSurface<dim> ball;
+	int number; ///< its own among the tips of the surface, whatever the box
+};
+
+/// The ball itself; corners and, in 3D, points of the edges no further apart than `spacing`, those
+/// in `box`.
+template <int dim>
+std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& box, double spacing);
 
 } // namespace softgrain
