@@ -60,7 +60,13 @@ def parse_options(arguments=None):
         "--aspects", type=command_line.positive, nargs="+", default=[0.5, 1, 2, 4], help="H0/L0 [-]"
     )
     add("--linear", type=command_line.positive, nargs="*", default=[], help="those by both laws")
-    add("--seeds", type=int, nargs="+", default=[1, 2, 3], help="of random places and radii")
+    add(
+        "--seeds",
+        type=command_line.whole_from(0),
+        nargs="+",
+        default=[1, 2, 3],
+        help="of random places and radii",
+    )
     add("--width", type=command_line.positive, default=12, help="L0 over the mean diameter [-]")
     add("--floor", choices=("disks", "flat"), default="disks", help="what the column stands on")
     add("--mu", type=command_line.non_negative, default=0.5, help="friction [-]")

@@ -90,6 +90,15 @@ void checkTriaxial(const TriaxialStressController& controller)
 		       "soft grains do not grow; set internalCompaction = False to move the walls");
 }
 
+void checkPeriodic(const PeriTriaxController& controller)
+{
+	if (!controller.doneHook.empty())
+		refuse(controller.getClassName() + ".doneHook = '" + controller.doneHook + "'",
+		       "it waits for an unbalanced force that YADE takes of rigid bodies alone; "
+		       "leave "
+		       "it empty, and look at the stress and sg.unbalanced_force() in a PyRunner");
+}
+
 void checkEngine(const Engine& engine)
 {
 	const auto reason = unfitEngines().find(engine.getClassName());
@@ -98,6 +107,8 @@ void checkEngine(const Engine& engine)
 	if (const auto* loop = dynamic_cast<const InteractionLoop*>(&engine)) checkFunctors(*loop);
 	if (const auto* controller = dynamic_cast<const TriaxialStressController*>(&engine))
 		checkTriaxial(*controller);
+	if (const auto* controller = dynamic_cast<const PeriTriaxController*>(&engine))
+		checkPeriodic(*controller);
 }
 
 [[noreturn]] void refuseSubdomains()

@@ -42,6 +42,7 @@
 #include <pkg/dem/Ig2_Facet_Sphere_ScGeom.hpp>
 #include <pkg/dem/Ig2_Sphere_Sphere_ScGeom.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
+#include <pkg/dem/PeriIsoCompressor.hpp>
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/dem/TriaxialStressController.hpp>
 

@@ -94,7 +94,7 @@ def cell_volume():
     grains = soft_bodies()
     if not O.periodic or not grains:
         raise ValueError(
-            "a periodic cell with soft grains is needed, but "
+            "without an area (volume) given, a periodic cell with soft grains is needed, but "
             + ("the scene has none" if O.periodic else "O.periodic is False")
         )
     size = np.array(O.cell.hSize)
@@ -135,15 +135,16 @@ def cell_stress(source="contacts"):
 
 
 def _contact_moments():
-    total = np.zeros((3, 3))
+    """Summed exactly: the order of ``O.interactions`` is not that of a loaded scene."""
+    moments = [np.zeros((3, 3))]
     for i in O.interactions:
         if not i.isReal:
             continue
         force = np.array(i.phys.normalForce + i.phys.shearForce)
         image = np.array(O.cell.hSize) @ np.array(i.cellDist)
         branch = np.array(O.bodies[i.id1].state.pos - O.bodies[i.id2].state.pos) - image
-        total += np.outer(force, branch)
-    return total
+        moments.append(np.outer(force, branch))
+    return np.apply_along_axis(math.fsum, 0, np.array(moments))
 
 
 def _integral_of_stress():
@@ -182,9 +183,18 @@ def nearest_images(position, half_size):
 
 
 def wall_force(body_id):
-    """Force of all contacts on a wall, or any other body, in the last step [N, 2D N/m].
+    """Force of all contacts on a wall, or any other body, in the last step.
 
     ``O.forces.f(body_id)`` has besides what pushes a body that is free, as a wall under stress is.
+
+    Args:
+        body_id (int): of the body.
+
+    Returns:
+        array (3,): [N, 2D N/m].
+
+    Raises:
+        ValueError: there is no such body.
     """
     return np.array(_softgrain.contactForce(body_id))
 

@@ -38,7 +38,7 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         raise ValueError(f"field = {field!r} is unknown; known: 'von_mises', 'pressure', None")
     disks = [b for b in soft_bodies() if b.shape.dim == 2]
     if not disks:
-        raise ValueError("draw_packing: the scene has no soft disk")
+        raise ValueError("draw_packing draws soft disks, and the scene has none")
     images = [(b, shift) for b in disks for shift in _shifts(b.state.pos, _outline(b))]
     outlines = [_outline(b) + shift for b, shift in images]
     rigid = [polygon + shift for polygon in rigid_polygons() for shift in _shifts_of(polygon)]

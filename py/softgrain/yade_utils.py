@@ -1,20 +1,26 @@
-"""Functions of ``yade.utils`` that leave out bodies whose degrees of freedom are all blocked, as
-those of soft grains are: they count them once softgrain is imported, by every name a script has for
-them. In scenes of rigid bodies alone they are YADE's own."""
+"""Functions of ``yade.utils`` that know spheres only, or leave out bodies whose degrees of freedom
+are all blocked, as those of soft grains are: they count soft grains once softgrain is imported, by
+every name a script has for them. In scenes of rigid bodies alone they are YADE's own."""
 
-from yade import O, utils, wrapper
+import math
+
+import numpy as np
+from yade import O, Sphere, Vector3, utils, wrapper
 
 from softgrain import _host
-from softgrain.observe import soft_bodies
+from softgrain.observe import cell_volume, soft_bodies
 from softgrain.quasi_static import unbalanced_force
 
-_of_yade = {name: getattr(utils, name) for name in ("unbalancedForce", "kineticEnergy")}
+_of_yade = {
+    name: getattr(utils, name)
+    for name in ("unbalancedForce", "kineticEnergy", "aabbExtrema", "fabricTensor", "porosity")
+}
 
 
 def replace():
     """Put the functions of this module in the place of those of ``yade.utils``."""
-    _host.replace_in_utils("unbalancedForce", unbalancedForce)
-    _host.replace_in_utils("kineticEnergy", kineticEnergy)
+    for name in _of_yade:
+        _host.replace_in_utils(name, globals()[name])
 
 
 def unbalancedForce(useMaxForce=False):
@@ -48,6 +54,76 @@ def kineticEnergy(findMaxId=False):
     if not findMaxId:
         return total
     return total, max(energies, key=energies.get) if total > 0 else -1
+
+
+def aabbExtrema(cutoff=0.0, centers=False):
+    """Box about all spheres and soft grains (2D: as thick as these are wide).
+
+    Args:
+        cutoff (float): share of it that is cut away, half of it at either side, in [0, 1] [-].
+        centers (bool): about the centres alone.
+
+    Returns:
+        tuple: lower and upper corner [m].
+
+    Raises:
+        ValueError: *cutoff* is not in [0, 1].
+    """
+    if not soft_bodies():
+        return _of_yade["aabbExtrema"](cutoff, centers)
+    if not 0 <= cutoff <= 1:
+        raise ValueError(f"cutoff = {cutoff} is outside the admissible range [0, 1]")
+    ends = np.array([_ends(b, centers) for b in O.bodies if b and (_is_soft(b) or _is_sphere(b))])
+    low, high = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
+    cut = cutoff / 2 * (high - low)
+    return Vector3(low + cut), Vector3(high - cut)
+
+
+def fabricTensor(cutoff=0.0, splitTensor=False, thresholdForce=math.nan, extrema=()):
+    """YADE's, of the contacts in *extrema* or, if there are none, in :func:`aabbExtrema`."""
+    if not extrema and soft_bodies():
+        extrema = aabbExtrema(cutoff)
+    return _of_yade["fabricTensor"](cutoff, splitTensor, thresholdForce, list(extrema))
+
+
+def porosity(volume=-1):
+    """Share of a volume that neither spheres nor soft grains, as they are now, fill.
+
+    Args:
+        volume (float): [m³]; 2D: the area, with spheres as disks [m²]. If it is not positive, that
+            of :func:`aabbExtrema`. In a periodic cell always that of the cell.
+
+    Returns:
+        float: [-], negative if the grains do not fit into the volume.
+    """
+    grains = soft_bodies()
+    if not grains:
+        return _of_yade["porosity"](volume)
+    flat = grains[0].shape.dim == 2
+    if O.periodic:
+        volume = cell_volume()
+    elif not volume > 0:
+        low, high = aabbExtrema()
+        volume = np.prod(np.array(high - low)[: 2 if flat else 3])
+    radii = np.array([b.shape.radius for b in O.bodies if b and _is_sphere(b)])
+    rigid = math.pi * (radii**2).sum() if flat else 4 / 3 * math.pi * (radii**3).sum()
+    return 1 - (sum(b.shape.volume() for b in grains) + rigid) / volume
+
+
+def _is_sphere(body):
+    return isinstance(body.shape, Sphere)
+
+
+def _ends(body, centers):
+    """Lower and upper corner of the box about a sphere or a soft grain."""
+    place, radius = np.array(body.state.pos), body.shape.radius
+    if centers:
+        return place, place
+    if not _is_soft(body):
+        return place - radius, place + radius
+    outline = np.array(body.shape.outline())
+    thick = [0, 0, radius if body.shape.dim == 2 else 0]
+    return outline.min(axis=0) - thick, outline.max(axis=0) + thick
 
 
 def _is_soft(body):

@@ -148,6 +148,10 @@ def parse_options():
     options = parser.parse_args()
     if options.max_iterations is None:
         options.max_iterations = {"nsgs": 1_000_000, "newton": 500}[options.solver]
+    if not 0 < options.tolerance < 1:
+        parser.error(f"--tolerance {options.tolerance} is outside the admissible range (0, 1)")
+    if options.max_iterations < 1:
+        parser.error(f"--max-iterations {options.max_iterations} is outside [1, inf)")
     return options
 
 

@@ -182,7 +182,7 @@ def test_rigid_bodies_in_the_picture():
 
 
 def test_picture_errors(tmp_path):
-    with pytest.raises(ValueError, match="no soft disk"):
+    with pytest.raises(ValueError, match="draws soft disks"):
         sg.draw_packing(tmp_path / "packing.png")
     two_disks()
     with pytest.raises(ValueError, match="field = 'tresca' is unknown.*'von_mises', 'pressure'"):

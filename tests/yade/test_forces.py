@@ -195,6 +195,34 @@ def test_kinetic_energy_in_a_cell():
     assert utils.kineticEnergy() == pytest.approx(mass / 2, rel=1e-2)
 
 
+def test_boxes_and_fabric_by_yade():
+    """``utils.aabbExtrema``, ``fabricTensor`` and ``porosity`` of soft grains alone, and of these
+    beside a sphere."""
+    for x in (1, 3):
+        add_disk((x * RADIUS, RADIUS, 0), 1.01 * RADIUS)
+    ready()
+    run(50)
+    outlines = np.concatenate([b.shape.outline() for b in sg.soft_bodies()])
+    low, high = np.array(utils.aabbExtrema())
+    np.testing.assert_allclose(low[:2], outlines.min(axis=0)[:2])
+    np.testing.assert_allclose(high[:2], outlines.max(axis=0)[:2])
+    assert high[2] == -low[2] == 1.01 * RADIUS
+    np.testing.assert_allclose(utils.aabbExtrema(cutoff=1)[0], utils.aabbExtrema(cutoff=1)[1])
+    places = [b.state.pos for b in sg.soft_bodies()]
+    np.testing.assert_allclose(utils.aabbExtrema(centers=True), np.sort(places, axis=0))
+    with pytest.raises(ValueError, match="cutoff = 2"):
+        utils.aabbExtrema(2)
+    np.testing.assert_allclose(utils.fabricTensor()[0], np.diag([1, 0, 0]), atol=1e-4)
+    box = (6 * RADIUS) ** 2
+    assert utils.porosity(box) == pytest.approx(1 - sg.packing_fraction(box), rel=1e-12)
+    area = np.prod((high - low)[:2])
+    assert utils.porosity() == pytest.approx(1 - sg.packing_fraction(area), rel=1e-12)
+    O.bodies.append(utils.sphere((9 * RADIUS, RADIUS, 0), RADIUS, material=FrictMat()))
+    assert _utils.aabbExtrema()[1][0] == 10 * RADIUS
+    filled = sg.packing_fraction(box) + np.pi * RADIUS**2 / box
+    assert utils.porosity(box) == pytest.approx(1 - filled, rel=1e-12)
+
+
 SCRIPT = """
 from yade.utils import *
 import softgrain as sg

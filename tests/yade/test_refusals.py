@@ -7,6 +7,7 @@ from yade import (
     GlobalStiffnessTimeStepper,
     HydroForceEngine,
     O,
+    PeriTriaxController,
     RungeKuttaCashKarp54Integrator,
     TriaxialStressController,
     utils,
@@ -130,6 +131,7 @@ REFUSED = [
     (stepper_behind, "GlobalStiffnessTimeStepper stands after SoftGrainIntegrator"),
     (other_collider, "SpatialQuickSortCollider: .*InsertionSortCollider"),
     (lambda: add_engine(TriaxialStressController(), 4), "internalCompaction = True: soft grains"),
+    (lambda: add_engine(PeriTriaxController(doneHook="stop()"), 4), r"doneHook = 'stop\(\)': it"),
     (lambda: add_engine(RungeKuttaCashKarp54Integrator()), "RungeKuttaCashKarp54Integrator: it"),
     (lambda: add_engine(HydroForceEngine()), "HydroForceEngine: it knows spheres only"),
     (
