@@ -14,6 +14,10 @@ constexpr double candidateMargin = 0.5;
 /// the weights of OutlineCurve).
 constexpr double wayOfPlaces = 1.25;
 
+/// Deeper overlaps, in dr, are looked at: before the tip of a fold, as outlines have them about
+/// pores that have almost closed, a node may lie behind the line of the flank that is nearest.
+constexpr double trustedOverlap = 0.05;
+
 /// Takes in how far nodes and places on the other outline may have come towards each other since
 /// the last search.
 template <int dim>
@@ -130,6 +134,13 @@ public:
 private:
 	using Node = ContactCandidates<2>::Node;
 
+	/// Whether a node that counts as deep is outside all the same.
+	bool isBeforeFold(const Node& node, double gap) const
+	{
+		return gap < -trustedOverlap * other(node).pointSpacing &&
+		       !other(node).encloses(own(node).position[node.node]);
+	}
+
 	const ContactBody<2>& own(const Node& node) const { return *body_[node.side]; }
 	const ContactBody<2>& other(const Node& node) const { return *body_[1 - node.side]; }
 
@@ -137,7 +148,7 @@ private:
 	{
 		Node& node = *candidate_[lane];
 		node.clearance = lanes_.gap(lane) + list_.candidates.approached;
-		if (lanes_.gap(lane) >= reach_) return;
+		if (lanes_.gap(lane) >= reach_ || isBeforeFold(node, lanes_.gap(lane))) return;
 		Contact<2> contact;
 		lanes_.write(lane, contact);
 		append({ node.side, node.node, -1 }, contact, own(node), other(node), list_);
