@@ -71,9 +71,10 @@ def _why_unusable(mask, place, shape, least_pixels):
         return f"has {pixels} pixels, fewer than least_pixels = {least_pixels}"
     if any(p.start == 0 or p.stop == n for p, n in zip(place, shape)):
         return "touches the border of the image, which may cut it"
-    pieces = ndimage.label(mask)[1]
+    numbers, pieces = ndimage.label(mask)
     if pieces > 1:
-        return f"is in {pieces} pieces"
+        sizes = sorted(np.bincount(numbers.ravel())[1:], reverse=True)
+        return f"is in {pieces} pieces, of {' + '.join(map(str, sizes))} pixels"
     if ndimage.binary_fill_holes(mask).sum() > pixels:
         return "has a hole"
     return None

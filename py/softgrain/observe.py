@@ -7,6 +7,7 @@ import numpy as np
 from yade import O, wrapper
 
 from softgrain import _softgrain
+from softgrain.time_loop import integrators
 
 
 def soft_bodies():
@@ -35,9 +36,8 @@ def integrator():
     Raises:
         ValueError: there is none.
     """
-    for engine in O.engines:
-        if isinstance(engine, wrapper.SoftGrainIntegrator):
-            return engine
+    for engine in integrators():
+        return engine
     raise ValueError("O.engines holds no SoftGrainIntegrator; see sg.engines()")
 
 

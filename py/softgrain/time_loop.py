@@ -220,11 +220,15 @@ def critical_time_step():
     return step
 
 
+def integrators():
+    """Those of ``O.engines``; a step refuses more than one."""
+    return [engine for engine in O.engines if isinstance(engine, wrapper.SoftGrainIntegrator)]
+
+
 def automatic_fraction():
     """Fraction of the critical step that ``O.dt`` is kept at; None where it is the user's [-]."""
-    for engine in O.engines:
-        if isinstance(engine, wrapper.SoftGrainIntegrator):
-            return engine.timeStepFraction if O.dt == engine.dtSet else None
+    for engine in integrators():
+        return engine.timeStepFraction if O.dt == engine.dtSet else None
     return _own_step["fraction"] if O.dt == _own_step["dt"] else None
 
 
@@ -244,8 +248,7 @@ def set_time_step(fraction=0.8):
     check_fraction("fraction", fraction)
     O.dt = _own_step["dt"] = fraction * critical_time_step()
     _own_step["fraction"] = fraction
-    for engine in O.engines:
-        if isinstance(engine, wrapper.SoftGrainIntegrator):
-            engine.timeStepFraction = fraction
-            engine.dtSet = O.dt
+    for engine in integrators():
+        engine.timeStepFraction = fraction
+        engine.dtSet = O.dt
     return O.dt
