@@ -2,8 +2,8 @@
 // at every body unless it asks for it ahead.
 #pragma once
 
+#include "Fetch.hpp"
 #include "SoftGrain.hpp"
-#include "kernel/contact/Fetch.hpp"
 
 #include <core/BodyContainer.hpp>
 

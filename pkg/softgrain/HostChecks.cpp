@@ -95,8 +95,8 @@ void checkPeriodic(const PeriTriaxController& controller)
 	if (!controller.doneHook.empty())
 		refuse(controller.getClassName() + ".doneHook = '" + controller.doneHook + "'",
 		       "it waits for an unbalanced force that YADE takes of rigid bodies alone; "
-		       "leave "
-		       "it empty, and look at the stress and sg.unbalanced_force() in a PyRunner");
+		       "leave it empty, and look at the stress and at sg.unbalanced_force() in a "
+		       "PyRunner");
 }
 
 void checkEngine(const Engine& engine)

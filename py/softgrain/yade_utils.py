@@ -80,7 +80,20 @@ def aabbExtrema(cutoff=0.0, centers=False):
 
 
 def fabricTensor(cutoff=0.0, splitTensor=False, thresholdForce=math.nan, extrema=()):
-    """YADE's, of the contacts in *extrema* or, if there are none, in :func:`aabbExtrema`."""
+    """YADE's, of the contacts in *extrema* or, if there are none, in :func:`aabbExtrema`.
+
+    Args:
+        cutoff (float): as :func:`aabbExtrema` has it, in [0, 1] [-].
+        splitTensor (bool): of strong and of weak contacts apart.
+        thresholdForce (float): normal force that parts them; nan: the mean [N, 2D N/m].
+        extrema (list): lower and upper corner of a box [m].
+
+    Returns:
+        tuple: the tensor, or the two of them, each a Matrix3 [-].
+
+    Raises:
+        ValueError: *cutoff* is not in [0, 1].
+    """
     if not extrema and soft_bodies():
         extrema = aabbExtrema(cutoff)
     return _of_yade["fabricTensor"](cutoff, splitTensor, thresholdForce, list(extrema))

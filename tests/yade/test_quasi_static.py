@@ -286,3 +286,19 @@ def test_suggested_speed_holds_what_it_promises():
     assert indicator < 0.03**2
     force, _ = press(share=1.0, stress=0.5 * YOUNG)  # a speed for ten times the stress
     assert np.abs(force / slow - 1).max() > 0.3
+
+
+@pytest.mark.parametrize(
+    "alpha, rebound", ((0, 0.90), (1, 0.80), (2.35, 0.72), (5, 0.62), (20, 0.44))
+)
+def test_rebound_of_a_damped_disk(alpha, rebound):
+    """Speed after over before an impact on a wall, alpha in c_s/R: what the guide says."""
+    shear_wave = math.sqrt(1e6 / (2 * 1.3) / DENSITY)
+    material = soft_material(young=1e6, poisson=0.3, massDamping=alpha * shear_wave / RADIUS)
+    disk = add_disk((0, 1.01 * RADIUS, 0), RADIUS, material, zeta=0.2)
+    add_wall(0, axis=1)
+    disk.state.vel = (0, -1, 0)
+    ready()
+    while disk.state.pos[1] < 1.05 * RADIUS:
+        run(5)
+    assert disk.state.vel[1] == pytest.approx(rebound, abs=0.03)

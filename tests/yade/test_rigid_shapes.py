@@ -190,3 +190,22 @@ def test_facet_that_pokes_into_a_disk(aside):
         run(20)
     assert sg.integrator().largestOverlap < 0.01
     assert 0.5 * RADIUS < disk.state.pos[1] < 1.06 * RADIUS
+
+
+@pytest.mark.parametrize("zeta, angle, slower", ((0.3, 10, 0.24), (0.25, 20, 0.13), (0.2, 20, 0.08)))
+def test_coarse_balls_roll_too_slowly(zeta, angle, slower):
+    """By what the guide says, against 5/7 g sin: the wall meets nodes, and lumped mass turns less
+    easily."""
+    material = soft_material(young=1e6, poisson=0.3, massDamping=1000, frictionAngle=0.8)
+    ball = sg.soft_sphere((0, 0, RADIUS), RADIUS, material, zeta=zeta)
+    O.bodies.append([ball, utils.wall(0, axis=2, sense=1, material=rigid_material(1))])
+    along, down = 9.81 * np.sin(np.radians(angle)), 9.81 * np.cos(np.radians(angle))
+    ready(gravity=(along, 0, -down))
+    times, speeds = [], []
+    while O.time < 0.15:
+        run(10)
+        times.append(O.time)
+        speeds.append(ball.state.vel[0])
+    settled = len(times) // 3
+    acceleration = np.polyfit(times[settled:], speeds[settled:], 1)[0]
+    assert 1 - acceleration / (5 / 7 * along) == pytest.approx(slower, abs=0.03)

@@ -1,5 +1,5 @@
 #include "contact/ContactSolver.hpp"
-#include "contact/Fetch.hpp"
+#include "Fetch.hpp"
 
 #include <algorithm>
 #include <cmath>

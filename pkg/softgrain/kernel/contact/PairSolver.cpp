@@ -1,7 +1,7 @@
 #include "contact/PairSolver.hpp"
+#include "Fetch.hpp"
 #include "contact/Bias.hpp"
 #include "contact/CoulombCone.hpp"
-#include "contact/Fetch.hpp"
 #include "contact/Pressure.hpp"
 #include "material/Lanes.hpp"
 
