@@ -17,14 +17,14 @@ from xml.etree import ElementTree
 def main(build, build_state, pytest_options):
     """Run all parts, whatever becomes of the others, and return the exit code."""
     totals = Counter(passed=0, failed=0)
+    totals += check("format", ["clang-format", "--dry-run", "-Werror", *cpp_files()])
+    totals += check("lint", ["flake8", "py", "scripts", "tests"])
     if build_state == "built":
         totals += kernel_tests(build)
         totals += python_tests(build, pytest_options)
     else:
         print("\n== build\nbroken: the tests cannot run")
         totals["failed"] += 1
-    totals += check("format", ["clang-format", "--dry-run", "-Werror", *cpp_files()])
-    totals += check("lint", ["flake8", "py", "scripts", "tests"])
     print(summary(totals))
     return 1 if totals["failed"] else 0
 

@@ -192,7 +192,9 @@ def test_facet_that_pokes_into_a_disk(aside):
     assert 0.5 * RADIUS < disk.state.pos[1] < 1.06 * RADIUS
 
 
-@pytest.mark.parametrize("zeta, angle, slower", ((0.3, 10, 0.24), (0.25, 20, 0.13), (0.2, 20, 0.08)))
+@pytest.mark.parametrize(
+    "zeta, angle, slower", ((0.3, 10, 0.24), (0.25, 20, 0.13), (0.2, 20, 0.08))
+)
 def test_coarse_balls_roll_too_slowly(zeta, angle, slower):
     """By what the guide says, against 5/7 g sin: the wall meets nodes, and lumped mass turns less
     easily."""
