@@ -9,7 +9,8 @@ from yade import FrictMat, Matrix3, O, Sphere, Vector3, utils, wrapper
 from softgrain import _softgrain
 from softgrain.filling import fill
 from softgrain.observe import soft_bodies
-from softgrain.softening import drop_interactions, look_anew, overlap_factor
+from softgrain.overlaps import overlap_factor
+from softgrain.softening import drop_interactions, look_anew
 
 #: Outlines of clumps are off by that much of the size of the grain, if nothing else is said, by
 #: dimension: some ten or twenty spheres in either.

@@ -1,16 +1,14 @@
-"""Turning spheres of a scene into soft grains, in place, and into disks."""
+"""Turning spheres and clumps of a scene into soft grains, in place, and spheres into disks."""
 
 import math
 
 from yade import InsertionSortCollider, O, Sphere, Vector3, wrapper
 
-from softgrain.build import soft_material, volume_and_inertia
-from softgrain.observe import nearest_images
+from softgrain.build import soft_material, soft_polygon, volume_and_inertia
+from softgrain.disk_union import outline_of_disks
+from softgrain.overlaps import overlap_factor
 from softgrain.time_loop import check_fraction, set_time_step
 
-#: Overlaps up to this share of the smaller radius are left to be worked off; rigid packings of
-#: usual stiffness stay below.
-WORKABLE_OVERLAP = 0.05
 #: Members of a clump count as touching, not overlapping, at this share of two radii: rounding.
 TOUCHING = 0.999
 #: Spheres lie in one plane where their centres differ by less than this share of a radius.
@@ -28,13 +26,17 @@ def soften(
     load=1e-3,
     **shape,
 ):
-    """Turn spheres of the scene into soft grains in place, keeping position, velocity, spin and
-    radius.
+    """Turn spheres of the scene, and in 2D clumps of them, into soft grains in place, keeping
+    position, velocity, spin and radius.
 
     Spheres become disks (dim = 2) where the scene is two-dimensional: all of them in one plane
     z = const, with the out-of-plane degrees of freedom ``z``, ``X`` and ``Y`` blocked. Interactions
     of the converted spheres are dropped; the contacts of the soft grains are found in the next
     step. ``O.dt`` is set for the scene (see :func:`set_time_step`).
+
+    A clump whose members overlap becomes one grain with the outline of all of them: it is erased
+    with its members, and the grain appended under an id of its own. It is homogeneous, of the
+    density of `material`, and ``zeta`` is over the radius of the largest circle inside.
 
     Rigid packings carry their load by overlaps. They are treated by choice:
 
@@ -52,26 +54,28 @@ def soften(
     at once (:func:`as_disks`). Overlaps are those of the rigid law at the load: they are relaxed.
 
     Args:
-        ids (iterable of int | None): bodies to convert; None: all spheres that are not in clumps.
+        ids (iterable of int | None): spheres and clumps to convert; None: all spheres that are not
+            in clumps.
         material (SoftMat | int | str): material of the soft grains, as in :func:`soft_disk`.
         zeta (float): relative resolution 2 dr/D, in [0.001, 0.5] [-].
         dim (int | None): 2 or 3; None: by the scene.
         overlap (str): 'relax', 'shrink' or 'refuse'.
         time_step_fraction (float): O.dt over the critical step, in (0, 1] [-].
-        when (str): 'now' or 'loaded'.
+        when (str): 'now' or, spheres only, 'loaded'.
         load (float): with 'loaded', force of a contact over E D (3D: E D^2) above which a sphere is
             turned, E of the material, D its diameter, >= 0 [-].
         **shape: further attributes of ``SoftGrain``.
 
     Returns:
-        list of int: ids of the bodies that were, or are to be, converted.
+        list of int: ids of the soft grains, or of the bodies that are to become such.
 
     Raises:
-        ValueError: a body is no sphere, the scene's dimension is not clear, an overlap is refused,
+        ValueError: a body is neither sphere nor clump, a clump is in 3D, falls into parts or
+            encloses a hole, the scene's dimension is not clear, an overlap is refused,
             or a parameter is out of its range. Nothing has been changed then.
     """
     check_fraction("time_step_fraction", time_step_fraction)
-    bodies = _spheres(ids)
+    bodies = _rigid_grains(ids)
     dim = _dimension(bodies) if dim is None else dim
     material = soft_material(material)
     if when == "loaded":
@@ -82,22 +86,58 @@ def soften(
         return [b.id for b in bodies]
     if when != "now":
         raise ValueError(f"when = {when!r} is unknown; known: 'now', 'loaded'")
-    factor = overlap_factor(bodies, overlap)
-    shapes = [
-        wrapper.SoftGrain(
-            radius=factor * b.shape.radius, dim=dim, zeta=zeta, color=b.shape.color, **shape
-        )
-        for b in bodies
+    spheres = [part for body in bodies for part in _spheres_of(body)]
+    factor = overlap_factor(spheres, overlap)
+    shape.update(dim=dim, zeta=zeta)
+    grains = [_soft_counterpart(body, factor, material, shape) for body in bodies]
+    drop_interactions(spheres)
+    converted = [
+        _replace_clump(body, grain) if body.isClump else _convert(body, grain, material)
+        for body, grain in zip(bodies, grains)
     ]
-    drop_interactions(bodies)
-    for body, grain in zip(bodies, shapes):
-        _convert(body, grain, material)
     set_time_step(time_step_fraction)
-    return [b.id for b in bodies]
+    return converted
+
+
+def _soft_counterpart(body, factor, material, shape):
+    """The shape for a sphere, the body for a clump, all radii changed by a factor."""
+    if body.isClump:
+        return _soft_clump(body, factor, material, shape)
+    look = {"radius": factor * body.shape.radius, "color": body.shape.color}
+    return wrapper.SoftGrain(**look, **shape)
+
+
+def _soft_clump(clump, factor, material, shape):
+    if shape["dim"] != 2:
+        raise ValueError(f"ids: body #{clump.id} is a clump; in 3D only spheres can be softened")
+    parts = _spheres_of(clump)
+    look = {"color": parts[0].shape.color, "mask": parts[0].mask, "z": clump.state.pos[2]}
+    try:
+        vertices, corners = outline_of_disks(
+            [tuple(part.state.pos)[:2] for part in parts],
+            [factor * part.shape.radius for part in parts],
+        )
+    except ValueError as error:
+        raise ValueError(f"ids: clump #{clump.id}: {error}; its members must overlap") from None
+    attributes = {name: value for name, value in shape.items() if name != "dim"}
+    body = soft_polygon(vertices, material, corners=corners, **look, **attributes)
+    spin = Vector3(0, 0, clump.state.angVel[2])
+    velocity = clump.state.vel + spin.cross(body.state.pos - clump.state.pos)
+    body.state.vel, body.state.angVel = (velocity[0], velocity[1], 0), spin
+    return body
+
+
+def _replace_clump(clump, body):
+    """Returns the id of the soft grain."""
+    O.bodies.erase(clump.id, True)
+    return O.bodies.append(body)
 
 
 def _soften_when_loaded(bodies, grain, material, load, fraction):
     ids = [b.id for b in bodies]
+    clumps = [b.id for b in bodies if b.isClump]
+    if clumps:
+        raise ValueError(f"ids: clump #{clumps[0]} with when='loaded'; admissible: spheres")
     softener = wrapper.SoftenWhenLoaded(ids=ids, shape=grain, material=material, load=load)
     engines = list(O.engines)
     places = [k for k, e in enumerate(engines) if isinstance(e, wrapper.SoftGrainIntegrator)]
@@ -112,26 +152,40 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
     O.engines = engines[: places[0]] + [softener] + engines[places[0] :]
 
 
-def _spheres(ids):
+def _rigid_grains(ids):
     if ids is None:
-        bodies = [b for b in O.bodies if b and isinstance(b.shape, Sphere) and not b.isClumpMember]
+        bodies = [b for b in O.bodies if b and _is_single_sphere(b)]
     else:
         bodies = [O.bodies[i] for i in ids]
         for i, body in zip(ids, bodies):
-            if body is None or not isinstance(body.shape, Sphere) or body.isClumpMember:
+            if body is None or not (body.isClump or _is_single_sphere(body)):
+                part = f"; it is a member of clump #{body.clumpId}" if _is_member(body) else ""
                 raise ValueError(
-                    f"ids: body #{i} is not a sphere outside clumps; only these can be softened"
+                    f"ids: body #{i} is neither a sphere outside clumps nor a clump; only these "
+                    f"can be softened{part}"
                 )
+            if not all(isinstance(part.shape, Sphere) for part in _spheres_of(body)):
+                raise ValueError(f"ids: clump #{i} has a member that is no sphere")
     if not bodies:
         raise ValueError("ids: there is no sphere to soften")
     return bodies
+
+
+def _is_member(body):
+    return body is not None and body.isClumpMember
+
+
+def _spheres_of(body):
+    """The members of a clump, or the sphere itself."""
+    return [O.bodies[i] for i in body.shape.members] if body.isClump else [body]
 
 
 def _dimension(bodies):
     flat = all(set("zXY") <= set(b.state.blockedDOFs) for b in bodies)
     solid = not any(set("zXY") & set(b.state.blockedDOFs) for b in bodies)
     heights = [b.state.pos[2] for b in bodies]
-    one_layer = max(heights) - min(heights) < ONE_PLANE * min(b.shape.radius for b in bodies)
+    smallest = min(part.shape.radius for b in bodies for part in _spheres_of(b))
+    one_layer = max(heights) - min(heights) < ONE_PLANE * smallest
     if flat and one_layer:
         return 2
     if solid and (not one_layer or len(bodies) == 1):
@@ -140,68 +194,6 @@ def _dimension(bodies):
         "dim: the scene is neither clearly 2D (one layer z = const, blockedDOFs including 'zXY') "
         "nor clearly 3D; give dim=2 or dim=3"
     )
-
-
-def overlap_factor(bodies, overlap):
-    """Common factor of the radii after the choice about overlaps.
-
-    Args:
-        bodies (list of Body): spheres; walls of the scene count as well.
-        overlap (str): as for :func:`soften`.
-
-    Returns:
-        float: in (0, 1]; 1 unless with 'shrink' [-].
-
-    Raises:
-        ValueError: an unknown choice, or an overlap that it does not admit.
-    """
-    if overlap not in ("relax", "shrink", "refuse"):
-        raise ValueError(f"overlap = {overlap!r} is unknown; known: 'relax', 'shrink', 'refuse'")
-    worst, factor, pair = 0.0, 1.0, None
-    for distance, reach, smaller, ids in _near_pairs(bodies):
-        relative = (reach - distance) / smaller
-        if relative > worst:
-            worst, pair = relative, ids
-        factor = min(factor, distance / reach)
-    limit = {"relax": WORKABLE_OVERLAP, "shrink": 1.0, "refuse": 0.0}[overlap]
-    if worst > limit:
-        raise ValueError(
-            f"overlap = {overlap!r}: bodies #{pair[0]} and #{pair[1]} overlap by "
-            f"{100 * worst:.2g} % of the smaller radius, more than the admissible "
-            f"{100 * limit:g} %; relax the rigid packing further or use overlap='shrink'"
-        )
-    return factor if overlap == "shrink" else 1.0
-
-
-def _near_pairs(bodies):
-    """Distance, sum of radii, smaller radius and ids of the pairs of spheres (and sphere-wall
-    pairs) that may overlap, by sorting along x. In a periodic cell pairs at its borders may come
-    twice."""
-    largest = max(b.shape.radius for b in bodies)
-    images = [
-        (b.state.pos + Vector3(*shift), b)
-        for b in bodies
-        for shift in nearest_images(b.state.pos, largest)
-    ]
-    rows = sorted(
-        ((place[0] - b.shape.radius, b.id, place, b) for place, b in images),
-        key=lambda row: row[:2],
-    )
-    active = []
-    for low, _, place, b in rows:
-        active = [(x, a) for x, a in active if x[0] + a.shape.radius > low]
-        for x, a in active:
-            distance = (x - place).norm()
-            reach = a.shape.radius + b.shape.radius
-            if distance < reach:
-                yield distance, reach, min(a.shape.radius, b.shape.radius), (a.id, b.id)
-        active.append((place, b))
-    walls = [w for w in O.bodies if w and isinstance(w.shape, wrapper.Wall)]
-    for w in walls:
-        for b in bodies:
-            distance = abs(b.state.pos[w.shape.axis] - w.state.pos[w.shape.axis])
-            if distance < b.shape.radius:
-                yield distance, b.shape.radius, b.shape.radius, (w.id, b.id)
 
 
 def drop_interactions(bodies):
@@ -221,6 +213,7 @@ def look_anew():
 
 
 def _convert(body, grain, material):
+    """Returns its id."""
     state = body.state
     body.shape = grain
     body.material = material
@@ -234,6 +227,7 @@ def _convert(body, grain, material):
     # NewtonIntegrator then carries the state along and applies no force
     state.blockedDOFs = "xyzXYZ"
     state.vel, state.angVel = velocity, spin
+    return body.id
 
 
 def as_disks(ids=None):
@@ -280,7 +274,7 @@ def _disk_mass_and_inertia(body):
             f"ids: body #{body.id} has blockedDOFs = {body.state.blockedDOFs!r}; a disk of a 2D "
             "scene has at least 'zXY'"
         )
-    parts = [O.bodies[i] for i in body.shape.members] if body.isClump else [body]
+    parts = _spheres_of(body)
     if not all(isinstance(part.shape, Sphere) for part in parts):
         raise ValueError(f"ids: clump #{body.id} has a member that is no sphere")
     radii = [part.shape.radius for part in parts]

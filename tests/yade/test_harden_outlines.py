@@ -266,12 +266,3 @@ def test_fixed_in_a_periodic_cell():
     ready()
     with pytest.raises(ValueError, match="do not follow a periodic cell"):
         sg.harden(material=rigid_material(), into="fixed")
-
-
-def test_clumps_are_not_softened():
-    add_disk()
-    ready()
-    clump = sg.harden(material=rigid_material(), into="clumps", error=0.1).ids[0]
-    for body in (clump, O.bodies[clump].shape.ids[0]):
-        with pytest.raises(ValueError, match="not a sphere outside clumps"):
-            sg.soften([body], soft_material())

@@ -172,7 +172,7 @@ def test_unclear_dimension(centers, flat):
         ({"overlap": "ignore"}, "overlap = 'ignore' is unknown.*'relax', 'shrink', 'refuse'"),
         ({"material": FrictMat()}, "material = FrictMat.*SoftMat"),
         ({"time_step_fraction": 2}, r"fraction = 2 .*\(0, 1\]"),
-        ({"ids": [1]}, "ids: body #1 is not a sphere"),
+        ({"ids": [1]}, "ids: body #1 is neither a sphere"),
         ({"ids": []}, "ids: there is no sphere"),
     ],
     ids=str,
