@@ -202,13 +202,18 @@ const SoftGrain& SoftInteractions::softGrainOf(const Interaction& I) const
 void SoftInteractions::publish(const RigidPartners& partners, Real kick, int threads) const
 {
 	const long count = static_cast<long>(interactions_.size());
+	std::vector<PairForce> forces(count); // in one piece: what it is taken from lies far apart
 #pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
-	for (long k = 0; k < count; ++k)
-		if (!pairOf(*interactions_[k]).isKept()) // else it holds these forces already
-			publishSum(*interactions_[k], kick);
-	for (const Interaction* I : interactions_) {
-		addForces(*I);
-		if (pairOf(*I).hasRigidBody()) addReactions(*I, partners, kick);
+	for (long k = 0; k < count; ++k) {
+		const Interaction& I = *interactions_[k];
+		if (!pairOf(I).isKept()) publishSum(I, kick); // else it holds these forces already
+		forces[k] = forceOf(I);
+	}
+	for (long k = 0; k < count; ++k) {
+		const PairForce& force = forces[k];
+		if (!force.rigid2) scene_.forces.addForce(force.id2, force.onBody2);
+		if (!force.rigid1) scene_.forces.addForce(force.id1, -force.onBody2);
+		if (force.rigid1 || force.rigid2) addReactions(*interactions_[k], partners, kick);
 	}
 }
 
@@ -228,14 +233,12 @@ void SoftInteractions::publishSum(const Interaction& I, Real kick) const
 	if (!sum.direction.isZero(0)) describePair(scene_, I, sign * sum.direction, geom);
 }
 
-/// On soft grains.
-void SoftInteractions::addForces(const Interaction& I) const
+SoftInteractions::PairForce SoftInteractions::forceOf(const Interaction& I) const
 {
 	const SoftPhys& phys = static_cast<const SoftPhys&>(*I.phys);
-	const Vector3r onBody2 = phys.normalForce + phys.shearForce;
 	const int rigid = pairOf(I).hasRigidBody() ? rigidBodyOf(I).getId() : Body::ID_NONE;
-	if (rigid != I.getId2()) scene_.forces.addForce(I.getId2(), onBody2);
-	if (rigid != I.getId1()) scene_.forces.addForce(I.getId1(), -onBody2);
+	return { I.getId1(), I.getId2(), rigid == I.getId1(), rigid == I.getId2(),
+		 phys.normalForce + phys.shearForce };
 }
 
 /// On a rigid body: a free one is to get the impulse itself, which NewtonIntegrator makes of a

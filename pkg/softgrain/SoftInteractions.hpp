@@ -38,13 +38,21 @@ public:
 	void publish(const RigidPartners& partners, Real kick, int threads) const;
 
 private:
+	/// What an interaction does to its bodies. A rigid body (no wall that is a plane) gets its
+	/// share by `addReactions`.
+	struct PairForce {
+		int id1, id2;
+		bool rigid1, rigid2;
+		Vector3r onBody2; ///< N
+	};
+
 	const Body& rigidBodyOf(const Interaction& I) const;
 	const SoftGrain& softGrainOf(const Interaction& I) const;
 	void checkRigidBodies() const;
 	void checkInterfaces() const;
 	void stopOnOverlap(Real maxOverlap) const;
 	void publishSum(const Interaction& I, Real kick) const;
-	void addForces(const Interaction& I) const;
+	PairForce forceOf(const Interaction& I) const;
 	void addReactions(const Interaction& I, const RigidPartners& partners, Real kick) const;
 
 	Scene& scene_;
