@@ -5,6 +5,8 @@
 
 #include "Yade.hpp"
 
+#include <atomic>
+
 namespace yade {
 
 /// Pairs are held within this gap, over the radius of the (smaller) sphere: a gap that may close
@@ -57,7 +59,8 @@ public:
 	DECLARE_LOGGER;
 
 private:
-	bool checked_ = false; ///< whether somebody solves the contacts
+	/// Whether it was looked who solves the contacts; pairs come in parallel.
+	std::atomic<bool> checked_ { false };
 };
 REGISTER_SERIALIZABLE(Law2_ScGeom_FrictPhys_Nonsmooth);
 

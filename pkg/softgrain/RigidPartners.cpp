@@ -13,12 +13,6 @@ string nameOf(const Body& body)
 	       (body.shape ? body.shape->getClassName() : string("no shape")) + ")";
 }
 
-/// Whether NewtonIntegrator moves a body.
-bool isMoved(const Body& body, const NewtonIntegrator& newton)
-{
-	return newton.mask <= 0 || body.maskCompatible(newton.mask);
-}
-
 /// Whether forces change the motion that it gives to a body.
 bool isFreeUnder(const Body& body, const NewtonIntegrator& newton)
 {

@@ -6,6 +6,7 @@
 #include "SoftGrainIntegrator.hpp"
 #include "SoftMat.hpp"
 
+#include <map>
 #include <mutex>
 #include <typeinfo>
 
@@ -140,6 +141,19 @@ void join(const Body& body, const std::shared_ptr<softgrain::GrainAssembly>& ass
 	grain.writtenAsleep = false;
 }
 
+/// A SoftGrain holds the state of one grain; rigid shapes may stand for many.
+void requireShapesOfTheirOwn(const std::vector<Body*>& bodies)
+{
+	std::map<const Shape*, const Body*> owner;
+	for (const Body* body : bodies) {
+		const auto [known, isNew] = owner.emplace(body->shape.get(), body);
+		if (!isNew)
+			throw std::invalid_argument(name(*known->second) + " and " + name(*body) +
+						    " share one SoftGrain as their shape; give "
+						    "each a SoftGrain of its own");
+	}
+}
+
 std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 {
 	const auto [bodies, current] = softScene(scene);
@@ -149,6 +163,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 
 	std::vector<softgrain::GrainDescription> grains;
 	std::shared_ptr<softgrain::GrainAssembly> last;
+	requireShapesOfTheirOwn(bodies);
 	for (const Body* body : bodies) {
 		const auto& present = static_cast<SoftGrain&>(*body->shape).assembly;
 		if (present) last = present;
@@ -189,12 +204,21 @@ std::string namesOf(const Interaction& I)
 	return "bodies #" + std::to_string(I.getId1()) + " and #" + std::to_string(I.getId2());
 }
 
+const NewtonIntegrator* liveNewtonIntegrator(const Engine& engine)
+{
+	return engine.dead ? nullptr : dynamic_cast<const NewtonIntegrator*>(&engine);
+}
+
 const NewtonIntegrator* newtonIntegratorOf(const Scene& scene)
 {
 	for (const auto& engine : scene.engines)
-		if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get()))
-			return newton;
+		if (const auto* newton = liveNewtonIntegrator(*engine)) return newton;
 	return nullptr;
+}
+
+bool isMoved(const Body& body, const NewtonIntegrator& newton)
+{
+	return newton.mask <= 0 || body.maskCompatible(newton.mask);
 }
 
 double defaultTimeStep()

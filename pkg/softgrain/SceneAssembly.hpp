@@ -37,8 +37,14 @@ const SoftMat& materialOf(const Scene& scene, int id);
 /// "bodies #1 and #2", for messages.
 std::string namesOf(const Interaction& I);
 
-/// The first one of O.engines; null if there is none.
+/// The engine, if it is a NewtonIntegrator that is not dead; else null.
+const NewtonIntegrator* liveNewtonIntegrator(const Engine& engine);
+
+/// The first such one of O.engines; null if there is none.
 const NewtonIntegrator* newtonIntegratorOf(const Scene& scene);
+
+/// Whether it moves a body (NewtonIntegrator.mask).
+bool isMoved(const Body& body, const NewtonIntegrator& newton);
 
 /// O.dt of a scene in which nobody has set it, s.
 double defaultTimeStep();

@@ -25,6 +25,9 @@ constexpr Real spinRounding = 1e-9;
 /// How far a shift may be from whole periods, over the radius.
 constexpr Real wrapTolerance = 1e-6;
 
+/// Of the norm of a quaternion that stands for a rotation.
+constexpr Real unitRounding = 1e-6;
+
 /// A rotation within a step that is none, rad.
 constexpr Real noTurn = 1e-16;
 
@@ -43,7 +46,7 @@ bool isAsWritten(const State& state, const softgrain::GrainMotion& written, Real
 		       quaternionRounding;
 }
 
-void requireFinite(const Body& body)
+void requireMotion(const Body& body)
 {
 	const State& state = *body.state;
 	for (const Vector3r& v : { state.pos, state.vel, state.angVel })
@@ -51,9 +54,28 @@ void requireFinite(const Body& body)
 			throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
 						 ": its State (pos, vel, angVel) holds a value "
 						 "that is not finite; assign a finite one");
+	const Real norm = state.ori.norm();
+	if (!(std::abs(norm - 1) <= unitRounding))
+		throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
+					 ": its State.ori has the norm " + std::to_string(norm) +
+					 "; admissible: 1, a rotation");
 }
 
 } // namespace
+
+void SoftBodies::requireCarried(const NewtonIntegrator& newton) const
+{
+	if (newton.mask <= 0) return;
+	for (int g = 0; g < assembly_.grains(); ++g) {
+		const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
+		if (isMoved(body, newton)) continue;
+		throw std::runtime_error(
+			"NewtonIntegrator.mask = " + std::to_string(newton.mask) +
+			" leaves out soft grain #" + std::to_string(body.getId()) +
+			" of mask = " + std::to_string(body.groupMask) +
+			"; it carries State along: let masks have a bit in common");
+	}
+}
 
 std::set<int> SoftBodies::applyUserMotions(const NewtonIntegrator& newton, int threads) const
 {
@@ -77,10 +99,11 @@ bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 {
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
 	const State& state = *body.state;
-	const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+	SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
 	const softgrain::GrainMotion& written = grain.written;
 	const Real radius = grain.radius;
-	requireFinite(body);
+	requireMotion(body);
+	grain.writtenAsleep = false; // the next State is to be published, whatever becomes of it
 	const Vec3 shift = state.pos - written.position;
 	const Rotation turn = state.ori * written.orientation.conjugate();
 	Vec3 velocity = state.vel - written.velocity;

@@ -17,9 +17,11 @@ public:
 	{
 	}
 
+	/// Throws std::runtime_error naming a grain whose State the engine leaves out.
+	void requireCarried(const NewtonIntegrator& newton) const;
 	/// Changes of State since it was written are the user's: they act as rigid motions. Returns
 	/// the ids of the grains that were shifted by whole periods. Throws std::runtime_error for
-	/// values that are not finite.
+	/// values that are no motion.
 	std::set<int> applyUserMotions(const NewtonIntegrator& newton, int threads) const;
 	/// Gravity, O.forces and the flow of a periodic cell as body loads.
 	void applyLoads(const NewtonIntegrator& newton, const CellFlow& flow) const;

@@ -82,12 +82,6 @@ softgrain::Scheme SoftGrain::scheme() const
 	return s;
 }
 
-softgrain::Condition SoftGrain::condition(const SoftMat& material) const
-{
-	return dim == 3 ? softgrain::Condition::solid
-			: softgrain::conditionByName(material.condition);
-}
-
 softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 {
 	const SoftMat& material = static_cast<const SoftMat&>(*body.material);
@@ -97,7 +91,7 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	d.recipe = recipe();
 	d.scheme = scheme();
 	d.law = material.constitutiveLaw();
-	d.condition = condition(material);
+	d.condition = material.conditionIn(dim);
 	d.constants = material.constants();
 	d.damping = material.damping();
 	d.radius = radius;

@@ -24,7 +24,6 @@ public:
 
 	softgrain::TemplateRecipe recipe() const;
 	softgrain::Scheme scheme() const;
-	softgrain::Condition condition(const SoftMat& material) const;
 	softgrain::GrainDescription describe(const Body& body) const;
 	/// Copies the state from the assembly to the saved attributes.
 	void fetchState();

@@ -177,7 +177,8 @@ bool isActiveTimeStepper(Engine& engine)
 
 void SoftGrainIntegrator::checkEngines() const
 {
-	bool seenThis = false, seenNewton = false;
+	bool seenThis = false;
+	const NewtonIntegrator* newton = nullptr;
 	for (const auto& engine : scene->engines) {
 		if (engine.get() == this)
 			seenThis = true;
@@ -185,19 +186,27 @@ void SoftGrainIntegrator::checkEngines() const
 			throw std::runtime_error(
 				"O.engines holds two SoftGrainIntegrators; each moves all soft "
 				"grains: leave one");
-		else if (seenThis && YADE_PTR_DYN_CAST<NewtonIntegrator>(engine))
-			seenNewton = true;
-		else if (seenThis && isActiveTimeStepper(*engine))
+		else if (const auto* live = liveNewtonIntegrator(*engine)) {
+			if (newton)
+				throw std::runtime_error(
+					"O.engines holds two NewtonIntegrators, each of which "
+					"carries State along: leave one, or set dead = True");
+			if (!seenThis)
+				throw std::runtime_error(
+					"NewtonIntegrator stands before SoftGrainIntegrator in "
+					"O.engines; put it after");
+			newton = live;
+		} else if (seenThis && isActiveTimeStepper(*engine))
 			throw std::runtime_error(
 				engine->getClassName() +
 				" stands after SoftGrainIntegrator in O.engines and would change "
 				"O.dt between contact and motion; put it before");
 	}
-	if (seenNewton) return;
-	throw std::runtime_error(
-		"there is no NewtonIntegrator after it in O.engines, which carries "
-		"State along. "
-		"See sg.engines()");
+	if (!newton)
+		throw std::runtime_error(
+			"there is no NewtonIntegrator after it in O.engines that is not dead: it "
+			"carries State along. See sg.engines()");
+	SoftBodies(*scene, *assembly_).requireCarried(*newton);
 }
 
 int SoftGrainIntegrator::threads() const
@@ -300,7 +309,7 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 	sleepingGrains = report.sleepingGrains;
 	droppedMomentum += report.droppedMomentum;
 	droppedEnergy += report.droppedEnergy;
-	lostBonds = report.lostBonds;
+	lostBonds += report.work.lostBonds;
 	totalGrainSteps += activeGrains;
 	steps += 1;
 	totalSweeps += sweeps;

@@ -64,10 +64,9 @@ softgrain::PairContacts& pairOf(const Interaction& I)
 Real stiffnessWithinStep(const SoftGrain& grain, const Scene& scene)
 {
 	const SoftMat& material = materialOf(scene, grain.assembly->idOf(grain.index));
-	const auto constants = material.constants();
-	const Real impedance = constants.density * constants.waveSpeed(grain.condition(material));
 	const Real diameter = 2 * grain.radius;
-	return impedance * (grain.dim == 2 ? diameter : diameter * diameter) / scene.dt;
+	return material.waveImpedance(grain.dim) *
+	       (grain.dim == 2 ? diameter : diameter * diameter) / scene.dt;
 }
 
 /// What functions of YADE that know pairs of spheres go by. `normal` from #1 to #2.

@@ -17,4 +17,9 @@ void SoftMat::postLoad(SoftMat&)
 			   frictionAngle, "[0, pi/2) rad");
 }
 
+softgrain::Condition SoftMat::conditionIn(int dim) const
+{
+	return dim == 3 ? softgrain::Condition::solid : softgrain::conditionByName(condition);
+}
+
 } // namespace yade

@@ -22,9 +22,9 @@ void SoftenWhenLoaded::action()
 					 "sg.soften(when='loaded')");
 	vector<int> waiting;
 	for (const int id : ids) {
+		if (!scene->bodies->exists(id)) continue; // erased
 		const auto& body = (*scene->bodies)[id];
-		if (!body || !YADE_PTR_DYN_CAST<Sphere>(body->shape))
-			continue; // erased, or changed
+		if (!YADE_PTR_DYN_CAST<Sphere>(body->shape)) continue; // changed
 		if (isLoaded(*body)) {
 			soften(*body);
 			++softened;

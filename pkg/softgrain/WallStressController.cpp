@@ -24,10 +24,9 @@ WallStressController::Packing packingOf(const Scene& scene)
 		packing.radius = std::min(packing.radius, grain->radius);
 		if (material.get() == last) continue;
 		last = material.get();
-		const auto constants = material->constants();
-		const Real speed = constants.waveSpeed(grain->condition(*material));
-		packing.impedance = std::max(packing.impedance, constants.density * speed);
-		packing.density = std::max(packing.density, constants.density);
+		packing.impedance =
+			std::max(packing.impedance, material->waveImpedance(grain->dim));
+		packing.density = std::max(packing.density, material->constants().density);
 	}
 	return packing;
 }
@@ -166,8 +165,9 @@ Vector3r WallStressController::strain() const
 {
 	checkWalls();
 	Vector3r logarithms = Vector3r::Zero();
-	for (std::size_t a = 0; a < initialLengths.size(); ++a)
-		logarithms[a] = std::log(length(static_cast<int>(a)) / initialLengths[a]);
+	if (static_cast<int>(initialLengths.size()) != axes()) return logarithms; // not run yet
+	for (int a = 0; a < axes(); ++a)
+		logarithms[a] = std::log(length(a) / initialLengths[a]);
 	return logarithms;
 }
 

@@ -5,7 +5,11 @@ import math
 import numpy as np
 from yade import Body, O, Quaternion, Vector3, utils, wrapper
 
+from softgrain.checks import finite_vector
 from softgrain.outlines import area_and_inertia, normalized
+
+#: Attributes of ``SoftGrain`` that the functions here set themselves.
+_FORM = ("form", "aspect", "exponent", "vertices", "corners")
 
 
 def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
@@ -60,7 +64,8 @@ def soft_block(center, size, material=-1, color=None, mask=1, **shape):
         material,
         color,
         mask,
-        {**shape, "form": "block", "aspect": _aspect(sides)},
+        shape,
+        {"form": "block", "aspect": _aspect(sides)},
     )
 
 
@@ -103,7 +108,7 @@ def soft_superdisk(
         axes.reverse()
         angle += math.pi / 2
     outline = {"form": "superdisk", "aspect": _aspect(axes), "exponent": exponent}
-    body = _soft_body(center, min(axes), 2, material, color, mask, {**shape, **outline})
+    body = _soft_body(center, min(axes), 2, material, color, mask, shape, outline)
     body.state.ori = _turned(angle)
     return body
 
@@ -134,7 +139,7 @@ def soft_polygon(vertices, material=-1, color=None, mask=1, corners=None, z=0.0,
     form = normalized(vertices, corners)
     outline = {"form": "polygon", "vertices": form.vertices.tolist(), "corners": form.corners}
     center = (*form.centroid, z)
-    body = _soft_body(center, form.radius, 2, material, color, mask, {**shape, **outline})
+    body = _soft_body(center, form.radius, 2, material, color, mask, shape, outline)
     body.state.ori = _turned(form.angle)
     return body
 
@@ -150,13 +155,27 @@ def _aspect(sides):
 
 
 def _turned(angle):
+    if not math.isfinite(angle):
+        raise ValueError(f"angle = {angle}: admissible is a finite number, in rad")
     return Quaternion((0, 0, 1), angle)
 
 
-def _soft_body(center, radius, dim, material, color, mask, shape):
+def _soft_body(center, radius, dim, material, color, mask, shape, form=None):
+    """`shape`: attributes as the user gave them; `form`: those of the outline."""
+    center = finite_vector("center", center, 3, "m")
+    for name in (*_FORM, "radius", "dim"):
+        if name in shape:
+            raise ValueError(
+                f"{name} = {shape[name]!r}: the function that makes the grain sets it; call the "
+                "one for the outline that is meant (sg.soft_disk, sg.soft_block, ...)"
+            )
     body = Body()
     body.shape = wrapper.SoftGrain(
-        radius=radius, dim=dim, color=color if color else utils.randomColor(), **shape
+        radius=radius,
+        dim=dim,
+        color=color if color else utils.randomColor(),
+        **shape,
+        **(form or {}),
     )
     volume, inertia = volume_and_inertia(body.shape)
     utils._commonBodySetup(

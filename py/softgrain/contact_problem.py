@@ -1,6 +1,11 @@
 """Contact problems as data: solve one outside a scene."""
 
+import numpy as np
+
 from softgrain import _softgrain
+
+#: Arrays of a problem with a vector, and a number, for each contact.
+_VECTORS, _NUMBERS = ("free_velocity", "start"), ("bias", "friction")
 
 
 def solve_contact_problem(problem, tolerance=1e-10, max_sweeps=100_000):
@@ -24,4 +29,27 @@ def solve_contact_problem(problem, tolerance=1e-10, max_sweeps=100_000):
         ValueError: arrays that do not fit together, or a value outside its range.
         KeyError: an array is missing.
     """
-    return _softgrain.solveContactProblem(dict(problem), tolerance, max_sweeps)
+    arrays = {name: np.asarray(problem[name]) for name in ("normal", *_VECTORS, *_NUMBERS)}
+    shape = arrays["normal"].shape
+    if len(shape) != 2 or shape[1] not in (2, 3):
+        raise ValueError(f"normal has the shape {shape}; admissible: (contacts, 2 or 3)")
+    for names, expected in ((_VECTORS, shape), (_NUMBERS, shape[:1])):
+        for name in names:
+            if arrays[name].shape != expected:
+                raise ValueError(
+                    f"{name} has the shape {arrays[name].shape}; that of normal asks for {expected}"
+                )
+    for name in ("delassus_offset", "delassus_column"):
+        arrays[name] = _indices(name, problem[name])
+    arrays["delassus_value"] = np.asarray(problem["delassus_value"])
+    return _softgrain.solveContactProblem(arrays, tolerance, max_sweeps)
+
+
+def _indices(name, array):
+    array = np.asarray(array)
+    limits = np.iinfo(np.int32)
+    if array.size and array.dtype.kind not in "iu":
+        raise ValueError(f"{name} holds numbers of type {array.dtype}; admissible: integers")
+    if array.size and not (limits.min <= array.min() and array.max() <= limits.max):
+        raise ValueError(f"{name} holds numbers beyond {limits.max}")
+    return array

@@ -30,12 +30,8 @@ def contact_forces():
         columns["other"].append(np.where(on_first, second, first))
         for name in names:
             columns[name].append(arrays[name])
-    vectors = ("point", "normal", "force", "shear")
     return {
-        name: (
-            np.concatenate(parts) if parts else np.zeros((0, 3) if name in vectors else (0,), float)
-        )
-        for name, parts in columns.items()
+        name: np.concatenate(parts) if parts else _no_rows(name) for name, parts in columns.items()
     }
 
 
@@ -50,11 +46,17 @@ def pair_forces():
     """
     rows = [_pair(i) for i in _soft_interactions() if i.phys.activeContacts > 0]
     names = ("id1", "id2", "point", "normal", "shear", "area", "pressure", "traction")
-    shapes = {"point": (0, 3), "normal": (0, 3), "shear": (0, 3)}
     return {
-        name: np.array([row[k] for row in rows]) if rows else np.zeros(shapes.get(name, (0,)))
+        name: np.array([row[k] for row in rows]) if rows else _no_rows(name)
         for k, name in enumerate(names)
     }
+
+
+def _no_rows(name):
+    """The column of that name in a table without rows."""
+    if name in ("point", "normal", "force", "shear"):
+        return np.zeros((0, 3))
+    return np.zeros(0, int if name in ("owner", "other", "id1", "id2") else float)
 
 
 def body_forces():

@@ -7,6 +7,7 @@ import numpy as np
 from yade import FrictMat, Matrix3, O, Sphere, Vector3, utils, wrapper
 
 from softgrain import _softgrain
+from softgrain.checks import bodies_of
 from softgrain.filling import fill
 from softgrain.observe import soft_bodies
 from softgrain.overlaps import overlap_factor
@@ -97,10 +98,10 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
 
 
 def _grains(ids):
-    bodies = soft_bodies() if ids is None else [O.bodies[i] for i in ids]
+    bodies = soft_bodies() if ids is None else bodies_of(ids)
     for body in bodies:
-        if not (body and isinstance(body.shape, wrapper.SoftGrain)):
-            raise ValueError(f"ids: body #{body and body.id} is no soft grain")
+        if not isinstance(body.shape, wrapper.SoftGrain):
+            raise ValueError(f"ids: body #{body.id} is no soft grain")
     if not bodies:
         raise ValueError("ids: there is no soft grain to harden")
     return bodies

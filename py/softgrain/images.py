@@ -7,6 +7,7 @@ import numpy as np
 from PIL import Image
 
 from softgrain.build import soft_polygon
+from softgrain.checks import finite_vector
 from softgrain.label_outlines import label_outlines
 
 
@@ -74,6 +75,7 @@ def grains_from_image(
         raise ValueError(f"least_pixels = {least_pixels} is outside the admissible range [10, inf)")
     if unusable not in ("refuse", "skip"):
         raise ValueError(f"unusable = {unusable!r} is unknown; known: 'refuse', 'skip'")
+    origin = finite_vector("origin", origin, 3, "m")
     labels = read_labels(image)
     outlines, left_out = label_outlines(labels, background, smoothing, least_pixels)
     if left_out and unusable == "refuse":
@@ -108,7 +110,7 @@ def read_labels(image):
     """Labels of an image as :func:`grains_from_image` takes it: integers (rows, columns).
 
     Raises:
-        ValueError: an array that is not two-dimensional or not of integers.
+        ValueError: an array that is empty, not two-dimensional or not of integers.
     """
     if not isinstance(image, np.ndarray):
         picture = Image.open(image)
@@ -120,4 +122,6 @@ def read_labels(image):
         raise ValueError(
             f"image: {image.dtype} of shape {image.shape}; admissible: integers (rows, columns)"
         )
+    if image.size == 0:
+        raise ValueError(f"image: no pixels, its shape is {image.shape}")
     return image.astype(np.int64)

@@ -4,10 +4,12 @@ nothing of a scene."""
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize
+from scipy import optimize, spatial
 
 #: Vertices at which a polygon turns by more than this are corners, if nothing else is said [rad].
 CORNER_TURN = np.radians(20)
+#: Longest side of the bounding box over the radius of the largest circle inside.
+SLENDEREST = 1000
 
 
 @dataclass
@@ -106,6 +108,13 @@ def inradius(vertices):
     return -improved.fun
 
 
+def width(vertices):
+    """Smallest distance of two parallel lines between which a polygon lies."""
+    hull = spatial.ConvexHull(vertices)
+    beyond = hull.equations[:, :2] @ vertices.T + hull.equations[:, 2:]
+    return -beyond.min(axis=1).max()
+
+
 def normalized(vertices, corners=None):
     """The form that a polygon shares with those congruent to it (up to translation, rotation and
     size, not reflection).
@@ -144,6 +153,12 @@ def normalized(vertices, corners=None):
         raise ValueError(
             f"vertices: the area of the polygon is {area:g} m^2; admissible: > 0, "
             "without crossings"
+        )
+    slenderness = np.ptp(x, axis=0).max() / (width(x) / 2)
+    if slenderness > SLENDEREST:  # the circle inside is smaller still, and takes long to be found
+        raise ValueError(
+            f"vertices: the polygon is {slenderness / 2:.3g} times as long as wide; admissible: "
+            f"at most {SLENDEREST / 2:g}"
         )
     size, centroid = np.sqrt(area), area_and_inertia(x)[1]
     x = (x - centroid) / size

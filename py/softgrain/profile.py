@@ -3,6 +3,9 @@
 import numpy as np
 from yade import O, wrapper
 
+#: Of forces, over the largest one: normal parts of tangential impulses.
+ROUNDING = 1e-12
+
 
 def contact_profile(interaction):
     """Contact points of a pair in the last step, ordered along the contact.
@@ -64,11 +67,18 @@ def contact_halfwidth(position, force):
 
     Args:
         position (array): of the nodes along the contact [m].
-        force (array): on them, >= 0 [N or N/m].
+        force (array): on them, >= 0 [N or N/m]; of contacts that also pull ``numpy.maximum(force,
+            0)``.
 
     Returns:
         float: a [m]; 0 without force.
+
+    Raises:
+        ValueError: a force is negative or no number.
     """
+    force = np.asarray(force, float)
+    if not np.all(force >= -ROUNDING * np.abs(force).max(initial=0)):
+        raise ValueError("force holds a value outside the admissible range [0, inf)")
     total = np.sum(force)
     if not total > 0:
         return 0.0

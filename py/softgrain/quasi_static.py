@@ -124,18 +124,7 @@ def suggest_speed(stress=None, share=0.1):
         raise ValueError(f"stress = {stress} is outside the admissible range (0, inf) Pa")
     if not 0 < share <= 1:
         raise ValueError(f"share = {share} is outside the admissible range (0, 1]")
-    return share * stress / max(_impedance(body) for body in bodies)
-
-
-def _impedance(body):
-    """rho c = sqrt(rho (lambda' + 2 mu)) [Pa s/m]."""
-    material = body.material
-    nu = material.poisson
-    mu = 0.5 * material.young / (1 + nu)
-    lam = 2 * mu * nu / (1 - 2 * nu)
-    if body.shape.dim == 2 and material.condition == "planeStress":
-        lam = 2 * lam * mu / (lam + 2 * mu)
-    return math.sqrt(material.massScaling * material.density * (lam + 2 * mu))
+    return share * stress / max(body.material.waveImpedance(body.shape.dim) for body in bodies)
 
 
 def scale_mass(factor, materials=None):

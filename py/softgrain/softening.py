@@ -5,6 +5,7 @@ import math
 from yade import InsertionSortCollider, O, Sphere, Vector3, wrapper
 
 from softgrain.build import soft_material, soft_polygon, volume_and_inertia
+from softgrain.checks import bodies_of
 from softgrain.disk_union import outline_of_disks
 from softgrain.overlaps import overlap_factor
 from softgrain.time_loop import check_fraction, set_time_step
@@ -156,23 +157,19 @@ def _rigid_grains(ids):
     if ids is None:
         bodies = [b for b in O.bodies if b and _is_single_sphere(b)]
     else:
-        bodies = [O.bodies[i] for i in ids]
-        for i, body in zip(ids, bodies):
-            if body is None or not (body.isClump or _is_single_sphere(body)):
-                part = f"; it is a member of clump #{body.clumpId}" if _is_member(body) else ""
+        bodies = bodies_of(ids)
+        for body in bodies:
+            if not (body.isClump or _is_single_sphere(body)):
+                part = f"; it is a member of clump #{body.clumpId}" if body.isClumpMember else ""
                 raise ValueError(
-                    f"ids: body #{i} is neither a sphere outside clumps nor a clump; only these "
-                    f"can be softened{part}"
+                    f"ids: body #{body.id} is neither a sphere outside clumps nor a clump; only "
+                    f"these can be softened{part}"
                 )
             if not all(isinstance(part.shape, Sphere) for part in _spheres_of(body)):
-                raise ValueError(f"ids: clump #{i} has a member that is no sphere")
+                raise ValueError(f"ids: clump #{body.id} has a member that is no sphere")
     if not bodies:
         raise ValueError("ids: there is no sphere to soften")
     return bodies
-
-
-def _is_member(body):
-    return body is not None and body.isClumpMember
 
 
 def _spheres_of(body):
@@ -253,7 +250,7 @@ def as_disks(ids=None):
     if ids is None:
         bodies = [b for b in O.bodies if b and (b.isClump or _is_single_sphere(b))]
     else:
-        bodies = [O.bodies[i] for i in ids]
+        bodies = bodies_of(ids)
     disks = [(b, _disk_mass_and_inertia(b)) for b in bodies]
     for body, (mass, inertia) in disks:
         body.state.mass = mass
@@ -267,8 +264,8 @@ def _is_single_sphere(body):
 
 def _disk_mass_and_inertia(body):
     """Of a sphere or a clump of spheres, as disks per metre of thickness [kg/m, kg m]."""
-    if body is None or not (body.isClump or _is_single_sphere(body)):
-        raise ValueError(f"ids: body #{body and body.id} is no sphere outside clumps and no clump")
+    if not (body.isClump or _is_single_sphere(body)):
+        raise ValueError(f"ids: body #{body.id} is no sphere outside clumps and no clump")
     if not set("zXY") <= set(body.state.blockedDOFs):
         raise ValueError(
             f"ids: body #{body.id} has blockedDOFs = {body.state.blockedDOFs!r}; a disk of a 2D "

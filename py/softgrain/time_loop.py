@@ -1,5 +1,7 @@
 """Engines and time step of scenes with soft grains."""
 
+import math
+
 import numpy as np
 from yade import (
     Bo1_Box_Aabb,
@@ -24,6 +26,7 @@ from yade import (
 )
 
 from softgrain import _softgrain
+from softgrain.checks import finite_vector
 
 #: O.dt as last set by set_time_step [s] and the fraction of the critical step that it was.
 _own_step = {"dt": None, "fraction": None}
@@ -73,11 +76,16 @@ def engines(
     if rigid not in _RIGID_LAWS:
         raise ValueError(f"rigid = {rigid!r} is not one of {', '.join(map(repr, _RIGID_LAWS))}")
     nonsmooth = rigid == "nonsmooth"
+    gravity = finite_vector("gravity", gravity, 3, "m/s²")
     if verlet_distance is None:
         radii = _radii(wrapper.SoftGrain) or _radii(Sphere)
         if not radii:
             raise ValueError("verlet_distance: give it, or add soft grains or spheres first")
         verlet_distance = _VERLET_SHARE * min(radii)
+    if not 0 <= verlet_distance < math.inf:
+        raise ValueError(
+            f"verlet_distance = {verlet_distance} is outside the admissible range [0, inf) m"
+        )
     walls = [b.id for b in O.bodies if b and isinstance(b.shape, wrapper.Wall)]
     if O.periodic and walls:
         raise ValueError(

@@ -24,6 +24,7 @@ from yade import (
     InteractionLoop,
     NewtonIntegrator,
     O,
+    Quaternion,
     utils,
 )
 
@@ -224,8 +225,7 @@ def test_integrator_of_newton_too_early():
     add_disk()
     engines = sg.engines()
     O.engines = engines[:3] + [engines[4], engines[3]]
-    message = message_of_step()
-    assert "no NewtonIntegrator after it in O.engines" in message and "sg.engines()" in message
+    assert "NewtonIntegrator stands before SoftGrainIntegrator" in message_of_step()
 
 
 def rigid_sphere():
@@ -450,3 +450,96 @@ def test_body_removed_and_added_in_the_run():
     run(5)
     assert second.state.pos[0] == pytest.approx(3 * RADIUS + O.time, rel=1e-10)
     assert isinstance(O.engines[-1], NewtonIntegrator)
+
+
+def without_newton():
+    O.engines[-1].dead = True
+
+
+def newton_twice():
+    O.engines = [*O.engines, NewtonIntegrator()]
+
+
+def newton_that_passes_over():
+    O.bodies[0].mask, O.engines[-1].mask = 2, 1
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (without_newton, "no NewtonIntegrator after it in O.engines that is not dead"),
+        (newton_twice, "two NewtonIntegrators"),
+        (newton_that_passes_over, "mask = 1 leaves out soft grain #0 of mask = 2"),
+    ],
+    ids=lambda value: getattr(value, "__name__", ""),
+)
+def test_newton_that_does_not_carry_state_along(change, message):
+    add_disk()
+    ready()
+    change()
+    assert message in message_of_step()
+
+
+def test_dead_newton_beside_a_live_one():
+    body = add_disk()
+    ready()
+    newton_twice()
+    O.engines[-1].dead = True
+    body.state.vel = (1, 0, 0)
+    run(2)
+    assert body.state.pos[0] == pytest.approx(O.time)
+
+
+@pytest.mark.parametrize("ori", [(2, 0, 0, 1), (math.nan, 0, 0, 0)], ids=str)
+def test_orientation_that_is_no_rotation(ori):
+    body = add_disk()
+    ready()
+    body.state.ori = Quaternion(*ori)
+    assert "soft grain #0: its State.ori has the norm" in message_of_step()
+
+
+def test_shape_of_two_bodies():
+    first = add_disk()
+    second = sg.soft_disk((5 * RADIUS, 0, 0), RADIUS, first.material, zeta=ZETA)
+    second.shape = first.shape
+    O.bodies.append(second)
+    O.engines = sg.engines()
+    assert "body #0 and body #1 share one SoftGrain" in message_of_step()
+
+
+NAN = math.nan
+DISK = dict(center=(0, 0, 0), radius=RADIUS)
+THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
+
+
+@pytest.mark.parametrize(
+    "call, message",
+    [
+        (lambda: sg.soft_disk((NAN, 0, 0), RADIUS), "center = .*3 finite numbers"),
+        (lambda: sg.soft_disk((0, 0), RADIUS), "center = .*3 finite numbers"),
+        (lambda: sg.soft_polygon([(0, 0), (1, 0), (0, 1)], z=NAN), "center = .*finite"),
+        (lambda: sg.soft_ellipse((0, 0, 0), (2, 1), angle=NAN), "angle = nan"),
+        (lambda: sg.soft_disk(**DISK, form="block"), "form = 'block': .*sg.soft_block"),
+        (lambda: sg.soft_sphere(**DISK, dim=2), "dim = 2: "),
+        (lambda: sg.soft_polygon(THIN), "times as long as wide; admissible: at most 500"),
+        (lambda: sg.engines(verlet_distance=NAN), r"verlet_distance = nan .*\[0, inf\) m"),
+        (lambda: sg.engines(1e-4, gravity=(NAN, 0, 0)), "gravity = .*3 finite numbers"),
+        (lambda: sg.soften([0, 0]), "ids: #0 is given twice"),
+        (lambda: sg.soften(i for i in [0]), "body #0 is neither a sphere"),
+        (lambda: sg.soften([9]), "ids: there is no body #9"),
+        (lambda: sg.soften([-1]), "ids: there is no body #-1"),
+        (lambda: sg.as_disks([9]), "ids: there is no body #9"),
+        (lambda: sg.harden([0, 0], into="clumps"), "ids: #0 is given twice"),
+        (lambda: sg.harden([9]), "ids: there is no body #9"),
+        (lambda: sg.draw_packing("p.png", box=(0, 1)), "box = .*4 finite numbers"),
+        (lambda: sg.draw_packing("p.png", limits=(1,)), "limits = .*2 finite numbers"),
+        (lambda: sg.draw_packing("p.png", scale=-1), r"scale = -1 .*\(0, inf\) Pa"),
+        (lambda: sg.contact_halfwidth([0, 1], [1, -1]), r"force .*\[0, inf\)"),
+        (lambda: sg.contact_halfwidth([0, 1], [1, NAN]), r"force .*\[0, inf\)"),
+    ],
+)
+def test_arguments(call, message):
+    body = add_disk()
+    with pytest.raises(ValueError, match=message):
+        call()
+    assert [b.id for b in O.bodies] == [body.id] and body.shape.form == "ball"

@@ -247,3 +247,21 @@ def test_bad_input():
     ready(interface=COHESION, interfaceRange=1e-5)
     with pytest.raises(RuntimeError, match="interfaceRange"):
         run(2)
+
+
+def test_bonds_that_are_torn_in_one_step_are_counted(tmp_path):
+    """Also where the interaction ends by it; the count is saved."""
+    upper = add_block(0)
+    add_block(-SIDE)
+    ready(interface={**BOND, "bondAtTouch": True})
+    run(10)
+    bonds = (interaction().geom.contacts()["bond"] == 1).sum()
+    assert bonds > 5 and sg.integrator().lostBonds == 0
+    upper.state.pos = (0, 3 * SIDE, 0)
+    run(3)
+    assert not [i for i in O.interactions if i.isReal]
+    assert sg.integrator().lostBonds == bonds
+    O.save(str(tmp_path / "scene.yade.gz"))
+    O.load(str(tmp_path / "scene.yade.gz"))
+    run(1)
+    assert sg.integrator().lostBonds == bonds

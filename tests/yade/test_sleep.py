@@ -230,6 +230,23 @@ def test_woken_by_a_falling_disk():
     assert sg.integrator().activeGrains == 4
 
 
+@pytest.mark.parametrize("steps", (1, 4))
+def test_moved_by_hand_while_asleep(steps):
+    """Once, not in every step: it falls asleep again in the same one."""
+    disk = add_disk()
+    ready()
+    run(5)
+    assert asleep() == [True]
+    start = disk.shape.outline()[:, :2]
+    disk.state.pos = (0.5 * RADIUS, 0, 0)
+    disk.state.ori = Quaternion((0, 0, 1), 0.3)
+    run(steps)
+    c, s = math.cos(0.3), math.sin(0.3)
+    expected = start @ [[c, s], [-s, c]] + (0.5 * RADIUS, 0)
+    np.testing.assert_allclose(disk.shape.outline()[:, :2], expected, atol=1e-12 * RADIUS)
+    np.testing.assert_allclose(disk.state.pos, (0.5 * RADIUS, 0, 0), atol=1e-15)
+
+
 def box_below():
     return utils.box((RADIUS, -2 * RADIUS, 0), (5 * RADIUS, RADIUS, RADIUS), fixed=True)
 

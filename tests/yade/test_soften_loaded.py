@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 from partner_scenes import add_rigid_disk, momentum
-from scenes import RADIUS, assert_done, assert_goes_on_after_loading, run, run_python, soft_material
+from scenes import (
+    RADIUS,
+    add_disk,
+    assert_done,
+    assert_goes_on_after_loading,
+    ready,
+    run,
+    run_python,
+    soft_material,
+)
 from yade import O
 
 import softgrain as sg
@@ -78,3 +87,13 @@ def test_soften_when_loaded_needs_an_integrator():
     O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
     with pytest.raises(ValueError, match="load = -1"):
         sg.soften(when="loaded", load=-1)
+
+
+def test_ids_that_are_no_bodies():
+    add_disk()
+    material = O.bodies[0].material
+    softener = sg.SoftenWhenLoaded(ids=[-1, 10**6], shape=sg.SoftGrain(), material=material)
+    ready()
+    O.engines = O.engines[:3] + [softener] + O.engines[3:]
+    run(1)
+    assert softener.ids == []

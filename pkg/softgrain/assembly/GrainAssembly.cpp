@@ -62,7 +62,7 @@ public:
 		place(list.image, image);
 		list.first = first;
 		list.second = second;
-		if (system_.search(list, dt)) countSearch(list);
+		search(list, dt);
 	}
 
 	bool areFarApart(int first, int second, const ImageDescription& image,
@@ -82,7 +82,7 @@ public:
 		list.rigid.reset(); // a wall that was free before
 		list.plane = { toKernel<dim>(wall.point), toKernel<dim>(wall.normal),
 			       toKernel<dim>(wall.velocity) };
-		if (system_.search(list, dt)) countSearch(list);
+		search(list, dt);
 	}
 
 	/// Called where nothing may be thrown.
@@ -104,10 +104,11 @@ public:
 		if (!surface) {
 			list.clearContacts();
 			list.deepest = overlap;
+			countLostBonds(list);
 			return;
 		}
 		describe(*list.rigid, *surface, body, list.image.shift);
-		if (system_.search(list, dt)) countSearch(list);
+		search(list, dt);
 	}
 	void checkRigidBody(const RigidBodyDescription& body) const override { surfaceOf(body); }
 
@@ -132,6 +133,7 @@ public:
 		}
 		report.work.pairs = searchedPairs_.exchange(0);
 		report.work.candidates = testedCandidates_.exchange(0);
+		report.work.lostBonds = lostBonds_.exchange(0);
 		return report;
 	}
 	ContactProblemArrays contactProblem() const override
@@ -344,10 +346,18 @@ private:
 	}
 
 	/// Searches run in parallel.
-	void countSearch(const ContactList<dim>& list) const
+	void search(ContactList<dim>& list, double dt) const
 	{
-		searchedPairs_.fetch_add(1, std::memory_order_relaxed);
-		testedCandidates_.fetch_add(list.tested, std::memory_order_relaxed);
+		if (system_.search(list, dt)) {
+			searchedPairs_.fetch_add(1, std::memory_order_relaxed);
+			testedCandidates_.fetch_add(list.tested, std::memory_order_relaxed);
+		}
+		countLostBonds(list);
+	}
+	void countLostBonds(ContactList<dim>& list) const
+	{
+		if (!list.interface) return;
+		lostBonds_.fetch_add(list.interface->takeLostBonds(), std::memory_order_relaxed);
 	}
 
 	const GrainParameters<dim>& parameters(int g) const
@@ -365,8 +375,8 @@ private:
 		}
 	}
 
-	mutable std::atomic<long> searchedPairs_ = 0,
-				  testedCandidates_ = 0; ///< since the last step
+	mutable std::atomic<long> searchedPairs_ = 0, testedCandidates_ = 0,
+				  lostBonds_ = 0; ///< since the last step
 	System<dim> system_;
 	Templates<dim> templates_;
 	/// Where the impulses of the system's rigid contacts go, in the step at hand.

@@ -155,7 +155,8 @@ TEST_CASE("a bond is carried with its contact, and counted where that is lost", 
 	CHECK(interface.history[0].bond == Bond::none);
 	CHECK(interface.history[1].bond == Bond::whole);
 	CHECK(interface.history[1].start == 1e-6);
-	CHECK(interface.lost == 1);
+	CHECK(interface.takeLostBonds() == 1);
+	CHECK(interface.takeLostBonds() == 0);
 }
 
 TEMPLATE_TEST_CASE_SIG("two bodies rebound with Newton's coefficient", "[interface]",

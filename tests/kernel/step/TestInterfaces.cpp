@@ -155,7 +155,7 @@ TEMPLATE_TEST_CASE_SIG("Interface: work of separation", "[interface][dugdale][bo
 			const double work =
 				(scene.system.energy().cohesion - before) / faceArea<dim>();
 			CHECK(std::abs(work - energy) < 0.03 * energy); // a step is 3 % of the way
-			CHECK(scene.lists[0].interface->lost == 0);
+			CHECK(scene.lists[0].interface->takeLostBonds() == 0);
 			CHECK(std::abs(totalEnergy<dim>(scene.system.energy())) <
 			      0.01 * energy * faceArea<dim>());
 		}

@@ -85,13 +85,13 @@ template <int dim> void PairInterface<dim>::beginSearch()
 	last_.swap(history);
 	history.clear();
 	for (const ContactHistory<dim>& h : last_)
-		lost += h.bond == Bond::whole;
+		lost_ += h.bond == Bond::whole;
 }
 
 template <int dim> void PairInterface<dim>::carry(std::size_t from, std::size_t to)
 {
 	history[to] = last_[from];
-	lost -= history[to].bond == Bond::whole;
+	lost_ -= history[to].bond == Bond::whole;
 }
 
 namespace {
@@ -102,7 +102,7 @@ template <int dim> constexpr int numbersEach = 2 * dim + 4;
 
 template <int dim> std::vector<double> PairInterface<dim>::numbers() const
 {
-	std::vector<double> all { static_cast<double>(lost) };
+	std::vector<double> all;
 	for (const ContactHistory<dim>& h : history) {
 		all.insert(all.end(), h.pull.data(), h.pull.data() + dim);
 		all.insert(all.end(), h.slip.data(), h.slip.data() + dim);
@@ -115,15 +115,14 @@ template <int dim> std::vector<double> PairInterface<dim>::numbers() const
 template <int dim> void PairInterface<dim>::restore(const std::vector<double>& numbers)
 {
 	constexpr int each = numbersEach<dim>;
-	if (numbers.size() % each != 1)
+	if (numbers.size() % each != 0)
 		throw std::invalid_argument(
 			"saved history of an interface has " + std::to_string(numbers.size()) +
-			" numbers; admissible: 1 + a multiple of " + std::to_string(each));
-	lost = static_cast<long>(numbers[0]);
+			" numbers; admissible: a multiple of " + std::to_string(each));
 	history.resize(numbers.size() / each);
 	for (std::size_t k = 0; k < history.size(); ++k) {
 		ContactHistory<dim>& h = history[k];
-		const double* from = &numbers[1 + k * each];
+		const double* from = &numbers[k * each];
 		h.pull = Eigen::Map<const Vec<dim>>(from);
 		h.slip = Eigen::Map<const Vec<dim>>(from + dim);
 		h.start = from[2 * dim];

@@ -11,6 +11,7 @@
 #include "Vector.hpp"
 #include "contact/InterfaceLaw.hpp"
 
+#include <utility>
 #include <vector>
 
 namespace softgrain {
@@ -49,7 +50,6 @@ template <int dim> class PairInterface {
 public:
 	InterfaceLaw law;
 	std::vector<ContactHistory<dim>> history; ///< one for each contact of the pair
-	long lost = 0; ///< bonds that were whole when their contact vanished, so far
 
 	/// For the step at hand: time over which impulses act, length, s.
 	void begin(double kick, double dt)
@@ -87,6 +87,8 @@ public:
 	void carry(std::size_t from, std::size_t to);
 	/// Sizes the history for the contacts found.
 	void resize(std::size_t contacts) { history.resize(contacts); }
+	/// Bonds that were whole when their contact vanished, since this was last asked.
+	long takeLostBonds() { return std::exchange(lost_, 0); }
 
 	/// History as numbers, and back.
 	std::vector<double> numbers() const;
@@ -95,6 +97,7 @@ public:
 private:
 	std::vector<ContactHistory<dim>> last_; ///< before the search
 	double kick_ = 0, dt_ = 0;
+	long lost_ = 0;
 };
 
 template <int dim>

@@ -27,7 +27,6 @@ struct InterfaceLaw {
 	bool hasDynamicFriction() const { return dynamicFriction >= 0; }
 	bool hasCohesion() const { return cohesion > 0; }
 	bool hasBond() const { return bondStrength > 0; }
-	bool pulls() const { return hasCohesion() || hasBond(); }
 	double finalOpening() const { return 2 * bondEnergy / bondStrength; } ///< l_f, m
 	double stiffness() const;                                             ///< K, Pa/m
 	/// K (1 - D), Pa/m.

@@ -43,6 +43,8 @@ struct ElasticConstants {
 	double effectiveLambda(Condition condition) const;
 	/// Speed of pressure waves in the undeformed grain, m/s.
 	double waveSpeed(Condition condition) const;
+	/// What their stress is over the velocity of its points, Pa s/m.
+	double waveImpedance(Condition condition) const { return density * waveSpeed(condition); }
 };
 
 /// Constants of the grains of a block as laws use them.

@@ -20,13 +20,6 @@ template <class Value> struct SparseRows {
 		column.push_back(col);
 		value.push_back(v);
 	}
-	/// To no rows; memory is kept.
-	void clear()
-	{
-		offset.assign(1, 0);
-		column.clear();
-		value.clear();
-	}
 	void closeRow() { offset.push_back(static_cast<int>(column.size())); }
 };
 

@@ -97,15 +97,12 @@ template <int dim> void System<dim>::listGrains()
 	if (listedChanges_ == changes && listed_.size() == place_.size()) return;
 	listedChanges_ = changes;
 	listed_.resize(place_.size());
-	for (auto* list : { &active_, &rigid_, &asleep_, &awake_ })
+	for (auto* list : { &active_, &asleep_, &awake_ })
 		list->clear();
 	for (int g = 0; g < grains(); ++g) {
 		listed_[g] = isAsleep(g) ? asleep : isRigid(g) ? rigid : active;
-		(listed_[g] == active  ? active_
-		 : listed_[g] == rigid ? rigid_
-				       : asleep_)
-			.push_back(g);
-		if (listed_[g] != asleep) awake_.push_back(g);
+		if (listed_[g] == active) active_.push_back(g);
+		(listed_[g] == asleep ? asleep_ : awake_).push_back(g);
 	}
 	measureSleepers();
 	for (const auto& set : sets_)
@@ -326,7 +323,6 @@ std::vector<char> System<dim>::sortLists(std::vector<ContactList<dim>*>& lists,
 	std::vector<char> touched(grains(), 0);
 	for (ContactList<dim>* list : lists) {
 		report.deepest = std::max(report.deepest, list->deepest);
-		if (list->interface) report.lostBonds += list->interface->lost;
 		if (list->rigid) list->rigid->moves = partners_[list->rigid->partner].moves();
 		if (list->contacts.empty()) continue;
 		touched[list->first] = 1;

@@ -63,6 +63,7 @@ struct WorkCounts {
 	long pairs = 0;      ///< pairs of bodies searched for contacts
 	long candidates = 0; ///< contact nodes tested against another body
 	long visits = 0;     ///< of contacts by sweeps: their number, summed over the sweeps
+	long lostBonds = 0;  ///< whole when searches found their contact gone
 };
 
 struct StepReport {
@@ -74,7 +75,6 @@ struct StepReport {
 	int sleepingGrains = 0;
 	double droppedMomentum = 0; ///< sum over the grains that fell asleep, N s
 	double droppedEnergy = 0;   ///< the kinetic energy they had, J
-	long lostBonds = 0; ///< whole bonds of pairs within reach whose contact vanished, so far
 };
 
 struct StepSettings {
@@ -278,7 +278,7 @@ private:
 	enum Activity : char { active, rigid, asleep };
 	std::vector<Activity> listed_; ///< by grain: the list it is in
 	long listedChanges_ = -1;      ///< of activity, of all sets, when the lists were made
-	std::vector<int> active_, rigid_, asleep_;
+	std::vector<int> active_, asleep_;
 	std::vector<int> awake_;   ///< active and rigid
 	std::vector<int> rested_;  ///< falling asleep in the step at hand
 	std::vector<int> resting_; ///< by sleeping grain: its pairs in contact; -1: woken
