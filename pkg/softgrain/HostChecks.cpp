@@ -15,12 +15,13 @@ namespace {
 	throw std::invalid_argument(what + ": " + why);
 }
 
-/// Engines that take every body for a sphere, or move bodies themselves.
+/// Engines that take every body for a sphere, or move bodies themselves. Never destroyed: a run in
+/// the background may go on while the process ends.
 const std::map<string, string>& unfitEngines()
 {
-	static const string spheresOnly =
+	const string spheresOnly =
 		"it knows spheres only and would pass over soft grains, or take them for spheres";
-	static const std::map<string, string> reasons {
+	static const auto& reasons = *new std::map<string, string> {
 		{ "FlowEngine", spheresOnly },
 		{ "PeriodicFlowEngine", spheresOnly },
 		{ "TwoPhaseFlowEngine", spheresOnly },
@@ -31,6 +32,8 @@ const std::map<string, string>& unfitEngines()
 		{ "HydrodynamicsLawLBM", spheresOnly },
 		{ "FoamCoupling", spheresOnly },
 		{ "SPHEngine", spheresOnly },
+		{ "DragEngine", spheresOnly },
+		{ "LinearDragEngine", spheresOnly },
 		{ "Law2_ScGeom_CapillaryPhys_Capillarity", spheresOnly },
 		{ "CapillarityEngine", spheresOnly },
 		{ "RungeKuttaCashKarp54Integrator",

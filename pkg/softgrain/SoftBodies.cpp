@@ -61,6 +61,15 @@ void requireMotion(const Body& body)
 					 "; admissible: 1, a rotation");
 }
 
+void requireInPlane(const Body& body, const Rotation& turn)
+{
+	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
+	if (grain.dim == 3 || turn.vec().head<2>().norm() <= angleRounding) return;
+	throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
+				 ": its State.ori turns it out of the plane of 2D grains; "
+				 "admissible: turns about z");
+}
+
 } // namespace
 
 void SoftBodies::requireCarried(const NewtonIntegrator& newton) const
@@ -105,20 +114,22 @@ bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 	requireMotion(body);
 	grain.writtenAsleep = false; // the next State is to be published, whatever becomes of it
 	const Vec3 shift = state.pos - written.position;
-	const Rotation turn = state.ori * written.orientation.conjugate();
-	Vec3 velocity = state.vel - written.velocity;
-	const Vec3 spin = state.angVel - written.angularVelocity;
+	Rotation turn = state.ori * written.orientation.conjugate();
+	requireInPlane(body, turn);
+	const bool turned = turn.vec().norm() > angleRounding;
+	if (!turned) turn.setIdentity();
+	// what a turn of the whole grain, velocities included, does not bring along
+	Vec3 velocity = state.vel - turn * written.velocity;
+	const Vec3 spin = state.angVel - turn * written.angularVelocity;
 	const bool moved =
 		shift.norm() > lengthRounding * radius + placeRounding * state.pos.norm();
 	const bool wrapped = moved && followWrap(scene_, body, shift, wrapTolerance * radius);
 	if (wrapped) velocity += newton.prevVelGrad * shift; // its image has it
-	const bool turned = turn.vec().norm() > angleRounding;
 	const bool pushed = velocity.norm() > speedRounding * state.vel.norm();
 	const bool spun = spin.norm() > spinRounding * state.angVel.norm() &&
 			  spin.norm() * radius > speedRounding * state.vel.norm();
 	if (moved || turned || pushed || spun)
-		assembly_.moveRigidly(g, turned ? turn : Rotation(Rotation::Identity()),
-				      moved ? shift : Vec3(Vec3::Zero()),
+		assembly_.moveRigidly(g, turn, moved ? shift : Vec3(Vec3::Zero()),
 				      pushed ? velocity : Vec3(Vec3::Zero()),
 				      spun ? spin : Vec3(Vec3::Zero()));
 	return wrapped;

@@ -15,14 +15,18 @@ using softgrain::Vec3;
 
 namespace {
 
-/// The SoftGeom of the interaction, made if there is none, bound to the assembly.
-shared_ptr<SoftGeom> geometryOf(const Interaction& I,
-				const std::shared_ptr<softgrain::GrainAssembly>& assembly)
+/// The SoftGeom of the interaction, made if there is none.
+shared_ptr<SoftGeom> geometryOf(const Interaction& I)
 {
-	shared_ptr<SoftGeom> geom =
-		I.geom ? YADE_PTR_CAST<SoftGeom>(I.geom) : shared_ptr<SoftGeom>(new SoftGeom);
-	geom->bind(assembly);
-	return geom;
+	return I.geom ? YADE_PTR_CAST<SoftGeom>(I.geom) : shared_ptr<SoftGeom>(new SoftGeom);
+}
+
+/// Whether the grain is in an assembly; `force` makes it, for interactions that a script creates
+/// before the first step.
+bool isAssembled(const SoftGrain& grain, Scene& scene, bool force)
+{
+	if (!grain.assembly && force) assembleScene(scene);
+	return bool(grain.assembly);
 }
 
 /// Books its lifetime as a search on a functor, which several threads may call at a time.
@@ -133,8 +137,9 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 {
 	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
 	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
-	if (!grain1.assembly || grain1.assembly != grain2.assembly) return I->isReal();
-	if (!I->isReal() && grain1.assembly->isAsleep(grain1.index) &&
+	if (!isAssembled(grain1, *scene, force) || grain1.assembly != grain2.assembly)
+		return I->isReal();
+	if (!I->isReal() && !force && grain1.assembly->isAsleep(grain1.index) &&
 	    grain1.assembly->isAsleep(grain2.index))
 		return false; // apart when they fell asleep
 	const SearchTimer timer(*this);
@@ -143,7 +148,9 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	const Real dt = searchStep(*scene, grain1);
 	if (!I->isReal() && !force && grain1.assembly->areFarApart(first, second, image, dt))
 		return false;
-	const auto geom = geometryOf(*I, grain1.assembly);
+	const auto geom = geometryOf(*I);
+	const auto searching = geom->lock();
+	geom->bind(grain1.assembly);
 	grain1.assembly->search(*geom->pair, first, second, image, dt);
 	describeByCentres(*geom, *I, (state2.pos + shift2 - state1.pos).normalized(), grain1.radius,
 			  grain2.radius);
@@ -164,9 +171,11 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 		       const shared_ptr<Interaction>& I)
 {
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
-	if (!grain.assembly) return I->isReal();
+	if (!isAssembled(grain, *scene, force)) return I->isReal();
 	const SearchTimer timer(*this);
-	const auto geom = geometryOf(*I, grain.assembly);
+	const auto geom = geometryOf(*I);
+	const auto searching = geom->lock();
+	geom->bind(grain.assembly);
 	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom->pair);
 	const auto* ball = dynamic_cast<const Sphere*>(shape1.get());
 	describeByCentres(*geom, *I, normal, ball ? ball->radius : grain.radius, grain.radius);

@@ -108,7 +108,8 @@ def cell_stress(source="contacts"):
         source (str): 'contacts': sum of contact forces times branch vectors between centres of
             mass, over the volume of the cell, as ``utils.getStress`` has it; 'grains': integral of
             the Cauchy stress over the grains, over the same volume. Less, in both, the momentum
-            that grains carry relative to the mean flow, m c c with c = v - velGrad x. They agree on
+            that grains carry relative to the mean flow, m c c with c = v - velGrad x less the mean
+            of that by mass. They agree on
             the mean over a time that is long beside the vibrations of the grains.
 
     Returns:
@@ -125,13 +126,17 @@ def cell_stress(source="contacts"):
     if source == "grains" and rigid:
         raise ValueError(f"source = 'grains': body #{rigid[0].id} is rigid, its stress unknown")
     total = _contact_moments() if source == "contacts" else _integral_of_stress()
+    return (total - _carried_momentum()) / volume
+
+
+def _carried_momentum():
+    """Sum of m c c, c the velocity beyond the flow of the cell and the mean motion."""
     flow = np.array(O.cell.velGrad)
-    for body in O.bodies:
-        if not body or not body.state.mass > 0 or body.isClumpMember:
-            continue
-        relative = np.array(body.state.vel) - flow @ np.array(body.state.pos)
-        total -= body.state.mass * np.outer(relative, relative)
-    return total / volume
+    bodies = [b for b in O.bodies if b and b.state.mass > 0 and not b.isClumpMember]
+    mass = np.array([b.state.mass for b in bodies])
+    c = np.array([np.array(b.state.vel) - flow @ np.array(b.state.pos) for b in bodies])
+    c -= mass @ c / mass.sum()
+    return np.einsum("b,bi,bj->ij", mass, c, c)
 
 
 def _contact_moments():
@@ -217,7 +222,8 @@ def coordination_number():
 
 class Balance:
     """Relative closure of the energy balance since this object was made; needs ``O.trackEnergy =
-    True``.
+    True`` from the start of the run, or for a step before. What a script changes by hand (``vel``,
+    ``young``, bodies erased) is no work that is booked: it counts as error.
 
     The work of walls, loads and a periodic cell must be found again as kinetic and elastic energy
     and as what friction, impacts and damping dissipated, and grains that fell asleep lost.

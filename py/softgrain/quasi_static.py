@@ -70,7 +70,9 @@ def _ratio(numerator, denominator):
 
 
 def _net_forces(bodies):
-    gravity = next((e.gravity for e in O.engines if isinstance(e, NewtonIntegrator)), Vector3())
+    gravity = next(
+        (e.gravity for e in O.engines if isinstance(e, NewtonIntegrator) and not e.dead), Vector3()
+    )
     sums = [O.forces.f(b.id) + gravity * _weighed_mass(b) for b in bodies]
     return [force.norm() for force in sums]
 

@@ -1,8 +1,9 @@
 """Turning spheres and clumps of a scene into soft grains, in place, and spheres into disks."""
 
 import math
+from dataclasses import dataclass
 
-from yade import InsertionSortCollider, O, Sphere, Vector3, wrapper
+from yade import Body, InsertionSortCollider, Material, O, Sphere, Vector3, wrapper
 
 from softgrain.build import soft_material, soft_polygon, volume_and_inertia
 from softgrain.checks import bodies_of
@@ -91,13 +92,46 @@ def soften(
     factor = overlap_factor(spheres, overlap)
     shape.update(dim=dim, zeta=zeta)
     grains = [_soft_counterpart(body, factor, material, shape) for body in bodies]
-    drop_interactions(spheres)
+    before = [_Sphere.of(body) for body in bodies if not body.isClump]
     converted = [
-        _replace_clump(body, grain) if body.isClump else _convert(body, grain, material)
+        O.bodies.append(grain) if body.isClump else _convert(body, grain, material)
         for body, grain in zip(bodies, grains)
     ]
-    set_time_step(time_step_fraction)
+    try:
+        set_time_step(time_step_fraction)
+    except ValueError:  # they do not fit with the soft grains that there are
+        for sphere in before:
+            sphere.restore()
+        for body, grain_id in zip(bodies, converted):
+            if body.isClump:
+                O.bodies.erase(grain_id)
+        raise
+    drop_interactions(spheres)
+    for body in bodies:
+        if body.isClump:
+            O.bodies.erase(body.id, True)
     return converted
+
+
+@dataclass
+class _Sphere:
+    """What of a sphere is changed when it turns soft."""
+
+    body: Body
+    shape: Sphere
+    material: Material
+    state: dict
+
+    @classmethod
+    def of(cls, body):
+        names = ("mass", "inertia", "blockedDOFs", "vel", "angVel")
+        state = {name: getattr(body.state, name) for name in names}
+        return cls(body, body.shape, body.material, state)
+
+    def restore(self):
+        self.body.shape, self.body.material = self.shape, self.material
+        for name, value in self.state.items():
+            setattr(self.body.state, name, value)
 
 
 def _soft_counterpart(body, factor, material, shape):
@@ -126,12 +160,6 @@ def _soft_clump(clump, factor, material, shape):
     velocity = clump.state.vel + spin.cross(body.state.pos - clump.state.pos)
     body.state.vel, body.state.angVel = (velocity[0], velocity[1], 0), spin
     return body
-
-
-def _replace_clump(clump, body):
-    """Returns the id of the soft grain."""
-    O.bodies.erase(clump.id, True)
-    return O.bodies.append(body)
 
 
 def _soften_when_loaded(bodies, grain, material, load, fraction):

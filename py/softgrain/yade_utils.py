@@ -13,7 +13,14 @@ from softgrain.quasi_static import unbalanced_force
 
 _of_yade = {
     name: getattr(utils, name)
-    for name in ("unbalancedForce", "kineticEnergy", "aabbExtrema", "fabricTensor", "porosity")
+    for name in (
+        "unbalancedForce",
+        "kineticEnergy",
+        "aabbExtrema",
+        "fabricTensor",
+        "porosity",
+        "growParticle",
+    )
 }
 
 
@@ -121,6 +128,22 @@ def porosity(volume=-1):
     radii = np.array([b.shape.radius for b in O.bodies if b and _is_sphere(b)])
     rigid = math.pi * (radii**2).sum() if flat else 4 / 3 * math.pi * (radii**3).sum()
     return 1 - (sum(b.shape.volume() for b in grains) + rigid) / volume
+
+
+def growParticle(bodyID, multiplier, updateMass=True):
+    """YADE's, which takes any shape for a sphere and writes where the radius of one would be.
+
+    Args:
+        bodyID (int): of a sphere.
+        multiplier (float): on its radius [-].
+        updateMass (bool): of mass and inertia, too.
+
+    Raises:
+        ValueError: the body is a soft grain.
+    """
+    if _is_soft(O.bodies[bodyID]):
+        raise ValueError(f"bodyID = {bodyID}: a soft grain does not grow; admissible: spheres")
+    _of_yade["growParticle"](bodyID, multiplier, updateMass)
 
 
 def _is_sphere(body):

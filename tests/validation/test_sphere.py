@@ -47,3 +47,9 @@ def test_force(zeta, limit):
         assert found == pytest.approx(expected, rel=limit), (delta, found / expected)
     late = rows[rows[:, 0] > 0.05]
     np.testing.assert_allclose(late[:, 1].mean(), late[:, 2].mean(), rtol=0.01)
+
+
+@pytest.mark.parametrize("zeta", (0.33, 0.4, 0.5))
+def test_coarse_balls_do_not_sink_in(zeta):
+    """A few points along the radius: within a seventh."""
+    assert force_at(press(zeta), 0.1) == pytest.approx(FINITE_ELEMENTS[0.1], rel=0.15)

@@ -543,3 +543,19 @@ def test_arguments(call, message):
     with pytest.raises(ValueError, match=message):
         call()
     assert [b.id for b in O.bodies] == [body.id] and body.shape.form == "ball"
+
+
+def test_turned_out_of_the_plane():
+    body = add_disk()
+    ready()
+    body.state.ori = Quaternion((1, 0, 0), 0.5)
+    assert "turns it out of the plane of 2D grains" in message_of_step()
+
+
+def test_soft_grains_do_not_grow():
+    body = add_disk()
+    with pytest.raises(ValueError, match="bodyID = 0: a soft grain does not grow"):
+        utils.growParticle(body.id, 1.1)
+    sphere = utils.sphere((5 * RADIUS, 0, 0), RADIUS, material=FrictMat())
+    utils.growParticle(O.bodies.append(sphere), 1.1)
+    assert sphere.shape.radius == pytest.approx(1.1 * RADIUS)

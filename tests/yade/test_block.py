@@ -13,6 +13,7 @@ from scenes import (
     run,
     soft_material,
 )
+from scipy import optimize
 from yade import O, Quaternion
 
 import softgrain as sg
@@ -118,3 +119,44 @@ def test_picture(tmp_path):
     add_block()
     sg.draw_packing(tmp_path / "block.png")
     assert (tmp_path / "block.png").stat().st_size > 1000
+
+
+def force_over_exact(zeta, size):
+    """Of a block squeezed by 5 % along y between frictionless walls, free to widen (nu = 0.3)."""
+    strain, width, height = 0.05, size[0], size[1]
+    material = soft_material(poisson=0.3, massDamping=2000)
+    O.bodies.append(sg.soft_block((0, 0, 0), size, material, zeta=zeta))
+    add_wall(-height / 2, axis=1)
+    top = add_wall(height / 2, axis=1, velocity=(0, -0.2, 0))
+    ready()
+    sg.set_time_step(0.8)
+    while height / 2 - top.state.pos[1] < strain * height:
+        run(5)
+    top.state.vel = (0, 0, 0)
+    run(1500 if len(size) == 2 else 300)
+    squeezed = 0.5 + top.state.pos[1] / height
+    young, mu = 1e6, 1e6 / 2.6
+    lam = young * 0.3 / (1.3 * 0.4)
+    sides = len(size) - 1  # that widen, all alike
+
+    def stress(stretch, widening):
+        return mu * (stretch - 1 / stretch) + lam * math.log(squeezed * widening**sides) / stretch
+
+    widening = optimize.brentq(lambda w: stress(w, w), 0.5, 2)
+    area = width * (size[2] if len(size) == 3 else 1)
+    return sg.wall_force(top.id)[1] / (-stress(squeezed, widening) * area)
+
+
+@pytest.mark.parametrize(
+    "zeta, sides",
+    [
+        *((zeta, (2, 2)) for zeta in (0.15, 0.18, 0.22, 0.33, 0.4, 0.5)),
+        (0.11, (2, 2.3)),
+        (0.15, (3.1, 2)),
+        *((zeta, (2, 2, 2)) for zeta in (0.3, 0.4, 0.5)),
+        (0.4, (2, 2.7, 2.2)),
+    ],
+)
+def test_squeezed_block_is_as_stiff_as_it_should_be(zeta, sides):
+    """Whatever its sides are over the spacing of background nodes; a wall that stands still."""
+    assert force_over_exact(zeta, [side * 0.01 for side in sides]) == pytest.approx(1, abs=0.012)

@@ -190,3 +190,16 @@ def test_gravity_holds_against_the_floor():
         total -= O.forces.f(floor.id)[1]
         steps += 1
     assert total / steps == pytest.approx(10 * disk.state.mass, rel=0.1)
+
+
+@pytest.mark.parametrize("steps", (0, 1))
+def test_interaction_made_by_hand(steps):
+    """Between grains that do not touch, before the first step and after it."""
+    add_disk()
+    add_disk((2.1 * RADIUS, 0, 0))
+    ready()
+    run(steps)
+    found = utils.createInteraction(0, 1)
+    assert isinstance(found.geom, sg.SoftGeom) and isinstance(found.phys, sg.SoftPhys)
+    run(2)
+    assert sg.integrator().activeContacts == 0

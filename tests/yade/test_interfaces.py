@@ -14,7 +14,7 @@ from scenes import (
     run,
     soft_material,
 )
-from yade import FrictMat, MatchMaker, O, utils
+from yade import FrictMat, MatchMaker, O, Quaternion, utils
 
 import softgrain as sg
 
@@ -75,7 +75,7 @@ def test_force_momentum_and_energy_of_two_blocks(law):
     ready(interface=law)
     run(2)
     balance, force = sg.Balance(), 1.7e3 * SIDE
-    for k in range(1, 1501):
+    for k in range(1, 3001):
         for body, sign in ((upper, 1), (lower, -1)):
             O.forces.setPermF(body.id, (0, sign * force * min(k / 500, 1), 0))
         run(1)
@@ -265,3 +265,23 @@ def test_bonds_that_are_torn_in_one_step_are_counted(tmp_path):
     O.load(str(tmp_path / "scene.yade.gz"))
     run(1)
     assert sg.integrator().lostBonds == bonds
+
+
+@pytest.mark.parametrize("turn", (0.01, 0.26, 0.6))
+def test_cohesion_does_not_depend_on_how_far_is_searched(turn):
+    """Of a disk and a small one, whose nodes are dense: nodes of the large one that are further off
+    than the range stand for places within it."""
+    forces = []
+    for extra in (0, 2e-3):
+        O.reset()
+        for height, radius, angle in ((0, RADIUS, 0.45 * turn), (1.2 * RADIUS, 0.2 * RADIUS, turn)):
+            body = sg.soft_disk((0, height, 0), radius, soft_material(young=1e8), zeta=0.25)
+            body.state.ori = Quaternion((0, 0, 1), angle)
+            O.bodies.append(body)
+        reach = 2e-4 + extra
+        law = dict(cohesion=1e3, cohesionRange=2e-4)
+        ready(interface=law, interfaceRange=reach, verlet_distance=0.3 * RADIUS)
+        run(1)
+        forces.append(interaction().phys.normalForce.norm())
+    assert forces[0] > 0.1
+    assert forces[0] == pytest.approx(forces[1], rel=1e-9)

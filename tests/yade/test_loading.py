@@ -229,3 +229,38 @@ def test_without_yade(tmp_path):
 
 def _dedented(code):
     return "\n".join(line.strip() for line in code.strip().splitlines())
+
+
+SCENE = """
+    import time
+    import softgrain as sg
+    from yade import FrictMat, O, utils
+
+    soft = sg.SoftMat(young=1e5, massDamping=10)
+    wall = FrictMat(frictionAngle=0)
+    for place, axis, sense in ((0, 1, 1), (-0.0121, 0, 1), (0.0121, 0, -1)):
+        O.bodies.append(utils.wall(place, axis=axis, sense=sense, material=wall))
+    for k in range(6):
+        place = (0.001 * (-1) ** k, 0.0105 + 0.021 * k, 0)
+        O.bodies.append(sg.soft_disk(place, 0.01, soft, zeta=0.3))
+    O.engines = sg.engines(gravity=(0, -9.81, 0), sleep=False)
+    O.run()
+"""
+
+
+def test_process_ends_in_a_run(tmp_path):
+    """Which goes on in the background."""
+    result = run_python(SCENE + "    time.sleep(1)\n", tmp_path, command=[YADE, "-n", "-x"])
+    assert result.returncode == 0, result.stderr[-2000:]
+
+
+def test_contacts_are_read_in_a_run(tmp_path):
+    read = """
+    end = time.time() + 3
+    while time.time() < end:
+        sg.contact_forces()
+        sg.pair_forces()
+    O.pause()
+    """
+    result = run_python(SCENE + read, tmp_path, command=[YADE, "-n", "-x"])
+    assert result.returncode == 0, result.stderr[-2000:]

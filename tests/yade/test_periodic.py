@@ -262,3 +262,19 @@ def test_threads_give_the_same_bits():
         flow(xx=-2.0, yy=-2.0, xy=1.0)
 
     assert_threads_change_nothing(make_scene, 300, numbers=(1, 2, 3))
+
+
+@pytest.mark.parametrize("source", ("contacts", "grains"))
+def test_stress_of_a_cell_that_drifts(source):
+    """Motion of all grains together bears nothing; that against each other does."""
+    set_cell(5 * DIAMETER, 5 * DIAMETER)
+    for x, speed in ((1, 5), (4, 5)):
+        add_disk((x * DIAMETER, DIAMETER, 0)).state.vel = (speed, 0, 0)
+    ready()
+    run(2)
+    assert np.abs(sg.cell_stress(source)).max() < 1e-9
+    O.bodies[0].state.vel = (7, 0, 0)
+    run(1)
+    mass = O.bodies[0].state.mass
+    expected = -mass * 2 * 1**2 / (5 * DIAMETER) ** 2
+    assert sg.cell_stress(source)[0, 0] == pytest.approx(expected, rel=1e-6)

@@ -5,7 +5,9 @@ from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 from yade import (
     FrictMat,
     GlobalStiffnessTimeStepper,
+    DragEngine,
     HydroForceEngine,
+    LinearDragEngine,
     O,
     PeriTriaxController,
     RungeKuttaCashKarp54Integrator,
@@ -134,6 +136,8 @@ REFUSED = [
     (lambda: add_engine(PeriTriaxController(doneHook="stop()"), 4), r"doneHook = 'stop\(\)': it"),
     (lambda: add_engine(RungeKuttaCashKarp54Integrator()), "RungeKuttaCashKarp54Integrator: it"),
     (lambda: add_engine(HydroForceEngine()), "HydroForceEngine: it knows spheres only"),
+    (lambda: add_engine(DragEngine()), "DragEngine: it knows spheres only"),
+    (lambda: add_engine(LinearDragEngine()), "LinearDragEngine: it knows spheres only"),
     (
         lambda: without_functor("lawDispatcher", "Law2_SoftGeom_SoftPhys_Nonsmooth"),
         "has no Law2_SoftGeom_SoftPhys_Nonsmooth",

@@ -181,3 +181,21 @@ def reference_outline():
     O.bodies.append(block)
     outline = block.shape.outline()
     return outline - outline.mean(axis=0)
+
+
+@pytest.mark.parametrize("dim, axis", [(2, (0, 0, 1)), (3, (0, 1, 0))])
+@pytest.mark.parametrize("rigid", (True, False))
+def test_turned_by_hand_a_grain_flies_on(dim, axis, rigid):
+    """Velocity and spin stay what State says; nothing is deformed."""
+    make = sg.soft_disk if dim == 2 else sg.soft_sphere
+    body = make((0, 0, 0), RADIUS, soft_material(), zeta=0.4)
+    O.bodies.append(body)
+    body.state.vel, body.state.angVel = (1, 2, 0), (0, 0, 7)
+    ready(rigidMotion=rigid)
+    run(5)
+    body.state.ori = Quaternion(axis, math.pi / 2) * body.state.ori
+    run(5)
+    np.testing.assert_allclose(body.state.vel, (1, 2, 0), atol=1e-9)
+    np.testing.assert_allclose(body.state.angVel, (0, 0, 7), atol=1e-3)
+    np.testing.assert_allclose(body.state.pos, O.time * np.array((1, 2, 0)), atol=1e-12)
+    assert body.shape.volume() == pytest.approx(body.shape.undeformedVolume(), rel=1e-4)

@@ -302,3 +302,24 @@ def test_mixed_functors_in_any_order():
         pairs |= {(i.id1, i.id2) for i in O.interactions if i.phys.activeContacts}
     assert {frozenset(p) for p in pairs} == {frozenset((0, 1)), frozenset((0, 2))}
     assert 0.3 < O.bodies[0].state.vel[0] < O.bodies[1].state.vel[0]
+
+
+@pytest.mark.parametrize("clump", (False, True))
+def test_what_does_not_fit_with_other_soft_grains_is_left_as_it_is(clump):
+    """In another plane: refused when all are put together."""
+    O.bodies.append(sg.soft_disk((0, 0, 0), RADIUS, soft_material(), zeta=ZETA))
+    apart = 1 if clump else 2.5
+    spheres = add_spheres([(5 * RADIUS, 0, RADIUS), ((5 + apart) * RADIUS, 0, RADIUS)])
+    ids = [body.id for body in spheres]
+    if clump:
+        ids = [O.bodies.clump(ids)]
+        O.bodies[ids[0]].state.blockedDOFs = "zXY"
+    before = [(b.state.mass, b.state.vel, b.state.blockedDOFs) for b in spheres]
+    count = len([b for b in O.bodies if b])
+    with pytest.raises(ValueError, match="one plane"):
+        sg.soften(ids, zeta=ZETA)
+    assert all(isinstance(b.shape, Sphere) and isinstance(b.material, FrictMat) for b in spheres)
+    assert [(b.state.mass, b.state.vel, b.state.blockedDOFs) for b in spheres] == before
+    assert len([b for b in O.bodies if b]) == count
+    O.engines = sg.engines()
+    run(2)

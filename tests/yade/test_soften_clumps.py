@@ -98,7 +98,7 @@ def test_members_may_overlap_each_other_only():
     ready()
     run(1)
     gap = right.outline()[:, 0].min() - left.outline()[:, 0].max()
-    assert abs(gap) < 1e-3 * RADIUS
+    assert -1e-3 * RADIUS < gap < 0.02 * RADIUS  # between nodes of the outlines
 
 
 def test_at_rest_on_a_wall():

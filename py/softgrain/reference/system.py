@@ -70,7 +70,7 @@ class System:
         for g, grain in enumerate(self.grains):
             for w, wall in enumerate(self.walls):
                 speed = grain.fastest() + np.linalg.norm(wall.velocity)
-                reach = self._reach(speed, dt, grain.point_spacing)
+                reach = self._reach(speed, dt, grain.point_spacing, grain.point_spacing)
                 normal = wall.normal_towards(grain.centre)
                 contacts = contacts_with_plane(grain, wall.position, normal, reach)
                 for contact in contacts:
@@ -80,9 +80,9 @@ class System:
                 shift, drift = np.zeros(2), np.zeros(2)
                 if self.cell:
                     shift, drift = self.cell.image(grain.centre, other.centre)
-                spacing = min(grain.point_spacing, other.point_spacing)
+                spacings = sorted((grain.point_spacing, other.point_spacing))
                 speed = grain.fastest() + other.fastest() + np.linalg.norm(drift)
-                reach = self._reach(speed, dt, spacing)
+                reach = self._reach(speed, dt, *spacings)
                 self._list((g, h), contacts_of_grains(grain, other, reach, shift, drift))
         self.contacts = in_sweep_order(self.contacts)
         for pair, contact in self.contacts:
@@ -92,12 +92,12 @@ class System:
     def _list(self, pair, contacts):
         self.contacts += [(pair, contact) for contact in contacts]
 
-    def _reach(self, speed, dt, point_spacing):
-        """Gaps [m] that can close in two steps, and never less than a twentieth of dr; beyond the
-        range of a cohesion, whose nodes stand for places within it, a quarter."""
-        touch = max(2 * dt * speed, 0.05 * point_spacing)
+    def _reach(self, speed, dt, finer, coarser):
+        """Gaps [m] that can close in two steps, and never less than a twentieth of the finer dr;
+        beyond the range of a cohesion, whose nodes stand for places within it, half the coarser."""
+        touch = max(2 * dt * speed, 0.05 * finer)
         within = self.interface.cohesion_range
-        return within + max(touch, 0.25 * point_spacing) if within > 0 else touch
+        return within + max(touch, 0.5 * coarser) if within > 0 else touch
 
     def predict_velocities(self, dt):
         """v_I += dt (f_I / m_I + gravity) + damping + what the cell takes along: the velocities

@@ -41,6 +41,13 @@ class Recipe:
     light_node_share: float = 1e-4  #: nodes lighter than this share of the heaviest are tied
     volumetric: str = "pointwise"  #: or 'projected'
 
+    @property
+    def contact_spacing(self):
+        """Distance of surface nodes over R: denser in coarse grains, as many to a background node
+        of the row outside of the outline as to one on a straight side."""
+        h = self.node_spacing * self.zeta
+        return self.surface_spacing * self.zeta * min(1.0, self.node_spacing / (1 + h))
+
 
 class Template:
     """Tables of a recipe, all dense.
@@ -79,7 +86,7 @@ class Template:
                 self.point_position, self.point_volume, spacing
             )
         if recipe.contact == "surface":
-            self.contact_position = surface_nodes(recipe.surface_spacing * recipe.zeta)
+            self.contact_position = surface_nodes(recipe.contact_spacing)
             self.contact_radius = 0.0
         else:
             self.contact_position = boundary_points(recipe.quadrature, recipe.zeta)

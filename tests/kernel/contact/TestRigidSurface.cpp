@@ -12,7 +12,7 @@ using namespace softgrain::testing;
 
 namespace {
 
-constexpr auto anySide = [](const auto&) { return true; };
+constexpr auto anySide = [](const auto&, double) { return true; };
 
 /// Distance to the surface of a block by sampling it.
 template <int dim> double sampledDistance(const BlockSurface<dim>& block, const Vec<dim>& x)
@@ -83,7 +83,7 @@ TEMPLATE_TEST_CASE_SIG("a plate is touched on the side that the outline faces", 
 	const Vec<dim> up = Vec<dim>::Unit(dim - 1);
 	const Vec<dim> above = Vec<dim>::Constant(0.2);
 	for (const double side : { 1., -1. }) {
-		auto faces = [&](const Vec<dim>& n) { return side * up.dot(n) > 0.1; };
+		auto faces = [&](const Vec<dim>& n, double) { return side * up.dot(n) > 0.1; };
 		const auto place = placeOn<dim>(plate, above, faces);
 		REQUIRE(place);
 		CHECK((place->normal - side * up).norm() < 1e-15);
@@ -96,7 +96,7 @@ TEMPLATE_TEST_CASE_SIG("a plate is touched on the side that the outline faces", 
 	const auto place = placeOn<dim>(plate, beyond, anySide);
 	REQUIRE(place);
 	CHECK(std::abs(place->gap - 0.5) < 1e-12);
-	CHECK(!placeOn<dim>(plate, beyond, [](const auto&) { return false; }));
+	CHECK(!placeOn<dim>(plate, beyond, [](const auto&, double) { return false; }));
 }
 
 TEMPLATE_TEST_CASE_SIG("a plate that pokes into an outline has no side beneath its edge", "[rigid]",
@@ -114,7 +114,7 @@ TEMPLATE_TEST_CASE_SIG("a plate that pokes into an outline has no side beneath i
 	x[dim - 1] = -0.01;
 	const Vec<dim> outward = (down - 0.13 * Vec<dim>::Unit(0)).normalized();
 	auto faces = [](const Vec<dim>& m) {
-		return [m](const Vec<dim>& n) { return m.dot(n) < -0.1; };
+		return [m](const Vec<dim>& n, double least) { return m.dot(n) < -least; };
 	};
 	CHECK(!placeOn<dim>(plate, x, faces(outward)));
 	const auto overlap = placeOn<dim>(plate, x, faces(-Vec<dim>::Unit(0)));
@@ -152,6 +152,16 @@ TEST_CASE("points of edges in space: as near as asked for, with numbers of their
 	CHECK(inside == std::count_if(all.begin(), all.end(), [&](const Tip<3>& tip) {
 		      return about.contains(tip.ball.centre);
 	      }));
+}
+
+TEST_CASE("an edge that is along an axis but for rounding has no points far away", "[rigid]")
+{
+	const Box<3> box { Vec<3>(-1, -1, 1), Vec<3>(1, 1, 2) };
+	for (const double rounding : { 0., 2.8e-17, -2.8e-17, 1e-300 }) {
+		const PlateSurface<3> plate { { Vec<3>(-1, -1, rounding), Vec<3>(1, -1, 0),
+						Vec<3>(0, 1, -rounding) } };
+		CHECK(tipsOf<3>(plate, box, 0.1).size() == 3); // the corners
+	}
 }
 
 TEMPLATE_TEST_CASE_SIG("a ball leans on the outline where it is nearest", "[rigid]",

@@ -97,7 +97,8 @@ TEMPLATE_TEST_CASE_SIG("Grain template: gradients are the derivatives of the sha
 	const auto quadrature = makeQuadrature<dim>(QuadratureRule::cutCell, zeta);
 	Random random(4);
 	for (int order : { 2, 3 }) {
-		const BackgroundGrid<dim> grid(order, 2 * zeta, quadrature, 0.05);
+		const BackgroundGrid<dim> grid(order, Vec<dim>::Constant(2 * zeta), quadrature,
+					       0.05);
 		const int nodes = grid.position().size();
 		auto dense = [&](const Vec<dim>& X) {
 			SparseRows<ShapeFunction<dim>> row;
@@ -155,8 +156,8 @@ TEMPLATE_TEST_CASE_SIG("Grain template: a large share of tied nodes keeps mass a
 	// The default share ties few nodes; a large one exercises the extrapolation.
 	const double zeta = dim == 2 ? 0.11 : 0.25;
 	const auto quadrature = makeQuadrature<dim>(QuadratureRule::cutCell, zeta);
-	const BackgroundGrid<dim> all(3, 2 * zeta, quadrature, 0),
-		tied(3, 2 * zeta, quadrature, 0.2);
+	const Vec<dim> h = Vec<dim>::Constant(2 * zeta);
+	const BackgroundGrid<dim> all(3, h, quadrature, 0), tied(3, h, quadrature, 0.2);
 	CHECK(tied.position().size() < 0.8 * all.position().size());
 	double sum = 0;
 	for (double m : tied.mass()) {

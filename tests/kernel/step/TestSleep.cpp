@@ -80,7 +80,7 @@ template <int dim> int rest(Scene<dim>& scene, int grains, double courant = 0.5)
 {
 	const int before = scene.steps;
 	const double dt = courant * scene.system.criticalTimeStep();
-	while (sleepers(scene) < grains && scene.steps - before < 20000)
+	while (sleepers(scene) < grains && scene.steps - before < 60000)
 		scene.advance(dt);
 	REQUIRE(sleepers(scene) == grains);
 	return scene.steps - before;

@@ -64,9 +64,9 @@ template <int dim> Vec<dim> ContactBody<dim>::areaOfFacet(int facet) const
 	return (dim == 2 ? 1. : 0.5) * facetNormal(position, mesh->facet[facet]);
 }
 
-template <int dim> bool ContactBody<dim>::facesAgainst(int node, const Vec<dim>& direction) const
+template <int dim>
+bool ContactBody<dim>::facesAgainst(int node, const Vec<dim>& direction, double leastCosine) const
 {
-	constexpr double leastCosine = 0.1;
 	const auto corner = mesh->sharp.find(node);
 	if (corner == mesh->sharp.end()) return normal[node].dot(direction) < -leastCosine;
 	for (int facet : corner->second) {

@@ -85,8 +85,9 @@ template <int dim> struct ContactBody {
 	{
 		return isSharp(node) ? areaOfFacet(facet).normalized() : normal[node];
 	}
-	/// Whether the outline at a node faces against `direction` (unit), within 84 degrees.
-	bool facesAgainst(int node, const Vec<dim>& direction) const;
+	/// Whether the outline at a node faces against `direction` (unit), within the angle of this
+	/// cosine: 84 degrees.
+	bool facesAgainst(int node, const Vec<dim>& direction, double leastCosine = 0.1) const;
 	/// Whether a place is inside the polygon (3D: polyhedron) of the nodes; without facets
 	/// never.
 	bool encloses(const Vec<dim>& x) const;

@@ -110,6 +110,9 @@ bool isBefore(const Vec<2>& x, const ContactBody<2>& body, int facet)
 /// In 3D no grain has thin arms.
 bool isBefore(const Vec<3>&, const ContactBody<3>&, int) { return true; }
 
+/// Deeper nodes, in dr, are looked at once more: whether they are inside at all.
+constexpr double trustedDepth = 0.5;
+
 /// Nodes of `body` against the outline of `other`, where one of them has corners or indentations.
 template <int dim>
 void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
@@ -133,8 +136,11 @@ void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& ot
 		Contact<dim> contact = contactAt(x, other, place);
 		if (isBeyondEdge(x, other, place, contact) && !body.facesAgainst(s, contact.normal))
 			return;
-		if (contact.gap < (faces ? reach : -deep))
-			append({ side, s, -1 }, contact, body, other, list);
+		if (contact.gap >= (faces ? reach : -deep)) return;
+		// behind the line of a side that has been bent, and outside all the same
+		const bool doubtful = contact.gap < -trustedDepth * other.pointSpacing;
+		if (doubtful && !other.mesh->irregular && !other.encloses(x)) return;
+		append({ side, s, -1 }, contact, body, other, list);
 	});
 }
 

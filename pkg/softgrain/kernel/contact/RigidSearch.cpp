@@ -9,9 +9,11 @@ namespace {
 
 /// Whether a contact node faces against a direction; disks have no normal of their own, and face
 /// away from the middle of their grain.
-template <int dim> bool nodeFaces(const ContactBody<dim>& body, int node, const Vec<dim>& direction)
+template <int dim>
+bool nodeFaces(const ContactBody<dim>& body, int node, const Vec<dim>& direction,
+	       double leastCosine)
 {
-	if (body.hasFacets()) return body.facesAgainst(node, direction);
+	if (body.hasFacets()) return body.facesAgainst(node, direction, leastCosine);
 	return (body.position[node] - body.box.centre()).dot(direction) < 0;
 }
 
@@ -40,9 +42,10 @@ void nodesOnSurface(const ContactBody<dim>& body, double reach, ContactList<dim>
 	list.tested += static_cast<int>(nodes.size());
 	for (int s : nodes) {
 		if ((body.position[s] - about.centre).squaredNorm() > within * within) continue;
-		const auto place = placeOn<dim>(surface, body.position[s], [&](const Vec<dim>& n) {
-			return nodeFaces<dim>(body, s, n);
-		});
+		const auto place = placeOn<dim>(
+			surface, body.position[s], [&](const Vec<dim>& n, double leastCosine) {
+				return nodeFaces<dim>(body, s, n, leastCosine);
+			});
 		if (!place) continue;
 		Contact<dim> contact;
 		contact.normal = place->normal;
@@ -55,11 +58,13 @@ template <int dim>
 void tipsOnOutline(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
 {
 	const double margin = std::max(reach, contactDepth(body, body));
+	const double turn = body.pointSpacing / body.inradius; // of the outline, from node to node
 	const auto tips =
 		tipsOf<dim>(list.rigid->surface, body.box.grown(margin), body.pointSpacing);
 	for (const Tip<dim>& tip : tips) {
 		auto contact = ballOnOutline<dim>(tip.ball.centre, tip.ball.radius, body, reach);
-		if (contact) append({ 1, tip.number, -1 }, *contact, body, list);
+		if (contact && !liesAlongSide<dim>(list.rigid->surface, tip, contact->normal, turn))
+			append({ 1, tip.number, -1 }, *contact, body, list);
 	}
 }
 

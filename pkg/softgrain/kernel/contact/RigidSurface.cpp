@@ -10,7 +10,10 @@ namespace softgrain {
 
 namespace {
 
-template <int dim> using Faces = std::function<bool(const Vec<dim>&)>;
+/// An outline faces a side, and the edge of one, within the angles of these cosines. What is further
+/// off than the second has a place nearer to the edge than the node, which the tips see.
+constexpr double alongSide = 0.1, aboutEdge = 0.97;
+
 template <int dim> using Place = std::optional<SurfacePlace<dim>>;
 
 template <int dim>
@@ -29,7 +32,7 @@ Place<dim> placeBeyondEdge(const Vec<dim>& foot, const Vec<dim>& x, const Faces<
 	const double distance = (x - foot).norm();
 	if (!(distance > 0)) return std::nullopt;
 	const Vec<dim> normal = (x - foot) / distance;
-	if (!faces(normal)) return std::nullopt;
+	if (!faces(normal, aboutEdge)) return std::nullopt;
 	return SurfacePlace<dim> { normal, distance };
 }
 
@@ -69,7 +72,8 @@ bool pokesIn(const PlateSurface<dim>& plate, const std::array<double, dim>& weig
 {
 	for (int i = 0; depth > 0 && i < dim; ++i) {
 		const Vec<dim> away = awayFrom(plate, i);
-		if (weight[i] * away.norm() < depth && faces(away.normalized())) return true;
+		if (weight[i] * away.norm() < depth && faces(away.normalized(), alongSide))
+			return true;
 	}
 	return false;
 }
@@ -88,7 +92,7 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 	if (((x - foot) - height * normal).norm() > plateMargin * size)
 		return placeBeyondEdge<dim>(foot, x, faces);
 	for (const double side : { 1., -1. }) {
-		if (!faces(side * normal)) continue;
+		if (!faces(side * normal, alongSide)) continue;
 		if (pokesIn<dim>(plate, weight, -side * height, faces)) return std::nullopt;
 		return SurfacePlace<dim> { side * normal, side * height };
 	}
@@ -110,7 +114,7 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 			const double gap = side * y[a] - block.halfSides[a];
 			const Vec<dim> normal = side * block.axes.col(a);
 			if (foot != y && gap < 0) continue; // the side turned away
-			if ((!best || gap > best->gap) && faces(normal))
+			if ((!best || gap > best->gap) && faces(normal, alongSide))
 				best = SurfacePlace<dim> { normal, gap };
 		}
 	}
@@ -203,19 +207,57 @@ std::vector<Tip<dim>> tips(const Surface& surface, const Box<dim>& box, double s
 		const Vec<dim>&a = skeleton.corner[from], &b = skeleton.corner[to];
 		const int parts = static_cast<int>(std::ceil((b - a).norm() / spacing));
 		const auto [first, last] = partIn<dim>(box, a, b);
-		for (int k = std::max(1., std::ceil(first * parts)); k <= last * parts; ++k)
-			if (k < parts)
+		if (first <= last) { // both within [0, 1]
+			const int begin = std::max(1, static_cast<int>(std::ceil(first * parts)));
+			const int end = std::min(parts - 1, static_cast<int>(last * parts));
+			for (int k = begin; k <= end; ++k)
 				found.push_back({ { a + (b - a) * k / parts, 0 }, number + k });
+		}
 		number += parts;
 	}
 	return found;
 }
 
+template <int dim> bool isAlong(const BallSurface<dim>&, const Vec<dim>&, const Vec<dim>&, double)
+{
+	return false;
+}
+
+template <int dim>
+bool isAlong(const PlateSurface<dim>& plate, const Vec<dim>&, const Vec<dim>& normal, double cosine)
+{
+	return std::abs(normal.dot(plateNormal(plate))) > cosine;
+}
+
+template <int dim>
+bool isAlong(const BlockSurface<dim>& block, const Vec<dim>& place, const Vec<dim>& normal,
+	     double cosine)
+{
+	const Vec<dim> y = block.axes.transpose() * (place - block.centre);
+	for (int a = 0; a < dim; ++a) {
+		const double rounding = 1e-9 * block.halfSides.maxCoeff();
+		if (std::abs(y[a]) < block.halfSides[a] - rounding) continue;
+		if (normal.dot(block.axes.col(a)) * y[a] < -cosine * std::abs(y[a])) return true;
+	}
+	return false;
+}
+
 } // namespace
 
 template <int dim>
+bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const Vec<dim>& normal,
+		   double angle)
+{
+	return std::visit(
+		[&](const auto& s) {
+			return isAlong<dim>(s, tip.ball.centre, normal, std::cos(angle));
+		},
+		surface);
+}
+
+template <int dim>
 std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const Vec<dim>& x,
-					 const std::function<bool(const Vec<dim>&)>& faces)
+					 const Faces<dim>& faces)
 {
 	return std::visit([&](const auto& s) { return placeOnSurface<dim>(s, x, faces); }, surface);
 }
@@ -233,8 +275,9 @@ std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& b
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template std::optional<SurfacePlace<dim>> placeOn<dim>(                                    \
-		const RigidSurface<dim>&, const Vec<dim>&,                                         \
-		const std::function<bool(const Vec<dim>&)>&);                                      \
+		const RigidSurface<dim>&, const Vec<dim>&, const Faces<dim>&);                     \
+	template bool liesAlongSide<dim>(const RigidSurface<dim>&, const Tip<dim>&,                \
+					 const Vec<dim>&, double);                                 \
 	template BallSurface<dim> ballAbout<dim>(const RigidSurface<dim>&);                        \
 	template std::vector<Tip<dim>> tipsOf<dim>(const RigidSurface<dim>&, const Box<dim>&,      \
 						   double);

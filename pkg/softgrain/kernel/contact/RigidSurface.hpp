@@ -38,12 +38,16 @@ template <int dim> struct SurfacePlace {
 	double gap;      ///< m, negative for an overlap
 };
 
-/// The place of the surface that a point `x` of an outline touches. `faces(n)`: whether the outline
-/// there faces against the direction n (unit). It tells the two sides of a plate apart, and the
-/// sides of a block about an edge; a point that faces none of them touches nothing.
+/// Whether an outline faces against a direction (unit), within the angle of a cosine.
+template <int dim> using Faces = std::function<bool(const Vec<dim>&, double)>;
+
+/// The place of the surface that a point `x` of an outline touches. `faces` is asked of the outline
+/// there: it tells the two sides of a plate apart, and the sides of a block about an edge; a point
+/// that faces none of them touches nothing. What a point slides past, as the edge of the next plate
+/// of a floor, it does not face closely enough.
 template <int dim>
 std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const Vec<dim>& x,
-					 const std::function<bool(const Vec<dim>&)>& faces);
+					 const Faces<dim>& faces);
 
 /// A ball that holds the surface.
 template <int dim> BallSurface<dim> ballAbout(const RigidSurface<dim>& surface);
@@ -54,6 +58,12 @@ template <int dim> struct Tip {
 	BallSurface<dim> ball;
 	int number; ///< its own among the tips of the surface, whatever the box
 };
+
+/// Whether an outline with this normal (unit, outwards) at a tip lies along a side that ends there,
+/// within an angle: the side bears it then, by the contact nodes, not the tip.
+template <int dim>
+bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const Vec<dim>& normal,
+		   double angle);
 
 /// The ball itself; corners and, in 3D, points of the edges no further apart than `spacing`, those
 /// in `box`.

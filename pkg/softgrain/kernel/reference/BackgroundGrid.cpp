@@ -8,8 +8,8 @@
 namespace softgrain {
 
 template <int dim>
-BackgroundGrid<dim>::BackgroundGrid(int order, double spacing, const Quadrature<dim>& quadrature,
-				    double tiedShare)
+BackgroundGrid<dim>::BackgroundGrid(int order, const Vec<dim>& spacing,
+				    const Quadrature<dim>& quadrature, double tiedShare)
 	: order_(order)
 	, spacing_(spacing)
 {
@@ -41,7 +41,7 @@ template <int dim> Vec<dim> BackgroundGrid<dim>::nodeAt(const Index& index) cons
 {
 	Vec<dim> X;
 	for (int a = 0; a < dim; ++a)
-		X[a] = index[a] * spacing_;
+		X[a] = index[a] * spacing_[a];
 	return X;
 }
 
@@ -51,7 +51,7 @@ BackgroundGrid<dim>::shapesWithTied(const Vec<dim>& X) const
 {
 	std::array<SplineStencil, dim> axis;
 	for (int a = 0; a < dim; ++a)
-		axis[a] = splineStencil(order_, X[a] / spacing_);
+		axis[a] = splineStencil(order_, X[a] / spacing_[a]);
 	const int width = order_ + 1;
 	const int count = static_cast<int>(std::lround(std::pow(width, dim)));
 	std::map<Index, ShapeFunction<dim>> shapes;
@@ -62,7 +62,7 @@ BackgroundGrid<dim>::shapesWithTied(const Vec<dim>& X) const
 			local[a] = rest % width;
 			index[a] = axis[a].first + local[a];
 		}
-		ShapeFunction<dim> shape { 1, Vec<dim>::Constant(1 / spacing_) };
+		ShapeFunction<dim> shape { 1, spacing_.cwiseInverse() };
 		for (int a = 0; a < dim; ++a) {
 			shape.N *= axis[a].value[local[a]];
 			for (int b = 0; b < dim; ++b)
@@ -101,7 +101,8 @@ typename BackgroundGrid<dim>::Weights BackgroundGrid<dim>::extrapolation(const I
 	Eigen::VectorXd trust(count); // nearer nodes carry more
 	for (int k = 0; k < count; ++k) {
 		affine(0, k) = 1;
-		affine.template block<dim, 1>(1, k) = (position_[nearest[k].second] - X) / spacing_;
+		affine.template block<dim, 1>(1, k) =
+			(position_[nearest[k].second] - X).cwiseQuotient(spacing_);
 		trust[k] = std::pow(nearest[k].first, -2);
 	}
 	Eigen::Matrix<double, dim + 1, 1> target = Eigen::Matrix<double, dim + 1, 1>::Unit(0);

@@ -21,15 +21,16 @@ constexpr double lightNodeShare = 1e-4;
 /// that carry unknowns.
 template <int dim> class BackgroundGrid {
 public:
-	/// Grid of step `spacing` whose nodes are those that the material points give mass to.
-	BackgroundGrid(int order, double spacing, const Quadrature<dim>& quadrature,
+	/// Grid of steps `spacing` along the axes whose nodes are those that the material points
+	/// give mass to.
+	BackgroundGrid(int order, const Vec<dim>& spacing, const Quadrature<dim>& quadrature,
 		       double tiedShare = lightNodeShare);
 
 	using Index = std::array<int, dim>;
 	using Weights = std::vector<std::pair<int, double>>;
 
 	int order() const { return order_; }
-	double spacing() const { return spacing_; }
+	const Vec<dim>& spacing() const { return spacing_; }
 	/// The nodes that carry unknowns, by their place in the grid.
 	const std::map<Index, int>& number() const { return number_; }
 	const std::vector<Vec<dim>>& position() const { return position_; }
@@ -46,7 +47,7 @@ private:
 	Vec<dim> nodeAt(const Index& index) const;
 
 	int order_;
-	double spacing_;
+	Vec<dim> spacing_;
 	std::map<Index, int> number_;           ///< of the nodes that carry unknowns
 	mutable std::map<Index, Weights> tied_; ///< extrapolations met so far
 	std::vector<Vec<dim>> position_;

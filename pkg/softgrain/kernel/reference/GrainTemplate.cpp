@@ -16,7 +16,7 @@ template <int dim> void layContactNodes(const Outline<dim>& outline, GrainTempla
 {
 	const double dr = grain.recipe.zeta;
 	if (grain.recipe.contact != ContactGeometry::points) {
-		grain.contactMesh = outline.mesh(grain.recipe.surfaceSpacing * dr);
+		grain.contactMesh = outline.mesh(grain.recipe.contactSpacing());
 		if (grain.recipe.contact == ContactGeometry::nodes)
 			grain.contactRadius = grain.recipe.nodeSpacing * dr;
 		return;
@@ -70,6 +70,12 @@ NodeRows<dim> kickRows(SparseRows<double> shapes, const std::vector<double>& inv
 	return NodeRows<dim>(std::move(shapes), static_cast<int>(inverseNodeMass.size()));
 }
 
+double TemplateRecipe::contactSpacing() const
+{
+	const double h = nodeSpacing * zeta;
+	return surfaceSpacing * zeta * std::min(1., nodeSpacing / (1 + h));
+}
+
 void TemplateRecipe::validate() const
 {
 	require(zeta >= 1e-3 && zeta <= 0.5, "zeta", zeta, "[0.001, 0.5]");
@@ -92,7 +98,8 @@ template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>&
 	const TemplateRecipe& recipe = grain.recipe;
 	const double dr = recipe.zeta;
 	const Quadrature<dim> quadrature = makeQuadrature<dim>(recipe.quadrature, dr, outline);
-	const BackgroundGrid<dim> grid(recipe.order, recipe.nodeSpacing * dr, quadrature);
+	const BackgroundGrid<dim> grid(recipe.order, outline.gridSteps(dr, recipe.nodeSpacing),
+				       quadrature);
 	grain.volume = outline.volume();
 	grain.nodePosition = grid.position();
 	grain.nodeMass = grid.mass();

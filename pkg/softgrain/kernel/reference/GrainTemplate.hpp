@@ -54,6 +54,11 @@ struct TemplateRecipe {
 	/// `quadrature` say nothing of them.
 	Basis basis = Basis::splines;
 
+	/// Distance of surface nodes, in radii. In coarse grains (h = nodeSpacing zeta above
+	/// nodeSpacing - 1) they are denser than surfaceSpacing says: of the rows of background
+	/// nodes about an outline of radius 1 the outer ones are 1 + h times as long, and what
+	/// moves between contact nodes lets them sink in.
+	double contactSpacing() const;
 	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 	void validate() const;
 	bool operator<(const TemplateRecipe& o) const

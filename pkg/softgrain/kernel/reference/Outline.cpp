@@ -91,7 +91,8 @@ OutlineMesh<3> subdivided(const OutlineMesh<3>& coarse, int n)
 template <> OutlineMesh<3> UnitBall<3>::mesh(double spacing) const
 {
 	const double icosahedronEdge = 1.0515; // of an icosahedron with circumradius 1
-	const int n = std::max(1, static_cast<int>(std::lround(icosahedronEdge / spacing)));
+	constexpr int least = 4;               // with three parts an edge contacts sink in by half
+	const int n = std::max(least, static_cast<int>(std::lround(icosahedronEdge / spacing)));
 	return subdivided(icosahedron(), n);
 }
 
@@ -118,6 +119,17 @@ template <int dim> Vec<dim> Block<dim>::cellSides(double spacing) const
 	for (int a = 0; a < dim; ++a)
 		sides[a] = half_[a] / partsOf(half_[a], spacing, 1);
 	return sides;
+}
+
+template <int dim> Vec<dim> Block<dim>::gridSteps(double spacing, double ratio) const
+{
+	constexpr double rounding = 1e-9;
+	const Vec<dim> cells = half_.cwiseQuotient(cellSides(spacing)); // whole numbers
+	const Vec<dim> wide = (half_ / spacing).cwiseMin(cells) / ratio;
+	Vec<dim> steps;
+	for (int a = 0; a < dim; ++a)
+		steps[a] = half_[a] / std::max(1., std::floor(wide[a] + rounding));
+	return steps;
 }
 
 template <int dim>

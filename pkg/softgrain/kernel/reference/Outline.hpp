@@ -68,6 +68,14 @@ public:
 	/// lattice ends on the boundary where that is straight along the axes.
 	virtual Vec<dim> cellSides(double spacing) const = 0;
 
+	/// Steps of the background grid, `ratio` sides of cells `spacing` wide or more, and such
+	/// that boundaries straight along the axes lie on its nodes: of a row of nodes that reaches
+	/// less far into the grain the material points see too little, and contacts sink in.
+	virtual Vec<dim> gridSteps(double spacing, double ratio) const
+	{
+		return Vec<dim>::Constant(ratio * spacing);
+	}
+
 	/// Exactly what lies inside of a cell, where there is a closed form; else cells are
 	/// divided.
 	virtual std::optional<Moments<dim>> cut(const Vec<dim>& centre,
@@ -91,7 +99,8 @@ public:
 	}
 
 	/// At least 11 vertices on a disk, equally spaced, their number without a divisor 2 or 3;
-	/// on a ball a subdivided icosahedron whose mean edge is nearest to `spacing`.
+	/// on a ball a subdivided icosahedron whose mean edge is nearest to `spacing`, of at least
+	/// 162 vertices.
 	OutlineMesh<dim> mesh(double spacing) const override;
 };
 
@@ -107,6 +116,7 @@ public:
 	Vec<dim> halfSides() const override { return half_; }
 	double inradius() const override { return half_.minCoeff(); }
 	Vec<dim> cellSides(double spacing) const override;
+	Vec<dim> gridSteps(double spacing, double ratio) const override;
 	std::optional<Moments<dim>> cut(const Vec<dim>& centre,
 					const Vec<dim>& sides) const override;
 

@@ -20,7 +20,7 @@ template <int dim> Stencil<dim> stencilAt(const BackgroundGrid<dim>& grid, const
 {
 	Stencil<dim> stencil;
 	for (int a = 0; a < dim; ++a)
-		stencil[a] = splineStencil(grid.order(), X[a] / grid.spacing());
+		stencil[a] = splineStencil(grid.order(), X[a] / grid.spacing()[a]);
 	return stencil;
 }
 
@@ -33,7 +33,7 @@ std::vector<int> lineOrder(const BackgroundGrid<dim>& grid, const Quadrature<dim
 	for (std::size_t p = 0; p < quadrature.point.size(); ++p) {
 		Key key;
 		for (int a = 0; a < dim; ++a)
-			key[a] = std::round(quadrature.point[p][a] / grid.spacing() /
+			key[a] = std::round(quadrature.point[p][a] / grid.spacing()[a] /
 					    sameCoordinate);
 		keys.emplace_back(key, static_cast<int>(p));
 	}
@@ -47,8 +47,10 @@ std::vector<int> lineOrder(const BackgroundGrid<dim>& grid, const Quadrature<dim
 template <int dim>
 bool onOneLine(const BackgroundGrid<dim>& grid, const Vec<dim>& X, const Vec<dim>& Y)
 {
-	return (X - Y).template head<dim - 1>().cwiseAbs().maxCoeff() <
-	       2 * sameCoordinate * grid.spacing();
+	return (X - Y).cwiseQuotient(grid.spacing())
+		       .template head<dim - 1>()
+		       .cwiseAbs()
+		       .maxCoeff() < 2 * sameCoordinate;
 }
 
 template <int dim>
@@ -101,12 +103,12 @@ void numberNodes(const BackgroundGrid<dim>& grid, const Quadrature<dim>& quadrat
 
 /// The products across a line; see PointLines::across.
 template <int dim>
-void appendAcross(const Stencil<dim>& stencil, int width, double spacing,
+void appendAcross(const Stencil<dim>& stencil, int width, const Vec<dim>& spacing,
 		  std::vector<double>& across)
 {
 	for (int derivative = -1; derivative < dim - 1; ++derivative) {
 		auto factor = [&](int axis, int i) {
-			return axis == derivative ? stencil[axis].gradient[i] / spacing
+			return axis == derivative ? stencil[axis].gradient[i] / spacing[axis]
 						  : stencil[axis].value[i];
 		};
 		for (int i = 0; i < width; ++i)
@@ -157,7 +159,7 @@ void appendLine(const std::vector<int>& points, const std::vector<Stencil<dim>>&
 		};
 		for (int j = 0; j < width; ++j) {
 			point.value[j] = along.value[j];
-			point.slope[j] = along.gradient[j] / grid.spacing();
+			point.slope[j] = along.gradient[j] / grid.spacing()[dim - 1];
 		}
 		int& end = lines.line.back().end;
 		if (end == begin || point.row != lines.point.back().row)

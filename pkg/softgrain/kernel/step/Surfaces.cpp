@@ -101,11 +101,12 @@ double reachOf(double speed, double dt, double pointSpacing)
 	return std::max(2 * dt * speed, 0.05 * pointSpacing);
 }
 
-/// The same with interfaces that act across `range`: nodes beyond it stand for places within.
-double withinRange(double speed, double dt, double pointSpacing, double range)
+/// The same with interfaces that act across `range`: nodes beyond it stand for places within, on
+/// outlines that are inclined to each other up to half of the coarser spacing.
+double withinRange(double speed, double dt, double finer, double coarser, double range)
 {
-	const double touch = reachOf(speed, dt, pointSpacing);
-	return range > 0 ? range + std::max(touch, 0.25 * pointSpacing) : touch;
+	const double touch = reachOf(speed, dt, finer);
+	return range > 0 ? range + std::max(touch, 0.5 * coarser) : touch;
 }
 
 } // namespace
@@ -115,12 +116,14 @@ double System<dim>::reach(int first, int second, const PairImage<dim>& image, do
 {
 	const ContactBody<dim>&a = bodies_[first], &b = bodies_[second];
 	return withinRange(a.fastest + b.fastest + image.velocity.norm(), dt,
-			   std::min(a.pointSpacing, b.pointSpacing), interfaceRange_);
+			   std::min(a.pointSpacing, b.pointSpacing),
+			   std::max(a.pointSpacing, b.pointSpacing), interfaceRange_);
 }
 
 template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, double dt) const
 {
-	return withinRange(bodies_[g].fastest + plane.velocity.norm(), dt, bodies_[g].pointSpacing,
+	const double spacing = bodies_[g].pointSpacing;
+	return withinRange(bodies_[g].fastest + plane.velocity.norm(), dt, spacing, spacing,
 			   interfaceRange_);
 }
 
@@ -128,8 +131,9 @@ template <int dim>
 double System<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
 			  double dt) const
 {
-	return withinRange(bodies_[g].fastest + rigid.speed + image.velocity.norm(), dt,
-			   bodies_[g].pointSpacing, interfaceRange_);
+	const double spacing = bodies_[g].pointSpacing;
+	return withinRange(bodies_[g].fastest + rigid.speed + image.velocity.norm(), dt, spacing,
+			   spacing, interfaceRange_);
 }
 
 template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const
