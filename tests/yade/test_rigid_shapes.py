@@ -211,3 +211,31 @@ def test_coarse_balls_roll_too_slowly(zeta, angle, slower):
     settled = len(times) // 3
     acceleration = np.polyfit(times[settled:], speeds[settled:], 1)[0]
     assert 1 - acceleration / (5 / 7 * along) == pytest.approx(slower, abs=0.03)
+
+
+@pytest.mark.parametrize("dim", (2, 3))
+def test_a_floor_of_facets_does_not_brake(dim):
+    """Without friction, over the edges of coplanar facets, one every radius."""
+    places = [(k * RADIUS, (k + 1) * RADIUS) for k in range(-2, 9)]
+    sides = (-5 * RADIUS, 5 * RADIUS)
+    for begin, end in places:
+        ground = ((begin, 0), (end, 0), (end, 1), (begin, 1))
+        corner = [
+            Vector3(x, 0, sides[y]) if dim == 2 else Vector3(x, sides[y], 0) for x, y in ground
+        ]
+        for triangle in ((0, 1, 2), (0, 2, 3)):
+            facet = [corner[k] for k in triangle]
+            O.bodies.append(utils.facet(facet, material=rigid_material(0)))
+    soft = soft_material(young=1e5, poisson=0.3, massDamping=100)
+    center = (0, 0.995 * RADIUS, 0) if dim == 2 else (0, 3e-4, 0.995 * RADIUS)
+    make = sg.soft_disk if dim == 2 else sg.soft_sphere
+    body = make(center, RADIUS, soft, zeta=0.3)
+    O.bodies.append(body)
+    body.state.vel = (0.5, 0, 0)
+    ready(gravity=(0, -9.81, 0) if dim == 2 else (0, 0, -9.81))
+    touched = 0
+    while body.state.pos[0] < 5 * RADIUS:
+        run(5)
+        touched += sg.integrator().activeContacts > 0
+    assert touched > 50
+    assert body.state.vel[0] == pytest.approx(0.5, rel=1e-3)
