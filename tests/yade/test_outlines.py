@@ -228,7 +228,7 @@ def uniaxial_stress(stretch, poisson=0.45):
     return cauchy(stretch, across)
 
 
-@pytest.mark.parametrize("zeta, tolerance", [(0.27, 0.04), (0.11, 0.005)])
+@pytest.mark.parametrize("zeta, tolerance", [(0.27, 0.02), (0.11, 0.005)])
 def test_uniform_compression_of_a_polygon(zeta, tolerance):
     """A rectangle as a polygon, whose lattice does not end on its sides as that of a block does:
     its mean stress and force against those of uniform plane strain, and of the block."""
