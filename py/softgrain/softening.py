@@ -92,21 +92,27 @@ def soften(
     factor = overlap_factor(spheres, overlap)
     shape.update(dim=dim, zeta=zeta)
     grains = [_soft_counterpart(body, factor, material, shape) for body in bodies]
+    return _replace(bodies, grains, material, time_step_fraction)
+
+
+def _replace(bodies, grains, material, fraction):
+    """Put soft counterparts in the place of spheres and clumps, or leave all as it is where they do
+    not fit with the soft grains that there are (ValueError); returns their ids."""
     before = [_Sphere.of(body) for body in bodies if not body.isClump]
     converted = [
         O.bodies.append(grain) if body.isClump else _convert(body, grain, material)
         for body, grain in zip(bodies, grains)
     ]
     try:
-        set_time_step(time_step_fraction)
-    except ValueError:  # they do not fit with the soft grains that there are
+        set_time_step(fraction)
+    except ValueError:
         for sphere in before:
             sphere.restore()
         for body, grain_id in zip(bodies, converted):
             if body.isClump:
                 O.bodies.erase(grain_id)
         raise
-    drop_interactions(spheres)
+    drop_interactions([part for body in bodies for part in _spheres_of(body)])
     for body in bodies:
         if body.isClump:
             O.bodies.erase(body.id, True)
