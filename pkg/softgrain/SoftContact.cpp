@@ -37,7 +37,6 @@ std::vector<ContactRecord> SoftGeom::savedRecords() const
 
 void SoftGeom::preSave(SoftGeom&)
 {
-	const auto reading = lock();
 	if (!pair) return;
 	savedKeys.clear();
 	savedImpulses.clear();
@@ -70,11 +69,9 @@ py::object column(const std::vector<Record>& records, const Get& get)
 py::dict SoftGeom::contactArrays() const
 {
 	using softgrain::ContactPressure;
-	auto reading = lock();
 	const auto records = pair ? pair->records() : std::vector<ContactRecord>();
 	const auto pressures = pair ? pair->pressures() : std::vector<ContactPressure>();
 	const Real kick = pair ? pair->kick() : 0;
-	reading.unlock();
 	auto impulse = [](const ContactRecord& c) { return Vec3(c.impulse + c.pull); };
 	auto force = [&](const ContactRecord& c) {
 		return kick > 0 ? Vec3(impulse(c) / kick) : Vec3(Vec3::Zero());
@@ -95,11 +92,7 @@ py::dict SoftGeom::contactArrays() const
 	return arrays;
 }
 
-int SoftGeom::bondTouching()
-{
-	const auto reading = lock();
-	return pair ? pair->bondTouching() : 0;
-}
+int SoftGeom::bondTouching() { return pair ? pair->bondTouching() : 0; }
 
 void Ip2_SoftPhys::makePhys(const shared_ptr<Interaction>& I, const Material& m1,
 			    const Material& m2, Real frictionAngle1, Real frictionAngle2,

@@ -7,8 +7,6 @@
 #include "Yade.hpp"
 #include "assembly/GrainAssembly.hpp"
 
-#include <mutex>
-
 namespace yade {
 
 class SoftGeom : public GenericSpheresContact {
@@ -17,9 +15,6 @@ public:
 	std::shared_ptr<softgrain::GrainAssembly> assembly;
 	std::unique_ptr<softgrain::PairContacts> pair;
 
-	/// Held while contacts are found anew, and while they are read: a script may read while a
-	/// run goes on.
-	std::unique_lock<std::mutex> lock() const { return std::unique_lock(access_); }
 	/// Makes `pair` one of `present`, its impulses taken over from the last assembly or the
 	/// saved ones.
 	void bind(const std::shared_ptr<softgrain::GrainAssembly>& present);
@@ -43,8 +38,6 @@ public:
 
 private:
 	std::vector<softgrain::ContactRecord> savedRecords() const;
-
-	mutable std::mutex access_;
 };
 REGISTER_SERIALIZABLE(SoftGeom);
 

@@ -149,7 +149,6 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	if (!I->isReal() && !force && grain1.assembly->areFarApart(first, second, image, dt))
 		return false;
 	const auto geom = geometryOf(*I);
-	const auto searching = geom->lock();
 	geom->bind(grain1.assembly);
 	grain1.assembly->search(*geom->pair, first, second, image, dt);
 	describeByCentres(*geom, *I, (state2.pos + shift2 - state1.pos).normalized(), grain1.radius,
@@ -174,7 +173,6 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 	if (!isAssembled(grain, *scene, force)) return I->isReal();
 	const SearchTimer timer(*this);
 	const auto geom = geometryOf(*I);
-	const auto searching = geom->lock();
 	geom->bind(grain.assembly);
 	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom->pair);
 	const auto* ball = dynamic_cast<const Sphere*>(shape1.get());

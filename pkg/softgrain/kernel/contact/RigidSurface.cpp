@@ -10,8 +10,8 @@ namespace softgrain {
 
 namespace {
 
-/// An outline faces a side, and the edge of one, within the angles of these cosines. What is further
-/// off than the second has a place nearer to the edge than the node, which the tips see.
+/// An outline faces a side, and the edge of one, within the angles of these cosines. What is
+/// further off than the second has a place nearer to the edge than the node, which the tips see.
 constexpr double alongSide = 0.1, aboutEdge = 0.97;
 
 template <int dim> using Place = std::optional<SurfacePlace<dim>>;
