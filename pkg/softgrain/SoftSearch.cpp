@@ -15,10 +15,14 @@ using softgrain::Vec3;
 
 namespace {
 
-/// The SoftGeom of the interaction, made if there is none.
-shared_ptr<SoftGeom> geometryOf(const Interaction& I)
+/// The SoftGeom of the interaction, made if there is none, bound to the assembly.
+shared_ptr<SoftGeom> geometryOf(const Interaction& I,
+				const std::shared_ptr<softgrain::GrainAssembly>& assembly)
 {
-	return I.geom ? YADE_PTR_CAST<SoftGeom>(I.geom) : shared_ptr<SoftGeom>(new SoftGeom);
+	shared_ptr<SoftGeom> geom =
+		I.geom ? YADE_PTR_CAST<SoftGeom>(I.geom) : shared_ptr<SoftGeom>(new SoftGeom);
+	geom->bind(assembly);
+	return geom;
 }
 
 /// Whether the grain is in an assembly; `force` makes it, for interactions that a script creates
@@ -148,8 +152,7 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	const Real dt = searchStep(*scene, grain1);
 	if (!I->isReal() && !force && grain1.assembly->areFarApart(first, second, image, dt))
 		return false;
-	const auto geom = geometryOf(*I);
-	geom->bind(grain1.assembly);
+	const auto geom = geometryOf(*I, grain1.assembly);
 	grain1.assembly->search(*geom->pair, first, second, image, dt);
 	describeByCentres(*geom, *I, (state2.pos + shift2 - state1.pos).normalized(), grain1.radius,
 			  grain2.radius);
@@ -172,8 +175,7 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
 	if (!isAssembled(grain, *scene, force)) return I->isReal();
 	const SearchTimer timer(*this);
-	const auto geom = geometryOf(*I);
-	geom->bind(grain.assembly);
+	const auto geom = geometryOf(*I, grain.assembly);
 	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom->pair);
 	const auto* ball = dynamic_cast<const Sphere*>(shape1.get());
 	describeByCentres(*geom, *I, normal, ball ? ball->radius : grain.radius, grain.radius);

@@ -5,8 +5,6 @@ nodes (``doc/theory.md``), and 0 with contact geometries other than 'surface'. I
 metre of thickness and areas are lengths.
 """
 
-from typing import Any, NamedTuple
-
 import numpy as np
 from yade import O, wrapper
 
@@ -24,9 +22,9 @@ def contact_forces():
     """
     names = ("point", "normal", "force", "gap", "area", "pressure", "shear")
     columns = {name: [] for name in ("owner", "other", *names)}
-    for pair in _soft_pairs():
-        arrays = pair.geom.contacts()
-        first, second = _sides(pair)
+    for interaction in _soft_interactions():
+        arrays = interaction.geom.contacts()
+        first, second = _sides(interaction)
         on_first = arrays["side"] == 0
         columns["owner"].append(np.where(on_first, first, second))
         columns["other"].append(np.where(on_first, second, first))
@@ -46,7 +44,7 @@ def pair_forces():
         of all contact points on #2 [N, 2D N/m]; area (n,) of contact [m², 2D m]; pressure (n,) and
         traction (n,), magnitudes of these sums over the area [Pa].
     """
-    rows = [_row(pair) for pair in _soft_pairs() if pair.phys.activeContacts > 0]
+    rows = [_pair(i) for i in _soft_interactions() if i.phys.activeContacts > 0]
     names = ("id1", "id2", "point", "normal", "shear", "area", "pressure", "traction")
     return {
         name: np.array([row[k] for row in rows]) if rows else _no_rows(name)
@@ -98,39 +96,29 @@ def _over(force, area):
     return np.divide(force, area, out=np.zeros_like(force), where=area > 0)
 
 
-class _Pair(NamedTuple):
-    """What an interaction holds, looked up once: a run in the background may end it meanwhile."""
-
-    id1: int
-    id2: int
-    geom: Any
-    phys: Any
-
-
-def _soft_pairs():
+def _soft_interactions():
     """Those of soft grains, in the order of their ids, which that of O.interactions is not."""
-    pairs = [_Pair(i.id1, i.id2, i.geom, i.phys) for i in O.interactions if i.isReal]
-    found = [p for p in pairs if p.geom and isinstance(p.phys, wrapper.SoftPhys)]
-    return sorted(found, key=lambda p: (min(p.id1, p.id2), max(p.id1, p.id2)))
+    found = [i for i in O.interactions if i.isReal and isinstance(i.phys, wrapper.SoftPhys)]
+    return sorted(found, key=lambda i: (min(i.id1, i.id2), max(i.id1, i.id2)))
 
 
-def _sides(pair):
+def _sides(interaction):
     """Ids of the bodies that own contact points of side 0 and of side 1."""
-    low, high = sorted((pair.id1, pair.id2))
+    low, high = sorted((interaction.id1, interaction.id2))
     if isinstance(O.bodies[low].shape, wrapper.SoftGrain):
         return low, high
     return high, low
 
 
-def _row(pair):
+def _pair(interaction):
     """A row of :func:`pair_forces`."""
-    arrays = pair.geom.contacts()
-    normal, shear = np.array(pair.phys.normalForce), np.array(pair.phys.shearForce)
+    arrays = interaction.geom.contacts()
+    normal, shear = np.array(interaction.phys.normalForce), np.array(interaction.phys.shearForce)
     carries = arrays["pressure"] > 0
     both = [arrays["area"][carries & (arrays["side"] == side)].sum() for side in (0, 1)]
     seen = [area for area in both if area > 0]  # both outlines, or that of the grain
     area = sum(seen) / len(seen) if seen else 0.0
     sums = np.array([np.linalg.norm(normal), np.linalg.norm(shear)])
     pressure, traction = _over(sums, np.full(2, area))
-    point = np.array(pair.geom.contactPoint)
-    return pair.id1, pair.id2, point, normal, shear, area, pressure, traction
+    point = np.array(interaction.geom.contactPoint)
+    return interaction.id1, interaction.id2, point, normal, shear, area, pressure, traction

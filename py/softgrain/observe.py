@@ -109,8 +109,8 @@ def cell_stress(source="contacts"):
             mass, over the volume of the cell, as ``utils.getStress`` has it; 'grains': integral of
             the Cauchy stress over the grains, over the same volume. Less, in both, the momentum
             that grains carry relative to the mean flow, m c c with c = v - velGrad x less the mean
-            of that by mass. They agree on
-            the mean over a time that is long beside the vibrations of the grains.
+            of that by mass. They agree on the mean over a time that is long beside the vibrations
+            of the grains.
 
     Returns:
         array (3, 3): [Pa]. In 2D the out-of-plane stress is that of the grains, 0 with 'contacts'.

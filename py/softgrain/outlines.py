@@ -8,7 +8,7 @@ from scipy import optimize, spatial
 
 #: Vertices at which a polygon turns by more than this are corners, if nothing else is said [rad].
 CORNER_TURN = np.radians(20)
-#: Longest side of the bounding box over the radius of the largest circle inside.
+#: Longest side of the bounding box over the radius of the largest circle inside; as in the kernel.
 SLENDEREST = 1000
 
 
@@ -109,7 +109,8 @@ def inradius(vertices):
 
 
 def width(vertices):
-    """Smallest distance of two parallel lines between which a polygon lies."""
+    """Smallest distance of two parallel lines between which a polygon lies [m]; vertices of shape
+    (n, 2) [m]."""
     hull = spatial.ConvexHull(vertices)
     beyond = hull.equations[:, :2] @ vertices.T + hull.equations[:, 2:]
     return -beyond.min(axis=1).max()

@@ -507,55 +507,8 @@ def test_shape_of_two_bodies():
     assert "body #0 and body #1 share one SoftGrain" in message_of_step()
 
 
-NAN = math.nan
-DISK = dict(center=(0, 0, 0), radius=RADIUS)
-THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
-
-
-@pytest.mark.parametrize(
-    "call, message",
-    [
-        (lambda: sg.soft_disk((NAN, 0, 0), RADIUS), "center = .*3 finite numbers"),
-        (lambda: sg.soft_disk((0, 0), RADIUS), "center = .*3 finite numbers"),
-        (lambda: sg.soft_polygon([(0, 0), (1, 0), (0, 1)], z=NAN), "center = .*finite"),
-        (lambda: sg.soft_ellipse((0, 0, 0), (2, 1), angle=NAN), "angle = nan"),
-        (lambda: sg.soft_disk(**DISK, form="block"), "form = 'block': .*sg.soft_block"),
-        (lambda: sg.soft_sphere(**DISK, dim=2), "dim = 2: "),
-        (lambda: sg.soft_polygon(THIN), "times as long as wide; admissible: at most 500"),
-        (lambda: sg.engines(verlet_distance=NAN), r"verlet_distance = nan .*\[0, inf\) m"),
-        (lambda: sg.engines(1e-4, gravity=(NAN, 0, 0)), "gravity = .*3 finite numbers"),
-        (lambda: sg.soften([0, 0]), "ids: #0 is given twice"),
-        (lambda: sg.soften(i for i in [0]), "body #0 is neither a sphere"),
-        (lambda: sg.soften([9]), "ids: there is no body #9"),
-        (lambda: sg.soften([-1]), "ids: there is no body #-1"),
-        (lambda: sg.as_disks([9]), "ids: there is no body #9"),
-        (lambda: sg.harden([0, 0], into="clumps"), "ids: #0 is given twice"),
-        (lambda: sg.harden([9]), "ids: there is no body #9"),
-        (lambda: sg.draw_packing("p.png", box=(0, 1)), "box = .*4 finite numbers"),
-        (lambda: sg.draw_packing("p.png", limits=(1,)), "limits = .*2 finite numbers"),
-        (lambda: sg.draw_packing("p.png", scale=-1), r"scale = -1 .*\(0, inf\) Pa"),
-        (lambda: sg.contact_halfwidth([0, 1], [1, -1]), r"force .*\[0, inf\)"),
-        (lambda: sg.contact_halfwidth([0, 1], [1, NAN]), r"force .*\[0, inf\)"),
-    ],
-)
-def test_arguments(call, message):
-    body = add_disk()
-    with pytest.raises(ValueError, match=message):
-        call()
-    assert [b.id for b in O.bodies] == [body.id] and body.shape.form == "ball"
-
-
 def test_turned_out_of_the_plane():
     body = add_disk()
     ready()
     body.state.ori = Quaternion((1, 0, 0), 0.5)
     assert "turns it out of the plane of 2D grains" in message_of_step()
-
-
-def test_soft_grains_do_not_grow():
-    body = add_disk()
-    with pytest.raises(ValueError, match="bodyID = 0: a soft grain does not grow"):
-        utils.growParticle(body.id, 1.1)
-    sphere = utils.sphere((5 * RADIUS, 0, 0), RADIUS, material=FrictMat())
-    utils.growParticle(O.bodies.append(sphere), 1.1)
-    assert sphere.shape.radius == pytest.approx(1.1 * RADIUS)

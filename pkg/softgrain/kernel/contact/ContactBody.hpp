@@ -85,8 +85,8 @@ template <int dim> struct ContactBody {
 	{
 		return isSharp(node) ? areaOfFacet(facet).normalized() : normal[node];
 	}
-	/// Whether the outline at a node faces against `direction` (unit), within the angle of this
-	/// cosine: 84 degrees.
+	/// Whether the outline at a node faces against `direction` (unit), within the angle of a
+	/// cosine: if nothing is said, 84 degrees.
 	bool facesAgainst(int node, const Vec<dim>& direction, double leastCosine = 0.1) const;
 	/// Whether a place is inside the polygon (3D: polyhedron) of the nodes; without facets
 	/// never.

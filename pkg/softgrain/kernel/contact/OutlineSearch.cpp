@@ -110,7 +110,8 @@ bool isBefore(const Vec<2>& x, const ContactBody<2>& body, int facet)
 /// In 3D no grain has thin arms.
 bool isBefore(const Vec<3>&, const ContactBody<3>&, int) { return true; }
 
-/// Deeper nodes, in dr, are looked at once more: whether they are inside at all.
+/// Deeper nodes, in dr, are looked at once more: whether they are inside at all. Bent sides feign 1
+/// to 2; what is pressed in stays far below, and need not be looked at.
 constexpr double trustedDepth = 0.5;
 
 /// Nodes of `body` against the outline of `other`, where one of them has corners or indentations.
