@@ -64,6 +64,7 @@ softgrain::TemplateRecipe SoftGrain::recipe() const
 	r.basis = choose<softgrain::Basis>("basis", basis,
 					   { { "splines", softgrain::Basis::splines },
 					     { "triangles", softgrain::Basis::triangles } });
+	r.lumping = scheme().lumping();
 	return r;
 }
 

@@ -65,6 +65,7 @@ class Case:
     @property
     def recipes(self):
         common = {name: getattr(self, name) for name in RECIPE}
+        common["lumping"] = "rowSums" if self.velocity_update == "flip" else "balanced"
         return [reference.Recipe(zeta, **common) for zeta in self.zeta]
 
     @property

@@ -122,7 +122,8 @@ def test_softened_under_load():
         add_disk(place, material=material, zeta=zeta)
     walls = box()
     ready()
-    expected = squeeze(walls)
+    squeeze(walls)
+    expected = mean_wall_forces(walls)  # forces fall by 2 % while the disks still roll into place
     O.reset()
 
     disks = []

@@ -218,7 +218,7 @@ def test_indicator_tells_loading_from_rest():
     _, wall = squeezed_disk(steps=100, massDamping=3000)
     loading = sg.quasi_static()
     wall.state.vel = (0, 0, 0)
-    run(2000)
+    run(3000)
     rest = sg.quasi_static()
     assert rest["kinetic_over_elastic"] < 1e-3 * loading["kinetic_over_elastic"]
     assert rest["unbalanced_force"] < 1e-2

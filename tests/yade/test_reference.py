@@ -39,7 +39,7 @@ CASES = {
     ),
     "multirate": Case(zeta=(0.45, 0.12), rates=(3, 1)),
     "multirate, damped": Case(
-        zeta=(0.45, 0.12), rates=(3, 1), mass_damping=3000.0, stiffness_damping=1e-6
+        zeta=(0.5, 0.12), rates=(3, 1), mass_damping=3000.0, stiffness_damping=1e-6
     ),
     "flip": Case(velocity_update="flip"),
     "flip with a share of PIC, points": Case(

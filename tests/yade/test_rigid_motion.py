@@ -69,10 +69,10 @@ def test_switched_off_and_on_in_flight():
     np.testing.assert_allclose(disks[0].state.pos, (O.time, 0, 0), atol=1e-14)
 
 
-@pytest.mark.parametrize("spin, tolerance", ((0.0, 1e-9), (10.0, 1e-3)))
+@pytest.mark.parametrize("spin, tolerance", ((0.0, 1e-9), (8.0, 1e-3)))
 def test_same_results_without(spin, tolerance):
     """To rounding; spinning grains to second order of their turn in a step, which stretches them
-    where nodes are moved."""
+    where nodes are moved. (From 9.5/s on that is enough for a node to be met a step earlier.)"""
     states = []
     for rigid in (True, False):
         disks = meeting(spin, rigidMotion=rigid)

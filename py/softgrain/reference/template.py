@@ -24,6 +24,10 @@ CUT_DEPTH = 6
 NEGLIGIBLE_SHARE = 1e-9
 #: Nodes that a tied node is extrapolated from; more where several are as far away as the last one.
 TIED_TO = 6
+#: Nodal masses are balanced where each is at least this share of sum_p Vp0 N_I(Xp).
+LEAST_MASS_SHARE = 0.7
+#: Most that exact second moments may take from a nodal mass.
+LARGEST_INERTIA_SHARE = 0.4
 #: Functions of less than this share of the greatest weight are left out of the projection of ln J.
 LIGHT_FUNCTION_SHARE = 0.02
 
@@ -40,6 +44,7 @@ class Recipe:
     contact: str = "surface"  #: or 'points'
     light_node_share: float = 1e-4  #: nodes lighter than this share of the heaviest are tied
     volumetric: str = "pointwise"  #: or 'projected'
+    lumping: str = "balanced"  #: of the masses; or 'rowSums'
 
     @property
     def contact_spacing(self):
@@ -57,7 +62,7 @@ class Template:
         point_position (ndarray): Xp, shape (points, 2).
         point_volume (ndarray): Vp0, shape (points,); the sum is pi.
         node_position (ndarray): XI, shape (nodes, 2), in lexicographic order.
-        node_mass (ndarray): mI = sum_p Vp0 N_I(Xp), shape (nodes,).
+        node_mass (ndarray): mI, shape (nodes,); their sum is pi.
         point_shape (ndarray): N_I(Xp), shape (points, nodes).
         point_gradient (ndarray): G_I(Xp), shape (points, nodes, 2).
         volume_projection (ndarray | None): takes ln J at the points to its projection, shape
@@ -79,6 +84,8 @@ class Template:
         self.node_position = grid.node_position
         self.point_shape, self.point_gradient = grid.shapes(self.point_position)
         self.node_mass = self.point_volume @ self.point_shape
+        if recipe.lumping == "balanced":
+            self.node_mass = balanced_masses(self)
         self.volume_projection = None
         if recipe.volumetric == "projected":
             spacing = 2 * recipe.node_spacing * recipe.zeta
@@ -98,6 +105,44 @@ class Template:
 def template(recipe):
     """Return the template of a recipe, made once."""
     return Template(recipe)
+
+
+def balanced_masses(table):
+    """Masses in proportion to the sums over J of abs(L_IJ), L = sum_p Vp0 G_I.G_J, with moments.
+
+    A polynomial of second order in XI times these sums. Mass and centre are those of the sums of
+    rows sum_p Vp0 N_I(Xp), second moments those of the points as squares of area Vp0, or as near to
+    them as takes no more than LARGEST_INERTIA_SHARE from a node.
+
+    Args:
+        table (Template): with the sums of rows as ``node_mass``.
+
+    Returns:
+        ndarray: mI, shape (nodes,).
+    """
+    G, volume = table.point_gradient, table.point_volume
+    bound = np.abs(np.einsum("p,pIa,pJa->IJ", volume, G, G, optimize=True)).sum(axis=1)
+    at_nodes = _monomials(table.node_position)
+    lumped = at_nodes.T @ table.node_mass
+    continuum = _monomials(table.point_position).T @ volume
+    continuum[[3, 5]] += np.sum(volume**2) / 12
+
+    def with_moments(moments):
+        gram = at_nodes.T @ (bound[:, None] * at_nodes)
+        return bound * (at_nodes @ np.linalg.lstsq(gram, moments, rcond=None)[0])
+
+    kept, exact = with_moments(lumped), with_moments(continuum)
+    if np.any(kept < LEAST_MASS_SHARE * table.node_mass):
+        return table.node_mass
+    loss = (kept - exact) / kept
+    share = min(1.0, LARGEST_INERTIA_SHARE / loss.max())
+    return (1 - share) * kept + share * exact
+
+
+def _monomials(X):
+    """1, x, y, x^2, x y, y^2 at X, shape (len(X), 6)."""
+    x, y = X.T
+    return np.column_stack([np.ones(len(X)), x, y, x * x, x * y, y * y])
 
 
 def volume_projection(X, volume, spacing):

@@ -13,9 +13,10 @@ inline const Scheme nodal {}, flip { Formulation::total, VelocityUpdate::flip, 0
 
 template <int dim>
 std::unique_ptr<GrainSet<dim>>
-grainsOf(const Scheme& scheme, const TemplateRecipe& r,
+grainsOf(const Scheme& scheme, TemplateRecipe r,
 	 const std::vector<GrainParameters<dim>>& grains = { paperGrain<dim>() })
 {
+	r.lumping = scheme.lumping();
 	return makeGrainSet<dim>(makeGrainTemplate<dim>(r), Law::neoHookean, usualCondition<dim>,
 				 grains, scheme);
 }

@@ -1,5 +1,6 @@
 // Grains with a long critical step beside grains with a short one: their forces act for several
 // steps.
+#include "step/Formulations.hpp"
 #include "step/Scene.hpp"
 
 #include "grain/CriticalTimeStep.hpp"
@@ -326,10 +327,9 @@ TEST_CASE("Multirate: velocities at the points are updated in every step", "[mul
 	for (const Scheme& scheme : { Scheme { Formulation::total, VelocityUpdate::flip },
 				      Scheme { Formulation::updated } }) {
 		Scene<2> scene;
-		scene.add(makeGrainSet<2>(
-			makeGrainTemplate<2>(recipe(0.25)), Law::neoHookean, Condition::planeStrain,
-			{ grainAt<2>(Vec<2>(0, 0), R), grainAt<2>(Vec<2>(1, 0), R / ratio) },
-			scheme));
+		scene.add(grainsOf<2>(
+			scheme, recipe(0.25),
+			{ grainAt<2>(Vec<2>(0, 0), R), grainAt<2>(Vec<2>(1, 0), R / ratio) }));
 		scene.system.setMultirate(true);
 		CHECK(scene.system.rate(0) == 1);
 		scene.advance();

@@ -62,8 +62,9 @@ TemplateRecipe brick(int dim, double zeta)
 template <int dim> Scene<dim> threeThatMeet(bool rigid, const Scheme& scheme = {})
 {
 	const Vec<dim> apart = 0.021 * Vec<dim>::Unit(0), up = 0.004 * Vec<dim>::Unit(1);
-	auto batch = grainsAt<dim>(recipe(dim == 2 ? 0.2 : 0.35),
-				   { Vec<dim>::Zero(), apart, -apart + up });
+	TemplateRecipe r = recipe(dim == 2 ? 0.2 : 0.35);
+	r.lumping = scheme.lumping();
+	auto batch = grainsAt<dim>(r, { Vec<dim>::Zero(), apart, -apart + up });
 	const double spin = scheme.hasPointVelocities() ? 0 : 1;
 	launch<dim>(batch, 0, Vec<dim>::Zero(), 3 * spin);
 	launch<dim>(batch, 1, -1.0 * Vec<dim>::Unit(0), -20 * spin);

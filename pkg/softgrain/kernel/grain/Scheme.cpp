@@ -22,6 +22,8 @@ void Scheme::validate(const TemplateRecipe& recipe) const
 	if (recipe.basis == Basis::triangles && hasPointVelocities())
 		throw std::invalid_argument("basis = 'triangles' needs formulation = 'total' and "
 					    "velocityUpdate = 'nodal'");
+	if (hasPointVelocities() && recipe.lumping != lumping())
+		throw std::invalid_argument("velocities at the points need lumping by row sums");
 	if (formulation == Formulation::updated && recipe.contact == ContactGeometry::nodes)
 		throw std::invalid_argument(
 			"contact = 'nodes' is not implemented for formulation = 'updated'; "

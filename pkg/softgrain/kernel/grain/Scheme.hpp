@@ -30,6 +30,11 @@ struct Scheme {
 		return formulation == Formulation::updated ||
 		       velocityUpdate == VelocityUpdate::flip;
 	}
+	/// Velocities at the points share their momentum out by the shape functions alone.
+	Lumping lumping() const
+	{
+		return hasPointVelocities() ? Lumping::rowSums : Lumping::balanced;
+	}
 	/// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 	void validate(const TemplateRecipe& recipe) const;
 	bool operator<(const Scheme& o) const

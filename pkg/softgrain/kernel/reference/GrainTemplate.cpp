@@ -102,12 +102,15 @@ template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>&
 				       quadrature);
 	grain.volume = outline.volume();
 	grain.nodePosition = grid.position();
-	grain.nodeMass = grid.mass();
 	grain.pointPosition = quadrature.point;
 	grain.pointVolume = quadrature.weight;
 	for (const Vec<dim>& X : quadrature.point)
 		grid.appendShapes(X, grain.pointShapes);
 	grain.pointLines = makePointLines(grid, quadrature);
+	grain.nodeMass = recipe.lumping == Lumping::balanced
+				 ? balancedNodeMass<dim>(grid.position(), grid.mass(), quadrature,
+							 grain.pointShapes)
+				 : grid.mass();
 
 	SparseRows<ShapeFunction<dim>> shapes;
 	for (const Vec<dim>& X : grain.contactMesh.vertex)

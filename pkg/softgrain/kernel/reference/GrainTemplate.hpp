@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "reference/NodeMass.hpp"
 #include "reference/NodeRows.hpp"
 #include "reference/Outline.hpp"
 #include "reference/PointLines.hpp"
@@ -50,9 +51,10 @@ struct TemplateRecipe {
 	ContactGeometry contact = ContactGeometry::surface;
 	GrainForm form;
 	VolumetricStrain volumetric = VolumetricStrain::pointwise;
-	/// Triangles have sides of about dr and a point each; `order`, `nodeSpacing` and
-	/// `quadrature` say nothing of them.
+	/// Triangles have sides of about dr and a point each; `order`, `nodeSpacing`, `quadrature`
+	/// and `lumping` say nothing of them.
 	Basis basis = Basis::splines;
+	Lumping lumping = Lumping::balanced;
 
 	/// Distance of surface nodes, in radii. In coarse grains (h = nodeSpacing zeta above
 	/// nodeSpacing - 1) they are denser than surfaceSpacing says: of the rows of background
@@ -64,9 +66,9 @@ struct TemplateRecipe {
 	bool operator<(const TemplateRecipe& o) const
 	{
 		return std::tie(zeta, order, nodeSpacing, surfaceSpacing, quadrature, contact, form,
-				volumetric, basis) <
+				volumetric, basis, lumping) <
 		       std::tie(o.zeta, o.order, o.nodeSpacing, o.surfaceSpacing, o.quadrature,
-				o.contact, o.form, o.volumetric, o.basis);
+				o.contact, o.form, o.volumetric, o.basis, o.lumping);
 	}
 };
 
@@ -77,8 +79,8 @@ template <int dim> struct GrainTemplate {
 	double volume = 0;   ///< of the undeformed grain, in radii^dim
 	double inradius = 0; ///< of the largest ball inside, in radii
 
-	std::vector<Vec<dim>> nodePosition; ///< XI, in radii
-	std::vector<double> nodeMass;       ///< lumped, sum_p V_p N_I(X_p); their sum is the volume
+	std::vector<Vec<dim>> nodePosition;  ///< XI, in radii
+	std::vector<double> nodeMass;        ///< lumped; their sum is the volume
 	std::vector<double> inverseNodeMass; ///< 1/mI
 
 	std::vector<Vec<dim>> pointPosition;        ///< Xp, in radii
