@@ -1,5 +1,5 @@
 #include "NonsmoothLaw.hpp"
-#include "SoftGrainIntegrator.hpp"
+#include "SceneAssembly.hpp"
 
 namespace yade {
 
@@ -67,10 +67,7 @@ SOFTGRAIN_GO_AHEAD(Ig2_Wall_Sphere_ScGeom, false, 1)
 bool Law2_ScGeom_FrictPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IPhys>&, Interaction*)
 {
 	if (!checked_.load(std::memory_order_relaxed) && !checked_.exchange(true)) {
-		bool solved = false;
-		for (const auto& engine : scene->engines)
-			solved |= bool(YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine));
-		if (!solved)
+		if (!softGrainIntegratorOf(*scene))
 			LOG_ERROR("there is no SoftGrainIntegrator in O.engines, which solves the "
 				  "contacts of this law: they bear no force. See sg.engines()");
 	}

@@ -171,9 +171,8 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 	}
 	const auto assembly = softgrain::GrainAssembly::create(grains, last.get());
 	assembly->continueFrom(last ? last->continuation() : softgrain::Continuation());
-	for (const auto& engine : scene.engines)
-		if (const auto integrator = YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
-			assembly->setInterfaceRange(integrator->interfaceRange);
+	if (const auto* integrator = softGrainIntegratorOf(scene))
+		assembly->setInterfaceRange(integrator->interfaceRange);
 	for (int g = 0; g < assembly->grains(); ++g)
 		join(*(*scene.bodies)[assembly->idOf(g)], assembly, g);
 	return assembly;
@@ -202,6 +201,14 @@ const SoftMat& materialOf(const Scene& scene, int id)
 std::string namesOf(const Interaction& I)
 {
 	return "bodies #" + std::to_string(I.getId1()) + " and #" + std::to_string(I.getId2());
+}
+
+SoftGrainIntegrator* softGrainIntegratorOf(const Scene& scene)
+{
+	for (const auto& engine : scene.engines)
+		if (const auto integrator = YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
+			return integrator.get();
+	return nullptr;
 }
 
 const NewtonIntegrator* liveNewtonIntegrator(const Engine& engine)

@@ -9,6 +9,8 @@ namespace yade {
 
 YADE_PLUGIN((SoftGrain)(Bo1_SoftGrain_Aabb));
 
+CREATE_LOGGER(Bo1_SoftGrain_Aabb);
+
 namespace {
 
 template <class Choice>
@@ -205,6 +207,10 @@ void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& b
 			    const Se3r& se3, const Body*)
 {
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
+	if (!checked_.load(std::memory_order_relaxed) && !checked_.exchange(true) &&
+	    !softGrainIntegratorOf(*scene))
+		LOG_ERROR("there is no SoftGrainIntegrator in O.engines, which computes soft "
+			  "grains: they neither deform nor touch anything. See sg.engines()");
 	if (!bound) bound = shared_ptr<Bound>(new Aabb);
 	Real extent = grain.aspect.norm();
 	for (const Vector2r& X : grain.vertices)

@@ -3,6 +3,8 @@
 #include "Yade.hpp"
 #include "assembly/GrainAssembly.hpp"
 
+#include <atomic>
+
 namespace yade {
 
 class SoftMat;
@@ -107,6 +109,11 @@ public:
 		((Real, margin, 0.05, Attr::triggerPostLoad, "Enlargement of the box over the radius of the grain, > 0 [-]; larger: fewer runs of the collider, more candidate pairs."))
 	);
 	// clang-format on
+	DECLARE_LOGGER;
+
+private:
+	/// Whether it was looked who moves the grains; bodies come in parallel.
+	std::atomic<bool> checked_ { false };
 };
 REGISTER_SERIALIZABLE(Bo1_SoftGrain_Aabb);
 

@@ -3,6 +3,7 @@
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 #include "Timing.hpp"
+#include "assembly/RigidInKernel.hpp"
 
 #include <mutex>
 
@@ -134,6 +135,28 @@ std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape,
 	return d;
 }
 
+namespace {
+
+/// Facets and boxes about a grain besides the one of an interaction, as the grain sees them.
+std::vector<softgrain::RigidBodyDescription> othersAbout(const SoftGrain& grain,
+							 const Interaction& I, const Scene& scene)
+{
+	std::vector<softgrain::RigidBodyDescription> others;
+	for (const auto& [id, other] : (*scene.bodies)[I.getId2()]->intrs) {
+		const auto& body = (*scene.bodies)[id];
+		if (id == I.getId1() || !body || !body->shape) continue;
+		const bool hasEdges = dynamic_cast<const Facet*>(body->shape.get()) ||
+				      dynamic_cast<const Box*>(body->shape.get());
+		if (!hasEdges) continue;
+		const auto image = imageOf(scene, *other, false);
+		others.push_back(displaced(*describeRigid(*body->shape, *body->state, id, grain),
+					   image.shift));
+	}
+	return others;
+}
+
+} // namespace
+
 bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 					  const shared_ptr<Shape>& shape2, const State& state1,
 					  const State& state2, const Vector3r& shift2,
@@ -195,8 +218,9 @@ Vector3r SearchOnRigid::search(const Shape& shape, const State& rigid, const Sof
 {
 	chooseNearestImage(*scene, soft.pos, I);
 	const auto image = imageOf(*scene, I, false);
-	grain.assembly->search(pair, grain.index, *describeRigid(shape, rigid, I.getId1(), grain),
-			       image, searchStep(*scene, grain));
+	grain.assembly->search(
+		pair, grain.index, *describeRigid(shape, rigid, I.getId1(), grain),
+		[&] { return othersAbout(grain, I, *scene); }, image, searchStep(*scene, grain));
 	return (soft.pos - rigid.pos - image.shift).normalized();
 }
 
@@ -211,7 +235,7 @@ Vector3r Ig2_Wall_SoftGrain_SoftGeom::search(const Shape& shape, const State& ri
 	if (wall.sense != 0 && wall.sense != side)
 		pair.restore({}); // the grain is on the side that does not interact
 	else if (const auto body = describeRigid(wall, rigid, I.getId1(), grain))
-		grain.assembly->search(pair, grain.index, *body, {}, dt);
+		grain.assembly->search(pair, grain.index, *body, {}, {}, dt);
 	else
 		grain.assembly->search(pair, grain.index,
 				       { I.getId1(), rigid.pos, normal, rigid.vel }, dt);

@@ -70,9 +70,8 @@ void SoftenWhenLoaded::soften(Body& body) const
 /// The first soft grains come into a scene whose O.dt was chosen for spheres.
 void SoftenWhenLoaded::leaveTimeStepToIntegrator() const
 {
-	for (const auto& engine : scene->engines)
-		if (const auto integrator = YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
-			if (integrator->steps == 0) integrator->dtSet = scene->dt;
+	auto* integrator = softGrainIntegratorOf(*scene);
+	if (integrator && integrator->steps == 0) integrator->dtSet = scene->dt;
 }
 
 } // namespace yade

@@ -1,7 +1,9 @@
 """What YADE offers and softgrain does not: each is refused with a message of its own."""
 
+import subprocess
+
 import pytest
-from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
+from scenes import RADIUS, YADE, add_disk, add_wall, ready, run, soft_material
 from yade import (
     FrictMat,
     GlobalStiffnessTimeStepper,
@@ -188,3 +190,22 @@ def test_time_stepper_of_rigid_bodies(young, smaller):
     add_engine(GlobalStiffnessTimeStepper(timeStepUpdateInterval=1), place=3)
     run(5)
     assert (0 < O.dt < 0.05 * own) if smaller else O.dt == own
+
+
+SCENE = """
+import softgrain as sg
+O.bodies.append([sg.soft_disk((3 * k, 0, 0), 1, sg.SoftMat(), zeta=0.3) for k in range(3)])
+O.engines = [e for e in sg.engines() if not isinstance(e, {left_out})]
+O.run(2, True)
+"""
+
+
+@pytest.mark.parametrize("left_out, times", (("sg.SoftGrainIntegrator", 1), ("()", 0)))
+def test_grains_that_nobody_moves(tmp_path, left_out, times):
+    """Said, not refused: a scene may be looked at before its engines are complete."""
+    script = tmp_path / "idle.py"
+    script.write_text(SCENE.format(left_out=left_out))
+    process = subprocess.run([YADE, "-n", "-x", str(script)], capture_output=True, text=True)
+    assert process.returncode == 0
+    message = "no SoftGrainIntegrator in O.engines, which computes soft grains"
+    assert process.stderr.count(message) == times

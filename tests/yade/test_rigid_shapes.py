@@ -213,23 +213,37 @@ def test_coarse_balls_roll_too_slowly(zeta, angle, slower):
     assert 1 - acceleration / (5 / 7 * along) == pytest.approx(slower, abs=0.03)
 
 
-@pytest.mark.parametrize("dim", (2, 3))
-def test_a_floor_of_facets_does_not_brake(dim):
-    """Without friction, over the edges of coplanar facets, one every radius."""
-    places = [(k * RADIUS, (k + 1) * RADIUS) for k in range(-2, 9)]
-    sides = (-5 * RADIUS, 5 * RADIUS)
-    for begin, end in places:
-        ground = ((begin, 0), (end, 0), (end, 1), (begin, 1))
-        corner = [
-            Vector3(x, 0, sides[y]) if dim == 2 else Vector3(x, sides[y], 0) for x, y in ground
-        ]
+def add_floor(kind, dim):
+    """Coplanar facets or boxes one radius long, without friction; its upper side is at 0."""
+    material, up = rigid_material(0), 1 if dim == 2 else 2
+    for begin in np.arange(-2, 9) * RADIUS:
+        if kind == "boxes":
+            center, half = Vector3(begin + 0.5 * RADIUS, 0, 0), Vector3(1, 1, 1) * 5 * RADIUS
+            center[up], half[0] = -half[up], 0.5 * RADIUS
+            O.bodies.append(utils.box(center, half, fixed=True, material=material))
+            continue
+        ground = [(begin, -1), (begin + RADIUS, -1), (begin + RADIUS, 1), (begin, 1)]
+        corner = [Vector3(x, 0, 5 * RADIUS * y) for x, y in ground]
+        if dim == 3:
+            corner = [Vector3(x, 5 * RADIUS * y, 0) for x, y in ground]
         for triangle in ((0, 1, 2), (0, 2, 3)):
             facet = [corner[k] for k in triangle]
-            O.bodies.append(utils.facet(facet, material=rigid_material(0)))
+            O.bodies.append(utils.facet(facet, material=material))
+
+
+@pytest.mark.parametrize("form", ("round", "block"))
+@pytest.mark.parametrize("dim", (2, 3))
+@pytest.mark.parametrize("kind", ("facets", "boxes"))
+def test_a_floor_of_pieces_does_not_brake(kind, dim, form):
+    """Without friction, over the seams of coplanar facets or boxes, one every radius."""
+    add_floor(kind, dim)
     soft = soft_material(young=1e5, poisson=0.3, massDamping=100)
-    center = (0, 0.995 * RADIUS, 0) if dim == 2 else (0, 3e-4, 0.995 * RADIUS)
-    make = sg.soft_disk if dim == 2 else sg.soft_sphere
-    body = make(center, RADIUS, soft, zeta=0.3)
+    center = Vector3(0, 0.997 * RADIUS, 0) if dim == 2 else Vector3(0, 3e-4, 0.997 * RADIUS)
+    if form == "block":
+        make, size = sg.soft_block, (2 * RADIUS,) * dim
+    else:
+        make, size = (sg.soft_disk if dim == 2 else sg.soft_sphere), RADIUS
+    body = make(center, size, soft, zeta=0.3)
     O.bodies.append(body)
     body.state.vel = (0.5, 0, 0)
     ready(gravity=(0, -9.81, 0) if dim == 2 else (0, 0, -9.81))
@@ -237,5 +251,27 @@ def test_a_floor_of_facets_does_not_brake(dim):
     while body.state.pos[0] < 5 * RADIUS:
         run(5)
         touched += sg.integrator().activeContacts > 0
+        assert body.state.vel[0] > 0.4
     assert touched > 50
     assert body.state.vel[0] == pytest.approx(0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("step, passes", ((0.01, True), (0.5, False)))
+def test_a_step_of_the_floor_stops(step, passes):
+    """A block comes to the edge of a facet that lies higher, by so many point spacings."""
+    soft = soft_material(young=1e5, poisson=0.3, massDamping=100)
+    height = step * 0.3 * RADIUS
+    for ends in ((-5, 1.5, 0), (1.5, 5, height)):
+        begin, end = (Vector3(x * RADIUS, ends[2], 0) for x in ends[:2])
+        side = Vector3(0, 0, RADIUS)
+        for facet in (
+            (begin - side, end - side, end + side),
+            (begin - side, end + side, begin + side),
+        ):
+            O.bodies.append(utils.facet(facet, material=rigid_material(0)))
+    body = sg.soft_block((0, 0.997 * RADIUS, 0), (2 * RADIUS, 2 * RADIUS), soft, zeta=0.3)
+    O.bodies.append(body)
+    body.state.vel = (0.2, 0, 0)
+    ready(gravity=(0, -9.81, 0))
+    run(1000)
+    assert (body.state.pos[0] > RADIUS) == passes

@@ -87,6 +87,7 @@ public:
 
 	/// Called where nothing may be thrown.
 	void search(PairContacts& pair, int g, const RigidBodyDescription& body,
+		    const std::function<std::vector<RigidBodyDescription>()>& others,
 		    const ImageDescription& image, double dt) const override
 	{
 		ContactList<dim>& list = listOf(pair);
@@ -94,13 +95,8 @@ public:
 		list.first = g;
 		list.second = -1 - body.id;
 		list.rigid.emplace();
-		std::optional<RigidSurface<dim>> surface;
 		double overlap = 0;
-		try {
-			surface = surfaceOf(displaced(body, image.shift));
-		} catch (const std::invalid_argument&) {
-			overlap = std::numeric_limits<double>::infinity();
-		}
+		const auto surface = surfaceIfAny(displaced(body, image.shift), overlap);
 		if (!surface) {
 			list.clearContacts();
 			list.deepest = overlap;
@@ -108,7 +104,9 @@ public:
 			return;
 		}
 		describe(*list.rigid, *surface, body, list.image.shift);
+		if (others) list.rigid->others = [&] { return surfacesOf(others()); };
 		search(list, dt);
+		list.rigid->others = nullptr;
 	}
 	void checkRigidBody(const RigidBodyDescription& body) const override { surfaceOf(body); }
 
@@ -332,6 +330,30 @@ private:
 			       "is near soft grains with contact = 'nodes', which touch Walls "
 			       "and each other only; use contact = 'surface'");
 		return surfaceIn<dim>(body, z_);
+	}
+
+	/// None where a plate does not cut the plane, or where the body is refused: an infinite
+	/// overlap.
+	std::optional<RigidSurface<dim>> surfaceIfAny(const RigidBodyDescription& body,
+						      double& overlap) const
+	{
+		try {
+			return surfaceOf(body);
+		} catch (const std::invalid_argument&) {
+			overlap = std::numeric_limits<double>::infinity();
+			return std::nullopt;
+		}
+	}
+
+	std::vector<RigidSurface<dim>>
+	surfacesOf(const std::vector<RigidBodyDescription>& bodies) const
+	{
+		std::vector<RigidSurface<dim>> surfaces;
+		double overlap = 0; // told by the search on that body
+		for (const RigidBodyDescription& body : bodies)
+			if (const auto surface = surfaceIfAny(body, overlap))
+				surfaces.push_back(*surface);
+		return surfaces;
 	}
 
 	static void describe(RigidSide<dim>& side, const RigidSurface<dim>& surface,

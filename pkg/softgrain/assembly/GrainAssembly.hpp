@@ -8,6 +8,7 @@
 #include "assembly/RigidDescriptions.hpp"
 #include "step/System.hpp"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -71,8 +72,11 @@ public:
 				 double dt) const = 0;
 	virtual void search(PairContacts& pair, int g, const WallDescription& wall,
 			    double dt) const = 0;
-	/// A body that checkRigidBody refuses counts as an infinite overlap.
+	/// A body that checkRigidBody refuses counts as an infinite overlap. `others`: rigid bodies
+	/// about the grain as it sees them, asked for where it meets an edge of this one, which may
+	/// be a seam of both.
 	virtual void search(PairContacts& pair, int g, const RigidBodyDescription& body,
+			    const std::function<std::vector<RigidBodyDescription>()>& others,
 			    const ImageDescription& image, double dt) const = 0;
 	/// Throws std::invalid_argument if grains cannot touch the body, saying why.
 	virtual void checkRigidBody(const RigidBodyDescription& body) const = 0;

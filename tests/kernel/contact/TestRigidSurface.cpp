@@ -65,6 +65,7 @@ TEMPLATE_TEST_CASE_SIG("gap and normal of a block are those of its surface", "[r
 		inside += isInside;
 		CHECK((place->gap < 0) == isInside);
 		CHECK(std::abs(std::abs(place->gap) - sampledDistance<dim>(block, x)) < 0.02);
+		CHECK(std::abs(distanceTo<dim>(block, x) - std::max(place->gap, 0.)) < 1e-12);
 		CHECK(std::abs(place->normal.norm() - 1) < 1e-12);
 		const Vec<dim> foot = x - place->gap * place->normal;
 		const Vec<dim> atFoot = block.axes.transpose() * (foot - block.centre);
@@ -267,4 +268,36 @@ TEST_CASE("a grain on a seam of two plates touches it as one", "[rigid]")
 					 [](const Vec<2>& x) { return x[1] < 5e-5; });
 	CHECK(static_cast<int>(gaps.size()) >= below);
 	CHECK(static_cast<int>(gaps.size()) <= below + 1); // the lowest node may be on both
+}
+
+TEST_CASE("an edge at which another surface goes on is none", "[rigid]")
+{
+	TemplateRecipe square = recipe(0.2);
+	square.form.form = Form::block;
+	const auto reference = makeGrainTemplate<2>(square);
+	// its lower right corner is level with a plate that begins a little further on
+	const double R = 0.01, dr = 0.2 * R, edge = R + 0.05 * dr;
+	const ContactBody<2> body = contactBody<2>(*reference, R, { 0, R + 1e-6 });
+	auto headOn = [&](const std::vector<RigidSurface<2>>& others) {
+		auto list = listWith<2>(PlateSurface<2> { { Vec<2>(edge, 0), Vec<2>(0.05, 0) } });
+		list.rigid->others = [&] { return others; };
+		findContacts<2>(body, 0.2 * dr, list);
+		return std::count_if(list.contacts.begin(), list.contacts.end(),
+				     [](const auto& c) { return c.normal[0] < -0.9; });
+	};
+	auto plate = [&](double x, double y, double height = 0) {
+		return PlateSurface<2> { { Vec<2>(x, y), Vec<2>(edge, height) } };
+	};
+	auto box = [&](double top) {
+		return BlockSurface<2> { { 0, top - R }, Mat<2>::Identity(), { edge, R } };
+	};
+	CHECK(headOn({}) == 1);
+	CHECK(headOn({ plate(-0.05, 0) }) == 0);
+	CHECK(headOn({ plate(edge - 0.01, -0.005) }) == 0); // the top of a slope
+	CHECK(headOn({ plate(edge - 0.01, 0.005) }) == 0);  // the foot of one
+	CHECK(headOn({ box(0) }) == 0);
+	CHECK(headOn({ plate(-0.05, -0.01 * dr, -0.01 * dr) }) == 0);
+	CHECK(headOn({ plate(-0.05, -0.5 * dr, -0.5 * dr), box(-0.5 * dr) }) == 1); // a step
+	CHECK(headOn({ plate(edge, -0.05) }) == 1);                                 // its face
+	CHECK(headOn({ PlateSurface<2> { { Vec<2>(0.03, 0), Vec<2>(0.04, 0.01) } } }) == 1);
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <functional>
 #include <optional>
 #include <tuple>
 #include <vector>
@@ -59,6 +60,9 @@ template <int dim> struct RigidSide {
 	double speed = 0;                  ///< no place of the surface is faster, m/s
 	int partner = -1;                  ///< its motion: number in the step at hand
 	bool moves = false;                ///< RigidPartner::moves
+	/// Other surfaces about the grain, during a search: asked for where it meets an edge. May
+	/// be empty.
+	std::function<std::vector<RigidSurface<dim>>()> others;
 };
 
 /// How the first body of a pair sees the second one in a periodic space: displaced by a period, and

@@ -1,7 +1,11 @@
 #include "contact/RigidSearch.hpp"
 #include "contact/OutlineSearch.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace softgrain {
 
@@ -31,8 +35,47 @@ void append(const ContactKey& key, Contact<dim>& contact, const ContactBody<dim>
 	list.contacts.push_back(contact);
 }
 
+/// Over dr: how far from an edge it is asked what is nearest there. Steps of the floor below that
+/// are none.
+constexpr double beforeEdge = 0.05;
+
+/// The surfaces about a rigid one, of which an edge may be a seam: where a floor goes on, what lies
+/// before the edge is nearer to the next side than to the edge, and must not meet it head-on.
+template <int dim> class Surroundings {
+public:
+	Surroundings(const ContactBody<dim>& body, const RigidSide<dim>& rigid)
+		: rigid_(rigid)
+		, distance_(beforeEdge * body.pointSpacing)
+	{
+	}
+	bool hide(const Vec<dim>& x, const SurfacePlace<dim>& place)
+	{
+		return place.toEdge < distance_ && hide(x - place.gap * place.normal, place.normal);
+	}
+	/// Whether a side of its own, or any of another surface, is nearer than `edge` to what lies
+	/// before it in a direction (unit). In space the direction may lean along the edge.
+	bool hide(const Vec<dim>& edge, const Vec<dim>& direction)
+	{
+		constexpr double rounding = 1e-6, lean = 0.5;
+		const Vec<dim> before = edge + distance_ * direction;
+		const double own = (1 - rounding) * distanceTo<dim>(rigid_.surface, before);
+		if (own < lean * distance_) return true;
+		if (!rigid_.others) return false;
+		if (!others_) others_ = rigid_.others();
+		return std::any_of(others_->begin(), others_->end(), [&](const auto& other) {
+			return distanceTo<dim>(other, before) < own;
+		});
+	}
+
+private:
+	const RigidSide<dim>& rigid_;
+	double distance_; ///< m
+	std::optional<std::vector<RigidSurface<dim>>> others_;
+};
+
 template <int dim>
-void nodesOnSurface(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
+void nodesOnSurface(const ContactBody<dim>& body, double reach, Surroundings<dim>& surroundings,
+		    ContactList<dim>& list)
 {
 	const RigidSurface<dim>& surface = list.rigid->surface;
 	const BallSurface<dim> about = ballAbout<dim>(surface);
@@ -50,12 +93,15 @@ void nodesOnSurface(const ContactBody<dim>& body, double reach, ContactList<dim>
 		Contact<dim> contact;
 		contact.normal = place->normal;
 		contact.gap = place->gap - body.nodeRadius;
-		if (contact.gap < reach) append({ 0, s, -1 }, contact, body, list);
+		if (contact.gap >= reach) continue;
+		if (surroundings.hide(body.position[s], *place)) continue;
+		append({ 0, s, -1 }, contact, body, list);
 	}
 }
 
 template <int dim>
-void tipsOnOutline(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
+void tipsOnOutline(const ContactBody<dim>& body, double reach, Surroundings<dim>& surroundings,
+		   ContactList<dim>& list)
 {
 	const double margin = std::max(reach, contactDepth(body, body));
 	const double turn = body.pointSpacing / body.inradius; // of the outline, from node to node
@@ -63,8 +109,11 @@ void tipsOnOutline(const ContactBody<dim>& body, double reach, ContactList<dim>&
 		tipsOf<dim>(list.rigid->surface, body.box.grown(margin), body.pointSpacing);
 	for (const Tip<dim>& tip : tips) {
 		auto contact = ballOnOutline<dim>(tip.ball.centre, tip.ball.radius, body, reach);
-		if (contact && !liesAlongSide<dim>(list.rigid->surface, tip, contact->normal, turn))
-			append({ 1, tip.number, -1 }, *contact, body, list);
+		if (!contact || liesAlongSide<dim>(list.rigid->surface, tip, contact->normal, turn))
+			continue;
+		const bool isPoint = tip.ball.radius == 0;
+		if (isPoint && surroundings.hide(tip.ball.centre, -contact->normal)) continue;
+		append({ 1, tip.number, -1 }, *contact, body, list);
 	}
 }
 
@@ -73,8 +122,9 @@ void tipsOnOutline(const ContactBody<dim>& body, double reach, ContactList<dim>&
 template <int dim>
 void findRigidContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
 {
-	nodesOnSurface<dim>(body, reach, list);
-	if (body.isSurface()) tipsOnOutline<dim>(body, reach, list);
+	Surroundings<dim> surroundings(body, *list.rigid);
+	nodesOnSurface<dim>(body, reach, surroundings, list);
+	if (body.isSurface()) tipsOnOutline<dim>(body, reach, surroundings, list);
 	const auto* ball = std::get_if<BallSurface<dim>>(&list.rigid->surface);
 	if (!ball) return;
 	const bool nested = body.mesh->irregular

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace softgrain {
@@ -16,13 +17,15 @@ constexpr double alongSide = 0.1, aboutEdge = 0.97;
 
 template <int dim> using Place = std::optional<SurfacePlace<dim>>;
 
+constexpr double farFromEdges = std::numeric_limits<double>::infinity();
+
 template <int dim>
 Place<dim> placeOnSurface(const BallSurface<dim>& ball, const Vec<dim>& x, const Faces<dim>&)
 {
 	const Vec<dim> apart = x - ball.centre;
 	const double distance = apart.norm();
 	if (!(distance > 0)) return std::nullopt;
-	return SurfacePlace<dim> { apart / distance, distance - ball.radius };
+	return SurfacePlace<dim> { apart / distance, distance - ball.radius, farFromEdges };
 }
 
 /// About an edge or a corner: no side lies under `x`.
@@ -33,7 +36,7 @@ Place<dim> placeBeyondEdge(const Vec<dim>& foot, const Vec<dim>& x, const Faces<
 	if (!(distance > 0)) return std::nullopt;
 	const Vec<dim> normal = (x - foot) / distance;
 	if (!faces(normal, aboutEdge)) return std::nullopt;
-	return SurfacePlace<dim> { normal, distance };
+	return SurfacePlace<dim> { normal, distance, 0 };
 }
 
 /// Plates that share an edge leave no slit between them: that much of a plate is added, over its
@@ -50,6 +53,15 @@ Vec<3> plateNormal(const PlateSurface<3>& plate)
 	return (plate.corner[1] - plate.corner[0])
 		.cross(plate.corner[2] - plate.corner[0])
 		.normalized();
+}
+
+template <int dim>
+Vec<dim> placeAt(const PlateSurface<dim>& plate, const std::array<double, dim>& weight)
+{
+	Vec<dim> place = Vec<dim>::Zero();
+	for (int i = 0; i < dim; ++i)
+		place += weight[i] * plate.corner[i];
+	return place;
 }
 
 /// From a corner of the plate to the opposite edge, at right angles.
@@ -83,9 +95,7 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 			  const Faces<dim>& faces)
 {
 	const auto weight = nearestOnFacet(x, plate.corner);
-	Vec<dim> foot = Vec<dim>::Zero();
-	for (int i = 0; i < dim; ++i)
-		foot += weight[i] * plate.corner[i];
+	const Vec<dim> foot = placeAt<dim>(plate, weight);
 	const Vec<dim> normal = plateNormal(plate);
 	const double height = (x - foot).dot(normal);
 	const double size = (plate.corner[1] - plate.corner[0]).norm();
@@ -94,7 +104,7 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 	for (const double side : { 1., -1. }) {
 		if (!faces(side * normal, alongSide)) continue;
 		if (pokesIn<dim>(plate, weight, -side * height, faces)) return std::nullopt;
-		return SurfacePlace<dim> { side * normal, side * height };
+		return SurfacePlace<dim> { side * normal, side * height, farFromEdges };
 	}
 	return std::nullopt;
 }
@@ -107,6 +117,7 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 	const Vec<dim> foot = y.cwiseMax(-block.halfSides).cwiseMin(block.halfSides);
 	if (((y - foot).array() != 0).count() > 1)
 		return placeBeyondEdge<dim>(block.centre + block.axes * foot, x, faces);
+	const Vec<dim> depth = block.halfSides - foot.cwiseAbs();
 	Place<dim> best;
 	for (int a = 0; a < dim; ++a) {
 		if (foot != y && foot[a] == y[a]) continue; // outside another side
@@ -114,11 +125,30 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 			const double gap = side * y[a] - block.halfSides[a];
 			const Vec<dim> normal = side * block.axes.col(a);
 			if (foot != y && gap < 0) continue; // the side turned away
-			if ((!best || gap > best->gap) && faces(normal, alongSide))
-				best = SurfacePlace<dim> { normal, gap };
+			if ((best && gap <= best->gap) || !faces(normal, alongSide)) continue;
+			double toEdge = farFromEdges;
+			for (int b = 0; b < dim; ++b)
+				if (b != a) toEdge = std::min(toEdge, depth[b]);
+			best = SurfacePlace<dim> { normal, gap, toEdge };
 		}
 	}
 	return best;
+}
+
+template <int dim> double distanceOf(const Vec<dim>& x, const BallSurface<dim>& ball)
+{
+	return std::max((x - ball.centre).norm() - ball.radius, 0.);
+}
+
+template <int dim> double distanceOf(const Vec<dim>& x, const PlateSurface<dim>& plate)
+{
+	return (x - placeAt<dim>(plate, nearestOnFacet(x, plate.corner))).norm();
+}
+
+template <int dim> double distanceOf(const Vec<dim>& x, const BlockSurface<dim>& block)
+{
+	const Vec<dim> y = block.axes.transpose() * (x - block.centre);
+	return (y.cwiseAbs() - block.halfSides).cwiseMax(0).norm();
 }
 
 template <int dim> BallSurface<dim> ballAboutSurface(const BallSurface<dim>& ball) { return ball; }
@@ -262,6 +292,11 @@ std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const
 	return std::visit([&](const auto& s) { return placeOnSurface<dim>(s, x, faces); }, surface);
 }
 
+template <int dim> double distanceTo(const RigidSurface<dim>& surface, const Vec<dim>& x)
+{
+	return std::visit([&](const auto& s) { return distanceOf<dim>(x, s); }, surface);
+}
+
 template <int dim> BallSurface<dim> ballAbout(const RigidSurface<dim>& surface)
 {
 	return std::visit([](const auto& s) { return ballAboutSurface<dim>(s); }, surface);
@@ -278,6 +313,7 @@ std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& b
 		const RigidSurface<dim>&, const Vec<dim>&, const Faces<dim>&);                     \
 	template bool liesAlongSide<dim>(const RigidSurface<dim>&, const Tip<dim>&,                \
 					 const Vec<dim>&, double);                                 \
+	template double distanceTo<dim>(const RigidSurface<dim>&, const Vec<dim>&);                \
 	template BallSurface<dim> ballAbout<dim>(const RigidSurface<dim>&);                        \
 	template std::vector<Tip<dim>> tipsOf<dim>(const RigidSurface<dim>&, const Box<dim>&,      \
 						   double);

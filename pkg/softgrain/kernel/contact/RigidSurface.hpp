@@ -36,6 +36,7 @@ using RigidSurface = std::variant<BallSurface<dim>, PlateSurface<dim>, BlockSurf
 template <int dim> struct SurfacePlace {
 	Vec<dim> normal; ///< unit, out of the rigid body
 	double gap;      ///< m, negative for an overlap
+	double toEdge;   ///< of the place from an edge of its side, if near; 0: it is one, m
 };
 
 /// Whether an outline faces against a direction (unit), within the angle of a cosine.
@@ -48,6 +49,9 @@ template <int dim> using Faces = std::function<bool(const Vec<dim>&, double)>;
 template <int dim>
 std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const Vec<dim>& x,
 					 const Faces<dim>& faces);
+
+/// Of a point from the surface; 0 inside of a ball or a block.
+template <int dim> double distanceTo(const RigidSurface<dim>& surface, const Vec<dim>& x);
 
 /// A ball that holds the surface.
 template <int dim> BallSurface<dim> ballAbout(const RigidSurface<dim>& surface);
