@@ -104,7 +104,7 @@ def make_scene(options, zeta):
 def settle():
     """Let the attraction close the contact."""
     while O.time < SETTLING:
-        O.run(20, True)
+        sg.advance(20)
 
 
 def pull_off(options, zeta, upper):
@@ -115,7 +115,7 @@ def pull_off(options, zeta, upper):
     while any(i.isReal for i in O.interactions):
         load = upper * (O.time - start) / options.time
         O.forces.setPermF(disk.id, (0, load, 0))
-        O.run(10, True)
+        sg.advance(10)
         largest = max(largest, O.forces.f(plate.id)[1])
         if load > 2 * upper:
             raise RuntimeError(f"the disk is still held at {load:.4g} N/m")

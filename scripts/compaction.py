@@ -140,7 +140,7 @@ def prepare_rigid(options):
     while areas / box.area < START_PHI:
         O.step()
     box.close(0)
-    O.run(RIGID_SETTLING_STEPS, True)
+    sg.advance(RIGID_SETTLING_STEPS)
     return box
 
 

@@ -69,7 +69,7 @@ def make_packing(options):
     O.engines = engines[:3] + [control] + engines[3:]
     sg.set_time_step(0.8)
     while O.time < CONSOLIDATION:
-        O.run(200, True)
+        sg.advance(200)
     return ids, walls
 
 
@@ -99,7 +99,7 @@ def forces(walls):
 def mean_forces(walls):
     total = np.zeros(len(walls))
     for _ in range(SAMPLES):
-        O.run(STEPS_PER_SAMPLE, True)
+        sg.advance(STEPS_PER_SAMPLE)
         total += forces(walls)
     return total / SAMPLES
 
@@ -130,7 +130,7 @@ def treat(options, which, walls, before, **treatment):
     fastest, worst = 0.0, 0.0
     try:
         for _ in range(2 * SAMPLES):
-            O.run(STEPS_PER_SAMPLE, True)
+            sg.advance(STEPS_PER_SAMPLE)
             fastest = max(fastest, *(b.state.vel.norm() for b in O.bodies if b))
             worst = max(worst, np.abs(forces(walls) / before - 1).max())
         after = mean_forces(walls)

@@ -59,7 +59,7 @@ def separation(law, zeta, rate=4e4):
     again."""
     area = 2 * HALF
     block, wall = make_scene(zeta, area, **LAWS[law])
-    O.run(2, True)
+    sg.advance(2)
     balance, largest = sg.Balance(), 0.0
     while any(i.isReal for i in O.interactions):
         O.forces.setPermF(block.id, (0, rate * O.time * area, 0))
@@ -84,7 +84,7 @@ def sliding(zeta, rate=50.0):
     )
     sg.integrator().tolerance = 1e-3
     while O.time < WAIT:
-        O.run(10, True)
+        sg.advance(10)
     start, push = O.time, 0.0
     while slab.state.vel[0] < SLIDING:
         push = rate * (O.time - start)
@@ -92,7 +92,7 @@ def sliding(zeta, rate=50.0):
         O.step()
     time, speed = O.time, slab.state.vel[0]
     while O.time < time + SLIDING_TIME:
-        O.run(10, True)
+        sg.advance(10)
     gained = (slab.state.vel[0] - speed) / (O.time - time)
     return {
         "zeta": zeta,

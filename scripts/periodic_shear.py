@@ -79,7 +79,7 @@ def compress(phi):
     """With the flow of the cell, to a packing fraction."""
     O.cell.velGrad = Matrix3(-RATE, 0, 0, 0, -RATE, 0, 0, 0, 0)
     while sg.packing_fraction() < phi:
-        O.run(50, True)
+        sg.advance(50)
 
 
 def hold_stress(stress, mass):
@@ -102,7 +102,7 @@ def rest(stress):
     """Until the stresses are near the target for a while."""
     calm, stride = 0, 50
     while calm < CALM_STEPS:
-        O.run(stride, True)
+        sg.advance(stride)
         present = np.diag(sg.cell_stress())[:2]
         calm = calm + stride if np.all(np.abs(present + stress) < CALM * stress) else 0
 
@@ -115,7 +115,7 @@ def shear(options, stress):
     rows, start = [], O.time
     with command_line.progress_bar(total=options.shear) as bar:
         while (O.time - start) * options.rate < options.shear:
-            O.run(25, True)
+            sg.advance(25)
             sigma = sg.cell_stress() / stress
             gamma = (O.time - start) * options.rate
             rows.append(

@@ -152,7 +152,7 @@ def run_until_still(law, options, scale, least, longest):
             O.dt = min(LONGEST_STEP, MOTION * 0.5 * DIAMETER / fastest)
             if law == "linear":
                 O.dt = linear_step
-            O.run(20 if law == "nonsmooth" else 200, True)
+            sg.advance(20 if law == "nonsmooth" else 200)
         if O.time - begin > least and kinetic_energy(heap()) < STILL * scale:
             return
 

@@ -80,7 +80,7 @@ def step_of_the_linear_law():
 def time_per_step(steps):
     """Processor time of a step [ms]."""
     start = time.process_time()
-    O.run(steps, True)
+    sg.advance(steps)
     return 1e3 * (time.process_time() - start) / steps
 
 
@@ -114,7 +114,7 @@ def box_at_rest(options):
     scale = GRAVITY * RADIUS * sum(b.state.mass for b in spheres())
     kinetic = []
     for _ in range(9):
-        O.run(steps // 10, True)
+        sg.advance(steps // 10)
         kinetic.append(kinetic_energy() / scale)
     places = np.array([b.state.pos for b in spheres()])
     integrator = sg.integrator()
@@ -145,7 +145,7 @@ def box_at_rest(options):
     O.engines = sg.engines(rigid="linear", gravity=(0, 0, -GRAVITY))
     O.interactions.clear()
     O.dt = step_of_the_linear_law()
-    O.run(200, True)
+    sg.advance(200)
     result["linear"] = {"milliseconds_per_step": time_per_step(500), "dt": O.dt}
     return result
 
@@ -184,7 +184,7 @@ def squeeze(options, rigid):
     O.dt = SQUEEZE_STEP if rigid == "nonsmooth" else step_of_the_linear_law()
     start = time.process_time()
     while O.time < LONGEST and not (O.time > SHORTEST and utils.unbalancedForce() < STILL):
-        O.run(round(0.01 / O.dt), True)
+        sg.advance(round(0.01 / O.dt))
     cpu = time.process_time() - start
     sides = [O.bodies[ids[k]].state.pos[axis] for axis, k in ((0, 1), (1, 3))]
     bearing = bearing_contacts(FORCE)
@@ -260,9 +260,9 @@ def press_cell(dim, mu, options):
         return float(np.abs(stress / -PRESSURE - 1).max())
 
     start = time.process_time()
-    O.run(200, True)
+    sg.advance(200)
     while O.time < LONGEST and not (error() < STEADY and utils.unbalancedForce() < 2 * STILL):
-        O.run(10, True)
+        sg.advance(10)
     bearing = bearing_contacts(PRESSURE * RADIUS)
     touched = {k for i in bearing for k in (i.id1, i.id2)}
     integrator = sg.integrator()

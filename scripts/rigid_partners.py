@@ -65,7 +65,7 @@ def impact(options, young=None):
     O.engines = sg.engines()
     sg.set_time_step(0.5)
     while O.time < IMPACT_TIME:
-        O.run(20, True)
+        sg.advance(20)
     return {
         "partner": "rigid" if young is None else f"soft, E = {young:g} Pa",
         "velocity": [*np.array(disk.state.vel)[:2], *np.array(partner.state.vel)[:2]],
@@ -100,7 +100,7 @@ def squeezed_packing(options):
     sg.set_time_step()
     O.bodies[ids[-1]].state.vel = (0, -PACKING_SPEED, 0)
     while O.bodies[ids[-1]].state.pos[1] > PACKING_END * side:
-        O.run(20, True)
+        sg.advance(20)
     integrator = sg.integrator()
     return {
         "soft": int(soft.sum()),

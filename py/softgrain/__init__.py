@@ -53,7 +53,7 @@ from softgrain.quasi_static import (  # noqa: E402
     unbalanced_force,
 )
 from softgrain.softening import as_disks, soften  # noqa: E402
-from softgrain.time_loop import critical_time_step, engines, set_time_step  # noqa: E402
+from softgrain.time_loop import advance, critical_time_step, engines, set_time_step  # noqa: E402
 from softgrain.timing import phase_times, reset_times  # noqa: E402
 
 yade_utils.replace()
@@ -62,6 +62,7 @@ __all__ = sorted(_classes) + [
     "Balance",
     "Hardened",
     "ImageGrains",
+    "advance",
     "as_disks",
     "body_forces",
     "cell_stress",

@@ -38,6 +38,23 @@ _AHEAD = 1.05
 _VERLET_SHARE = 0.05
 
 
+def advance(steps):
+    """Take steps in the calling thread. ``O.run(steps, True)`` does the same in another one, looks
+    every 40 ms whether that is done, and may lose an error: this is for short stretches.
+
+    Args:
+        steps (int): [-].
+
+    Raises:
+        ValueError: ``steps`` is negative.
+        RuntimeError: what stopped a step.
+    """
+    if steps < 0:
+        raise ValueError(f"steps = {steps}: must be in [0, inf)")
+    for _ in range(steps):
+        O.step()
+
+
 def engines(
     verlet_distance=None,
     gravity=(0, 0, 0),

@@ -59,7 +59,7 @@ def step_time():
 def main():
     options = parse_options()
     material = make_packing(options)
-    O.run(5, True)
+    sg.advance(5)
     plain = [step_time() for _ in range(2 * REPEATS)]
     inserted, erased = [], []
     for k in range(REPEATS):

@@ -42,13 +42,6 @@ def prepare(fraction=0.5, **engine):
     sg.set_time_step(fraction)
 
 
-def run(steps):
-    """Steps without Python between them; an error that YADE lost on the way is raised here."""
-    O.run(steps, True)
-    if sg.integrator().lastError:
-        raise RuntimeError(sg.integrator().lastError)
-
-
 def common_figures(balance):
     engine = sg.integrator()
     return {
@@ -64,13 +57,13 @@ def squeeze(bottom, top, speed, distance, scale):
     """Move the top wall down by `distance`; the mean force of both walls over the last quarter,
     over `scale`, their imbalance, and the common figures."""
     O.bodies[top].state.vel = (0, -speed, 0)
-    run(1)
+    sg.advance(1)
     balance = sg.Balance()
     start = O.bodies[top].state.pos[1]
     forces = []
     stride = max(5, round(distance / speed / O.dt / 500))  # each call of YADE's costs a wait
     while (moved := start - O.bodies[top].state.pos[1]) < distance:
-        run(stride)
+        sg.advance(stride)
         balance.error()
         if moved > 0.75 * distance:
             forces.append((-O.forces.f(bottom)[1], O.forces.f(top)[1]))
@@ -131,11 +124,11 @@ def collide(speed, densities=(DENSITY, DENSITY)):
         O.bodies[body].state.vel = (sign * 0.5 * speed * c, 0, 0)
     prepare()
     before = sum(math.pi * RADIUS**2 * d * s for d, s in zip(densities, (1, -1))) * 0.5 * speed * c
-    run(1)
+    sg.advance(1)
     balance = sg.Balance()
     end = O.time + 0.04 * RADIUS / (0.5 * speed * c) + 40 * RADIUS / wave_speed(poisson=0.3)
     while O.time < end:
-        run(20)
+        sg.advance(20)
         balance.error()
     bodies = sg.soft_bodies()
     after = sum(b.state.mass * b.state.vel[0] for b in bodies)
@@ -164,11 +157,11 @@ def compact(mu=0.3, until=0.9, per_side=3, speed=0.005, zeta=ZETA, **engine):
     add_wall(0, 0, 1), add_wall(width, 0, -1), add_wall(0, 1, 1)
     top = add_wall(width, 1, -1, -speed * wave_speed())
     prepare(**engine)
-    run(1)
+    sg.advance(1)
     balance = sg.Balance()
     phi = 0.0
     while phi < until:
-        run(20 if phi < until - 0.01 else 2)
+        sg.advance(20 if phi < until - 0.01 else 2)
         balance.error()
         height = O.bodies[top].state.pos[1]
         phi = sg.packing_fraction(width * height)
@@ -187,9 +180,9 @@ def rest(steps):
     for k in range(ramp):
         g = full * 0.5 * (1 - math.cos(math.pi * (k + 1) / ramp))
         newton.gravity = (-0.5 * g, -g, 0)
-        run(5)
+        sg.advance(5)
     first = window_of_rest()
-    run(max(steps - 4000, 0))
+    sg.advance(max(steps - 4000, 0))
     last = window_of_rest()
     return {
         "steps": sg.integrator().steps,
@@ -204,7 +197,7 @@ def window_of_rest():
     """Mean position, kinetic and elastic energy over 2000 steps, some hundred vibrations."""
     rows = []
     for _ in range(200):
-        run(10)
+        sg.advance(10)
         x, y, _ = sg.soft_bodies()[0].state.pos
         energy = sg.integrator().energy()
         rows.append((x, y, energy["kinetic"], energy["elastic"]))

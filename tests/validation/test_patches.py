@@ -336,7 +336,7 @@ def squeeze(centres, radius, box, until, speed=0.5, friction=0.3):
     start()
     balance = sg.Balance()
     while True:
-        O.run(50, True)
+        sg.advance(50)
         area = 4 * walls[1].state.pos[0] * walls[3].state.pos[1]
         if sg.packing_fraction(area) > until:
             return balance, walls

@@ -114,3 +114,21 @@ def test_the_critical_step_itself_is_admissible():
         run(1)
     given, limit = re.search(r"O\.dt = (\S+) s .* \(0, (\S+)\]", str(error.value)).groups()
     assert float(given) == pytest.approx(1.001 * float(limit), rel=1e-6)
+
+
+def test_advance():
+    """Steps one after the other; what stops one is raised, and none is taken after it."""
+    disk = add_disk()
+    disk.state.vel = (1, 0, 0)
+    ready()
+    sg.advance(0)
+    assert O.iter == 0
+    sg.advance(7)
+    assert O.iter == 7
+    assert disk.state.pos[0] == pytest.approx(O.time, rel=1e-12)
+    with pytest.raises(ValueError, match=re.escape("steps = -1: must be in [0, inf)")):
+        sg.advance(-1)
+    O.engines[-1].gravity = (float("nan"), 0, 0)
+    with pytest.raises(RuntimeError, match="not finite"):
+        sg.advance(5)
+    assert O.iter < 9
