@@ -58,15 +58,9 @@ def _repetition(steps):
     sg.reset_times()
     before = counted_work()
     wall, processor = time.perf_counter(), time.process_time()
-    advance(steps)
+    sg.advance(steps)
     wall, processor = time.perf_counter() - wall, time.process_time() - processor
     return figures_of(steps, wall, processor, before)
-
-
-def advance(steps):
-    """Unlike ``O.run``, which looks now and then whether its thread has ended, without a pause."""
-    for _ in range(steps):
-        O.step()
 
 
 def figures_of(steps, wall, processor, before):
@@ -227,7 +221,7 @@ def dense_scene(options):
     O.trackEnergy = False
     press(box, PRESSING_SPEED, DENSE_PHI)
     box.close(case.speed)
-    advance(SETTLING_STEPS)
+    sg.advance(SETTLING_STEPS)
 
 
 def dense(options):
@@ -289,7 +283,7 @@ def sleeping(options):
     fill(centers, np.full(options.grains, RADIUS), options)
     start()
     able = skip(options.skip) and options.skip
-    advance(SETTLING_STEPS // 10)
+    sg.advance(SETTLING_STEPS // 10)
     return {**soft_figures(options), "skipping": able}
 
 
@@ -305,9 +299,9 @@ def resting(options):
         O.bodies.append([utils.wall(x, axis=axis, material=FrictMat()) for x in (low, high)])
     start()
     able = skip(options.skip) and options.skip
-    advance(SETTLING_STEPS)
+    sg.advance(SETTLING_STEPS)
     while able and sg.integrator().sleepingGrains < options.grains:
-        advance(SETTLING_STEPS)
+        sg.advance(SETTLING_STEPS)
         if sg.integrator().steps > MOST_SETTLING_STEPS:
             raise RuntimeError("grains do not fall asleep")
     return {**soft_figures(options), "skipping": able}

@@ -41,7 +41,7 @@ BOUNDS = {
     "overlap_over_dr": 0.5,
     "momentum_error": 1e-9,  # over the momentum of one grain
     "force_difference": 1e-6,  # of scenes that must be equal, relative
-    "drift_over_D": 1e-5,  # of a grain at rest, whose last vibrations settle
+    "drift_over_D": 2e-5,  # of a grain at rest, whose last vibrations settle
     "energy_growth": 1e-3,  # of a grain at rest, over its elastic energy
 }
 

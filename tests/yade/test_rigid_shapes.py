@@ -196,8 +196,7 @@ def test_facet_that_pokes_into_a_disk(aside):
     "zeta, angle, slower", ((0.3, 10, 0.24), (0.25, 20, 0.13), (0.2, 20, 0.08))
 )
 def test_coarse_balls_roll_too_slowly(zeta, angle, slower):
-    """By what the guide says, against 5/7 g sin: the wall meets nodes, and lumped mass turns less
-    easily."""
+    """By what the guide says, against 5/7 g sin: the wall meets nodes."""
     material = soft_material(young=1e6, poisson=0.3, massDamping=1000, frictionAngle=0.8)
     ball = sg.soft_sphere((0, 0, RADIUS), RADIUS, material, zeta=zeta)
     O.bodies.append([ball, utils.wall(0, axis=2, sense=1, material=rigid_material(1))])
