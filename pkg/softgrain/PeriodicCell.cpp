@@ -26,6 +26,13 @@ softgrain::ImageDescription imageOf(const Scene& scene, const Interaction& I, bo
 	return { -shift, -velocity };
 }
 
+Vector3r shiftTowards(const Scene& scene, const Vector3r& place, const Vector3r& other)
+{
+	if (!scene.isPeriodic) return Vector3r::Zero();
+	const Vector3r periods = scene.cell->hSize.inverse() * (other - place);
+	return scene.cell->hSize * Vector3r(periods.array().round());
+}
+
 namespace {
 
 /// In lengths of the base vectors.

@@ -17,6 +17,9 @@ Vector3r imageShift(const Scene& scene, const Interaction& I);
 /// The same as a pair takes it, whose second body is #2 of the interaction or else #1.
 softgrain::ImageDescription imageOf(const Scene& scene, const Interaction& I, bool secondIsBody2);
 
+/// By which whole periods a place comes nearest to another, m.
+Vector3r shiftTowards(const Scene& scene, const Vector3r& place, const Vector3r& other);
+
 /// Of a rigid body that is longer than half the cell YADE's collider does not tell which image
 /// comes near a grain. The grain meets the one nearest to it (checkCell: no other one, or one that
 /// goes on like it). Body #1 of the interaction is the rigid one.

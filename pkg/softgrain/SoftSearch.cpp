@@ -5,6 +5,7 @@
 #include "Timing.hpp"
 #include "assembly/RigidInKernel.hpp"
 
+#include <functional>
 #include <mutex>
 
 namespace yade {
@@ -137,20 +138,34 @@ std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape,
 
 namespace {
 
-/// Facets and boxes about a grain besides the one of an interaction, as the grain sees them.
-std::vector<softgrain::RigidBodyDescription> othersAbout(const SoftGrain& grain,
-							 const Interaction& I, const Scene& scene)
+/// Whether the boxes that the collider has of two bodies tell that they are apart by a distance.
+bool haveBoxesApart(const Scene& scene, const Body& a, const Body& b, Real distance)
 {
+	if (scene.isPeriodic || !a.bound || !b.bound) return false;
+	return (a.bound->max.array() + distance < b.bound->min.array()).any() ||
+	       (b.bound->max.array() + distance < a.bound->min.array()).any();
+}
+
+/// What a rigid body of an interaction goes on as: walls, facets and boxes beside it about the
+/// grain, each in the image nearest to that. Other threads choose the images of other interactions
+/// meanwhile, which are not asked.
+std::vector<softgrain::RigidBodyDescription>
+othersBeside(const Interaction& I, const SoftGrain& grain, const State& soft, const Scene& scene)
+{
+	const auto& bodies = *scene.bodies;
 	std::vector<softgrain::RigidBodyDescription> others;
-	for (const auto& [id, other] : (*scene.bodies)[I.getId2()]->intrs) {
-		const auto& body = (*scene.bodies)[id];
+	for (const auto& [id, other] : bodies[I.getId2()]->intrs) {
+		const auto& body = bodies[id];
 		if (id == I.getId1() || !body || !body->shape) continue;
-		const bool hasEdges = dynamic_cast<const Facet*>(body->shape.get()) ||
-				      dynamic_cast<const Box*>(body->shape.get());
-		if (!hasEdges) continue;
-		const auto image = imageOf(scene, *other, false);
-		others.push_back(displaced(*describeRigid(*body->shape, *body->state, id, grain),
-					   image.shift));
+		if (haveBoxesApart(scene, *bodies[I.getId1()], *body, grain.zeta * grain.radius))
+			continue;
+		auto d = describeRigid(*body->shape, *body->state, id, grain);
+		if (const auto* wall = dynamic_cast<const Wall*>(body->shape.get())) {
+			d.emplace();
+			describeFreeWall(*wall, *body->state, grain, *d);
+		}
+		if (!d || d->form == softgrain::RigidBodyDescription::Form::ball) continue;
+		others.push_back(displaced(*d, shiftTowards(scene, body->state->pos, soft.pos)));
 	}
 	return others;
 }
@@ -218,9 +233,9 @@ Vector3r SearchOnRigid::search(const Shape& shape, const State& rigid, const Sof
 {
 	chooseNearestImage(*scene, soft.pos, I);
 	const auto image = imageOf(*scene, I, false);
-	grain.assembly->search(
-		pair, grain.index, *describeRigid(shape, rigid, I.getId1(), grain),
-		[&] { return othersAbout(grain, I, *scene); }, image, searchStep(*scene, grain));
+	const auto others = [&] { return othersBeside(I, grain, soft, *scene); };
+	grain.assembly->search(pair, grain.index, *describeRigid(shape, rigid, I.getId1(), grain),
+			       std::cref(others), image, searchStep(*scene, grain));
 	return (soft.pos - rigid.pos - image.shift).normalized();
 }
 

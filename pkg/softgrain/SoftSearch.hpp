@@ -94,7 +94,7 @@ public:
 	DEFINE_FUNCTOR_ORDER_2D(Box, SoftGrain);
 	// clang-format off
 	YADE_CLASS_BASE_DOC(Ig2_Box_SoftGrain_SoftGeom, IGeomFunctor,
-		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Box`. In 2D the box is a rectangle, turned about z only. In 3D an edge of the box is felt at contact nodes and by the corners of the box.");
+		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Box`. In 2D the box is a rectangle, turned about z only. Edges are felt at contact nodes and by points of them, but not where another :yref:`Facet`, :yref:`Box` or :yref:`Wall` goes on (seams).");
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(Ig2_Box_SoftGrain_SoftGeom);

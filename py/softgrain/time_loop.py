@@ -39,8 +39,9 @@ _VERLET_SHARE = 0.05
 
 
 def advance(steps):
-    """Take steps in the calling thread. ``O.run(steps, True)`` does the same in another one, looks
-    every 40 ms whether that is done, and may lose an error: this is for short stretches.
+    """Take steps in the calling thread, as ``O.step()`` does. ``O.run(steps, True)`` takes them in
+    another one, looks every 40 ms whether that is done, and may lose an error: this is for short
+    stretches. ``O.stopAtIter``, ``O.stopAtTime`` and ``O.pause()`` do not stop it.
 
     Args:
         steps (int): [-].

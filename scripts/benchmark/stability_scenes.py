@@ -61,7 +61,7 @@ def squeeze(bottom, top, speed, distance, scale):
     balance = sg.Balance()
     start = O.bodies[top].state.pos[1]
     forces = []
-    stride = max(5, round(distance / speed / O.dt / 500))  # each call of YADE's costs a wait
+    stride = max(5, round(distance / speed / O.dt / 500))
     while (moved := start - O.bodies[top].state.pos[1]) < distance:
         sg.advance(stride)
         balance.error()

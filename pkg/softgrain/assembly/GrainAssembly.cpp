@@ -95,15 +95,14 @@ public:
 		list.first = g;
 		list.second = -1 - body.id;
 		list.rigid.emplace();
-		double overlap = 0;
-		const auto surface = surfaceIfAny(displaced(body, image.shift), overlap);
-		if (!surface) {
+		const FoundSurface found = find(displaced(body, image.shift));
+		if (!found.surface) {
 			list.clearContacts();
-			list.deepest = overlap;
+			list.deepest = found.refused ? std::numeric_limits<double>::infinity() : 0;
 			countLostBonds(list);
 			return;
 		}
-		describe(*list.rigid, *surface, body, list.image.shift);
+		describe(*list.rigid, *found.surface, body, list.image.shift);
 		if (others) list.rigid->others = [&] { return surfacesOf(others()); };
 		search(list, dt);
 		list.rigid->others = nullptr;
@@ -332,27 +331,27 @@ private:
 		return surfaceIn<dim>(body, z_);
 	}
 
-	/// None where a plate does not cut the plane, or where the body is refused: an infinite
-	/// overlap.
-	std::optional<RigidSurface<dim>> surfaceIfAny(const RigidBodyDescription& body,
-						      double& overlap) const
+	struct FoundSurface {
+		std::optional<RigidSurface<dim>> surface; ///< none: a plate off the plane
+		bool refused = false;
+	};
+	FoundSurface find(const RigidBodyDescription& body) const
 	{
 		try {
-			return surfaceOf(body);
+			return { surfaceOf(body) };
 		} catch (const std::invalid_argument&) {
-			overlap = std::numeric_limits<double>::infinity();
-			return std::nullopt;
+			return { std::nullopt, true };
 		}
 	}
 
+	/// Of the bodies that are not refused; searches on those that are will tell.
 	std::vector<RigidSurface<dim>>
 	surfacesOf(const std::vector<RigidBodyDescription>& bodies) const
 	{
 		std::vector<RigidSurface<dim>> surfaces;
-		double overlap = 0; // told by the search on that body
 		for (const RigidBodyDescription& body : bodies)
-			if (const auto surface = surfaceIfAny(body, overlap))
-				surfaces.push_back(*surface);
+			if (const FoundSurface found = find(body); found.surface)
+				surfaces.push_back(*found.surface);
 		return surfaces;
 	}
 

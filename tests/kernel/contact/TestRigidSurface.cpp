@@ -301,3 +301,64 @@ TEST_CASE("an edge at which another surface goes on is none", "[rigid]")
 	CHECK(headOn({ plate(edge, -0.05) }) == 1);                                 // its face
 	CHECK(headOn({ PlateSurface<2> { { Vec<2>(0.03, 0), Vec<2>(0.04, 0.01) } } }) == 1);
 }
+
+TEST_CASE("a corner beneath the seam of two boxes is borne by their upper sides", "[rigid]")
+{
+	TemplateRecipe square = recipe(0.2);
+	square.form.form = Form::block;
+	const auto reference = makeGrainTemplate<2>(square);
+	const double R = 0.01, dr = 0.2 * R;
+	for (const double depth : { 0.01 * dr, 0.2 * dr })
+		for (const double aside : { -0.5 * depth, 0.5 * depth }) {
+			const ContactBody<2> body = contactBody<2>(*reference, R, { 0, R - depth });
+			const double seam = R + aside; // near the lower right corner
+			const BlockSurface<2> left { { seam - 3 * R, -R },
+						     Mat<2>::Identity(),
+						     { 3 * R, R } },
+				right { { seam + 3 * R, -R }, Mat<2>::Identity(), { 3 * R, R } };
+			int bearing = 0;
+			for (const auto& [own, other] :
+			     { std::pair(left, right), { right, left } }) {
+				auto list = listWith<2>(own);
+				const std::vector<RigidSurface<2>> others { other };
+				list.rigid->others = [&] { return others; };
+				findContacts<2>(body, 0.1 * dr, list);
+				for (const auto& c : list.contacts) {
+					CAPTURE(depth, aside, c.key.side, c.normal[0], c.normal[1]);
+					CHECK(std::abs(c.normal[0]) < 1e-12);
+					const bool atCorner =
+						c.key.side == 0 &&
+						body.position[c.key.node][0] > 0.99 * R;
+					bearing += atCorner && std::abs(c.gap + depth) < 1e-9;
+				}
+			}
+			CHECK(bearing == 1);
+		}
+}
+
+TEMPLATE_TEST_CASE_SIG("distance of plates and balls", "[rigid]", ((int dim), dim), 2, 3)
+{
+	Random random(7);
+	PlateSurface<dim> plate;
+	for (Vec<dim>& corner : plate.corner)
+		corner = random.vector<dim>();
+	const BallSurface<dim> ball { random.vector<dim>(), 0.3 };
+	for (int k = 0; k < 100; ++k) {
+		const Vec<dim> x = random.vector<dim>(2);
+		double nearest = std::numeric_limits<double>::infinity();
+		constexpr int samples = 200;
+		for (int i = 0; i <= samples; ++i)
+			for (int j = 0; j <= (dim == 2 ? 0 : samples - i); ++j) {
+				Vec<dim> place = plate.corner[0];
+				place += (plate.corner[1] - plate.corner[0]) * i / samples;
+				if (dim == 3)
+					place += (plate.corner[dim - 1] - plate.corner[0]) * j /
+						 samples;
+				nearest = std::min(nearest, (x - place).norm());
+			}
+		CHECK(distanceTo<dim>(plate, x) <= nearest + 1e-12);
+		CHECK(distanceTo<dim>(plate, x) > nearest - 0.02);
+		const double toBall = (x - ball.centre).norm() - 0.3;
+		CHECK(std::abs(distanceTo<dim>(ball, x) - std::max(toBall, 0.)) < 1e-12);
+	}
+}

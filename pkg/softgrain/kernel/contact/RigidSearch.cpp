@@ -35,26 +35,30 @@ void append(const ContactKey& key, Contact<dim>& contact, const ContactBody<dim>
 	list.contacts.push_back(contact);
 }
 
-/// Over dr: how far from an edge it is asked what is nearest there. Steps of the floor below that
-/// are none.
+/// Over dr: how far before an edge it is asked what is nearest. Steps of the floor below that are
+/// none.
 constexpr double beforeEdge = 0.05;
 
-/// The surfaces about a rigid one, of which an edge may be a seam: where a floor goes on, what lies
-/// before the edge is nearer to the next side than to the edge, and must not meet it head-on.
+/// The surfaces beside a rigid one, of which an edge may be a seam: where a floor goes on, what
+/// lies before the edge is nearer to the next side than to the edge, and must not meet it head-on.
 template <int dim> class Surroundings {
 public:
 	Surroundings(const ContactBody<dim>& body, const RigidSide<dim>& rigid)
 		: rigid_(rigid)
 		, distance_(beforeEdge * body.pointSpacing)
+		, depth_(contactDepth(body, body))
 	{
 	}
-	bool hide(const Vec<dim>& x, const SurfacePlace<dim>& place)
+	/// Whether the place that `x` would touch is none: an edge, or a side of a block so near to
+	/// one that `x` may be beneath the next side, at which the surface goes on.
+	bool hides(const Vec<dim>& x, const SurfacePlace<dim>& place)
 	{
-		return place.toEdge < distance_ && hide(x - place.gap * place.normal, place.normal);
+		return place.toEdge < depth_ &&
+		       goOnBefore(x - place.gap * place.normal, place.normal);
 	}
-	/// Whether a side of its own, or any of another surface, is nearer than `edge` to what lies
-	/// before it in a direction (unit). In space the direction may lean along the edge.
-	bool hide(const Vec<dim>& edge, const Vec<dim>& direction)
+	/// Whether a side of its own, or another surface, is nearer than `edge` to what lies before
+	/// it in a direction (unit). In space the direction may lean along the edge.
+	bool goOnBefore(const Vec<dim>& edge, const Vec<dim>& direction)
 	{
 		constexpr double rounding = 1e-6, lean = 0.5;
 		const Vec<dim> before = edge + distance_ * direction;
@@ -69,9 +73,30 @@ public:
 
 private:
 	const RigidSide<dim>& rigid_;
-	double distance_; ///< m
+	double distance_, depth_; ///< m
 	std::optional<std::vector<RigidSurface<dim>>> others_;
 };
+
+/// Where a contact node touches with a gap below `reach`, past places that are hidden.
+template <int dim>
+std::optional<SurfacePlace<dim>> placeOfNode(const ContactBody<dim>& body, int s, double reach,
+					     const RigidSurface<dim>& surface,
+					     Surroundings<dim>& surroundings)
+{
+	const Vec<dim>& x = body.position[s];
+	const Faces<dim> faces = [&](const Vec<dim>& n, double leastCosine) {
+		return nodeFaces<dim>(body, s, n, leastCosine);
+	};
+	const auto place = placeOn<dim>(surface, x, faces);
+	if (!place || place->gap - body.nodeRadius >= reach) return std::nullopt;
+	if (!surroundings.hides(x, *place)) return place;
+	constexpr double alike = 0.99;
+	const auto next = placeOn<dim>(surface, x, [&](const Vec<dim>& n, double leastCosine) {
+		return n.dot(place->normal) < alike && faces(n, leastCosine);
+	});
+	if (next && surroundings.hides(x, *next)) return std::nullopt;
+	return next;
+}
 
 template <int dim>
 void nodesOnSurface(const ContactBody<dim>& body, double reach, Surroundings<dim>& surroundings,
@@ -85,16 +110,12 @@ void nodesOnSurface(const ContactBody<dim>& body, double reach, Surroundings<dim
 	list.tested += static_cast<int>(nodes.size());
 	for (int s : nodes) {
 		if ((body.position[s] - about.centre).squaredNorm() > within * within) continue;
-		const auto place = placeOn<dim>(
-			surface, body.position[s], [&](const Vec<dim>& n, double leastCosine) {
-				return nodeFaces<dim>(body, s, n, leastCosine);
-			});
+		const auto place = placeOfNode(body, s, reach, surface, surroundings);
 		if (!place) continue;
 		Contact<dim> contact;
 		contact.normal = place->normal;
 		contact.gap = place->gap - body.nodeRadius;
 		if (contact.gap >= reach) continue;
-		if (surroundings.hide(body.position[s], *place)) continue;
 		append({ 0, s, -1 }, contact, body, list);
 	}
 }
@@ -112,7 +133,7 @@ void tipsOnOutline(const ContactBody<dim>& body, double reach, Surroundings<dim>
 		if (!contact || liesAlongSide<dim>(list.rigid->surface, tip, contact->normal, turn))
 			continue;
 		const bool isPoint = tip.ball.radius == 0;
-		if (isPoint && surroundings.hide(tip.ball.centre, -contact->normal)) continue;
+		if (isPoint && surroundings.goOnBefore(tip.ball.centre, -contact->normal)) continue;
 		append({ 1, tip.number, -1 }, *contact, body, list);
 	}
 }

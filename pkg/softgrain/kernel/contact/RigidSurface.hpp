@@ -36,7 +36,9 @@ using RigidSurface = std::variant<BallSurface<dim>, PlateSurface<dim>, BlockSurf
 template <int dim> struct SurfacePlace {
 	Vec<dim> normal; ///< unit, out of the rigid body
 	double gap;      ///< m, negative for an overlap
-	double toEdge;   ///< of the place from an edge of its side, if near; 0: it is one, m
+	/// From the place to the nearest edge of its side, m: 0 on an edge or a corner; on the
+	/// sides of plates and on balls infinite, wherever it is.
+	double toEdge;
 };
 
 /// Whether an outline faces against a direction (unit), within the angle of a cosine.

@@ -23,7 +23,8 @@ void Scheme::validate(const TemplateRecipe& recipe) const
 		throw std::invalid_argument("basis = 'triangles' needs formulation = 'total' and "
 					    "velocityUpdate = 'nodal'");
 	if (hasPointVelocities() && recipe.lumping != lumping())
-		throw std::invalid_argument("velocities at the points need lumping by row sums");
+		throw std::invalid_argument("lumping = 'balanced' is inadmissible where velocities "
+					    "live at the points; admissible: 'rowSums'");
 	if (formulation == Formulation::updated && recipe.contact == ContactGeometry::nodes)
 		throw std::invalid_argument(
 			"contact = 'nodes' is not implemented for formulation = 'updated'; "
