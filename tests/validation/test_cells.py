@@ -59,7 +59,6 @@ def test_hexagonal_cell(tmp_path):
     assert (six.std(axis=1) / six.mean(axis=1))[late].max() < 0.02
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("orientation", ("0", "17"))
 def test_fine_square_cell(tmp_path, orientation):
     """At zeta = 0.05 within 1 % up to phi = 0.98, at equal displacement and at equal phi."""
@@ -71,7 +70,6 @@ def test_fine_square_cell(tmp_path, orientation):
     assert np.abs(equal_phi).max() < 0.01
 
 
-@pytest.mark.slow
 def test_fine_hexagonal_cell(tmp_path):
     """At zeta = 0.05 within 1 %, at equal displacement and at equal phi, once the contacts are four
     spacings of material points wide; within 0.5 % from six on."""

@@ -128,7 +128,6 @@ def test_nodes_geometry_is_stiffer_still(tmp_path):
     assert 0.2 < force_errors(result).mean() < 4
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("orientation", ("0", "17"))
 @pytest.mark.parametrize("condition", ("plane_strain", "plane_stress"))
 def test_fine(tmp_path, condition, orientation):
@@ -138,7 +137,6 @@ def test_fine(tmp_path, condition, orientation):
     assert np.abs(force_errors(result, condition, start=0.03)).max() < 0.005
 
 
-@pytest.mark.slow
 def test_converges(tmp_path):
     """Half the spacing: closer to finite elements."""
     mean = []

@@ -172,7 +172,6 @@ def test_block_sticks_without_creep():
     assert drift_of_sticking_block(friction=0.4, zeta=0.5) < 1e-6
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("friction", (0.37, 0.5))
 def test_block_sticks_close_to_the_limit_and_far_from_it(friction):
     assert drift_of_sticking_block(friction, zeta=0.25) < 1e-6
@@ -211,7 +210,6 @@ def test_disk_rolls_without_slip():
     assert abs(slip) < 0.03
 
 
-@pytest.mark.slow
 def test_disk_rolls_with_the_exact_acceleration():
     error, slip = rolling_error(0.05)
     assert abs(error) < 0.02
@@ -260,7 +258,6 @@ def test_impact_conserves_momentum_and_converges():
 CONTACT_TIME = 2.004e-3
 
 
-@pytest.mark.slow
 def test_impact_converges_under_refinement():
     times, restitutions = [], []
     for zeta in (0.2, 0.1, 0.05):
