@@ -90,10 +90,10 @@ double sideOf(const Wall& wall, const State& state, const Vec3& grain)
 	return grain[wall.axis] > state.pos[wall.axis] ? 1 : -1;
 }
 
-/// The part of a free wall that a grain may touch: the face of a block, so wide and deep that the
+/// The part of a wall that a grain may touch: the face of a block, so wide and deep that the
 /// grain meets none of its edges.
-void describeFreeWall(const Wall& wall, const State& state, const SoftGrain& grain,
-		      softgrain::RigidBodyDescription& d)
+void describeFaceOfWall(const Wall& wall, const State& state, const SoftGrain& grain,
+			softgrain::RigidBodyDescription& d)
 {
 	const softgrain::Box<3> box = grain.assembly->box(grain.index, softgrain::Mat3::Identity());
 	constexpr double farOut = 4; // in sides of the grain
@@ -130,7 +130,7 @@ std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape,
 			d.corner[k] = state.pos + state.ori * facet->vertices[k];
 	} else if (const auto* wall = dynamic_cast<const Wall*>(&shape);
 		   wall && state.blockedDOFs != State::DOF_ALL) {
-		describeFreeWall(*wall, state, grain, d);
+		describeFaceOfWall(*wall, state, grain, d);
 	} else
 		return std::nullopt;
 	return d;
@@ -162,7 +162,7 @@ othersBeside(const Interaction& I, const SoftGrain& grain, const State& soft, co
 		auto d = describeRigid(*body->shape, *body->state, id, grain);
 		if (const auto* wall = dynamic_cast<const Wall*>(body->shape.get())) {
 			d.emplace();
-			describeFreeWall(*wall, *body->state, grain, *d);
+			describeFaceOfWall(*wall, *body->state, grain, *d);
 		}
 		if (!d || d->form == softgrain::RigidBodyDescription::Form::ball) continue;
 		others.push_back(displaced(*d, shiftTowards(scene, body->state->pos, soft.pos)));

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
-#include <numbers>
+#include <cmath>
+#include <memory>
 
 using namespace softgrain;
 using namespace softgrain::testing;

@@ -22,11 +22,11 @@ enum class Lumping {
 };
 
 /// Grains some node of which would have less than this share of the sum of its row are too coarse
-/// to be balanced: they keep the sums of rows.
+/// to be balanced (the time step would not gain: decisions/0027): they keep the sums of rows.
 constexpr double leastMassShare = 0.7;
 
 /// Most that exact second moments may take from a node, as a share of what it has with those of
-/// the sums of rows; they cost time step.
+/// the sums of rows; they cost time step. With 0.4 quadratic and cubic grains lose none (0027).
 constexpr double largestInertiaShare = 0.4;
 
 /// Masses (q_0 + q_a X_a + q_ab X_a X_b) sum_J |L_IJ| with L_IJ = sum_p V_p G_I.G_J: by
