@@ -209,7 +209,8 @@ template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 
 } // namespace
 
-/// Threads share the grains of a set or, if there are many sets, the sets.
+/// Threads share the grains of a set or, if there are many sets, the sets. (Never both: threads of a
+/// region within another, even one of a single thread, are made anew each time.)
 template <int dim> void System<dim>::updateForces(int threads)
 {
 	listGrains();
@@ -218,11 +219,18 @@ template <int dim> void System<dim>::updateForces(int threads)
 	const bool shareSets = sets >= setsPerThread * threads;
 	const ForceSchedule schedule { shareSets ? 1 : threads, continuation_.steps,
 				       continuation_.lastStep };
+	auto updateSet = [&](int i) {
+		return static_cast<long>(sets_[i]->updateForces(schedule)) *
+		       sets_[i]->reference().points();
+	};
 	long points = 0;
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (shareSets) reduction(+ : points)
-	for (int i = 0; i < sets; ++i)
-		points += static_cast<long>(sets_[i]->updateForces(schedule)) *
-			  sets_[i]->reference().points();
+	if (shareSets) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(+ : points)
+		for (int i = 0; i < sets; ++i)
+			points += updateSet(i);
+	} else
+		for (int i = 0; i < sets; ++i)
+			points += updateSet(i);
 	updatedPoints_ += points;
 	for (int g : active_) {
 		const int point = setOf(g).report(indexInSet(g)).invertedPoint;
