@@ -3,7 +3,7 @@
 
 #include "Vector.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 namespace softgrain {
 
@@ -12,14 +12,18 @@ namespace softgrain {
 /// it a sliding contact would open, u_n = mu |u_t|.
 template <int dim> Vec<dim> onCone(const Vec<dim>& r, const Vec<dim>& n, double friction)
 {
-	const double normal = r.dot(n);
-	if (normal <= 0) return Vec<dim>::Zero();
-	if (friction == 0) return normal * n;
-	const Vec<dim> tangential = r - normal * n;
+	const double normal = std::max(r.dot(n), 0.);
 	const double bound = friction * normal;
-	const double size = dim == 2 ? std::abs(n[0] * r[1] - n[1] * r[0]) : tangential.norm();
-	if (size <= bound) return r;
-	return normal * n + (bound / size) * tangential;
+	if constexpr (dim == 2) { // without branches, which no processor would foresee
+		const Vec<dim> t(-n[1], n[0]);
+		return normal * n + std::clamp(r.dot(t), -bound, bound) * t;
+	} else {
+		if (bound == 0) return normal * n;
+		const Vec<dim> tangential = r - normal * n;
+		const double size = tangential.norm();
+		if (size <= bound) return r;
+		return normal * n + (bound / size) * tangential;
+	}
 }
 
 /// Impulse that solves one contact exactly while all others are held: u is the velocity with the
