@@ -132,7 +132,7 @@ def add_method_options(parser, tolerance=1e-2):
     add(
         "--time-step-fraction",
         type=step_fraction,
-        default=0.8,
+        default=0.9,
         help="time step over the critical one [-]",
     )
     add(

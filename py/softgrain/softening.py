@@ -23,7 +23,7 @@ def soften(
     zeta=0.11,
     dim=None,
     overlap="relax",
-    time_step_fraction=0.8,
+    time_step_fraction=0.9,
     when="now",
     load=1e-3,
     **shape,

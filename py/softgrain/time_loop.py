@@ -258,7 +258,7 @@ def automatic_fraction():
     return _own_step["fraction"] if O.dt == _own_step["dt"] else None
 
 
-def set_time_step(fraction=0.8):
+def set_time_step(fraction=0.9):
     """Set ``O.dt`` to a fraction of the critical step and let the integrator keep it there while
     the grains deform.
 

@@ -15,7 +15,7 @@ def test_set_time_step():
     critical = sg.critical_time_step()
     assert sg.set_time_step(0.3) == O.dt == pytest.approx(0.3 * critical, rel=1e-14)
     assert sg.integrator().timeStepFraction == 0.3
-    assert sg.set_time_step() == pytest.approx(0.8 * critical, rel=1e-14)
+    assert sg.set_time_step() == pytest.approx(0.9 * critical, rel=1e-14)
 
 
 def test_scaling_of_the_critical_step():
@@ -45,7 +45,7 @@ def test_first_step_takes_the_step_of_the_grains():
     add_disk()
     O.engines = sg.engines()
     run(1)
-    assert O.dt == pytest.approx(0.8 * sg.critical_time_step(), rel=0.11)
+    assert O.dt == pytest.approx(0.9 * sg.critical_time_step(), rel=0.11)
 
 
 def squeeze(steps=60):

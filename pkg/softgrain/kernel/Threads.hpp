@@ -1,16 +1,14 @@
 // How many threads a loop is worth.
 #pragma once
 
-#include <algorithm>
-
 namespace softgrain {
 
 /// For a loop over so many grains, or pairs: with fewer a thread, waking it takes longer than what
-/// it does.
-inline int threadsFor(long count, int threads)
+/// it does. All threads or one: libgomp ends those that a smaller team leaves out, and makes them
+/// anew for the next larger one.
+inline int threadsFor(long count, int threads, int countPerThread = 16)
 {
-	constexpr long countPerThread = 16;
-	return static_cast<int>(std::clamp(count / countPerThread, 1L, static_cast<long>(threads)));
+	return count >= 2 * countPerThread ? threads : 1;
 }
 
 } // namespace softgrain

@@ -148,9 +148,12 @@ class Grain:
         """v_s = sum_I N_I(Xs) v_I [m/s], shape (contact nodes, 2)."""
         return self.contact_shape @ self.v
 
-    def fastest(self):
-        """Largest speed of a contact node [m/s]."""
-        return np.linalg.norm(self.contact_velocities(), axis=1).max()
+    def velocity_range(self):
+        """Middle of the box of the velocities of contact nodes, and how far they differ from it at
+        most [m/s]."""
+        velocities = self.contact_velocities()
+        middle = 0.5 * (velocities.min(axis=0) + velocities.max(axis=0))
+        return middle, np.linalg.norm(velocities - middle, axis=1).max()
 
 
 class UpdatedGrain:
@@ -191,7 +194,7 @@ class UpdatedGrain:
         """None: this formulation has no damping of its own."""
         return np.zeros_like(self.v)
 
-    fastest = Grain.fastest
+    velocity_range = Grain.velocity_range
 
     @property
     def centre(self):

@@ -69,7 +69,8 @@ class System:
         self.contacts = []
         for g, grain in enumerate(self.grains):
             for w, wall in enumerate(self.walls):
-                speed = grain.fastest() + np.linalg.norm(wall.velocity)
+                middle, spread = grain.velocity_range()
+                speed = np.linalg.norm(middle - wall.velocity) + spread
                 reach = self._reach(speed, dt, grain.point_spacing, grain.point_spacing)
                 normal = wall.normal_towards(grain.centre)
                 contacts = contacts_with_plane(grain, wall.position, normal, reach)
@@ -81,7 +82,10 @@ class System:
                 if self.cell:
                     shift, drift = self.cell.image(grain.centre, other.centre)
                 spacings = sorted((grain.point_spacing, other.point_spacing))
-                speed = grain.fastest() + other.fastest() + np.linalg.norm(drift)
+                middle, spread = grain.velocity_range()
+                other_middle, other_spread = other.velocity_range()
+                apart = np.linalg.norm(middle - other_middle - drift)
+                speed = apart + spread + other_spread
                 reach = self._reach(speed, dt, *spacings)
                 self._list((g, h), contacts_of_grains(grain, other, reach, shift, drift))
         self.contacts = in_sweep_order(self.contacts)

@@ -254,9 +254,19 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 	setVelocity<2>(scene.batchOf(0), 0, { 3, 4 });
 	setVelocity<2>(scene.batchOf(1), 1, { 0, -2 });
 	scene.system.updateSurfaces(1);
-	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) - 2 * dt * 7) < 1e-12);
+	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) - 2 * dt * std::hypot(3, 6)) < 1e-12);
+	const PairImage<2> image { { 0, 0 }, { 3, 0 } };
+	CHECK(std::abs(scene.system.reach(0, 1, image, dt) - 2 * dt * 6) < 1e-12);
 	const Plane<2> plane { { 0, 0 }, { 0, 1 }, { 0, 1 } };
-	CHECK(std::abs(scene.system.reach(0, plane, dt) - 2 * dt * 6) < 1e-12);
+	CHECK(std::abs(scene.system.reach(0, plane, dt) - 2 * dt * std::hypot(3, 3)) < 1e-12);
+
+	// What is common to all nodes of both does not count, what they differ by does.
+	const double spin = 500;
+	for (int k : { 0, 1 })
+		scene.batchOf(k).place(k, Mat<2>::Identity(), { 30, 0 },
+				       spinMatrix<2>(Eigen::Matrix<double, 1, 1>(k * spin)));
+	scene.system.updateSurfaces(1);
+	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) / (2 * dt * 0.005 * spin) - 1) < 0.02); // 18 nodes
 }
 
 TEST_CASE("System: sums of work go on from a saved state", "[step]")

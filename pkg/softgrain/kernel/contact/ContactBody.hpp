@@ -52,7 +52,7 @@ template <int dim> struct ContactBody {
 	Box<dim> box;                  ///< of the positions, node radii included
 	double longestEdge = 0;        ///< of a facet, m
 	double circumradius = 0;       ///< of the positions about the centre of the box, m
-	double fastest = 0;            ///< largest speed of a node, m/s
+	VelocityRange<dim> velocities; ///< of the nodes
 	/// Way of the centre of the box since the start, m, and the most that a node may have come
 	/// besides.
 	Vec<dim> carried = Vec<dim>::Zero();

@@ -1,5 +1,6 @@
 #include "contact/ContactSolver.hpp"
 #include "Fetch.hpp"
+#include "Threads.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -125,7 +126,7 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 	holdAtLeast(rigidContacts_, used[2]);
 
 	const int work = listed + (count_ - listed) / rigidContactsPerPair;
-	threads_ = std::clamp(work / (pairsPerThread * std::max(plan_.colours(), 1)), 1, threads);
+	threads_ = threadsFor(work / std::max(plan_.colours(), 1), threads, pairsPerThread);
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		fetchListsAfter(k);
 		const auto [kind, index] = slot_[k];

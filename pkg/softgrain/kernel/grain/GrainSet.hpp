@@ -52,7 +52,7 @@ template <int dim> struct RigidBounds {
 	Vec<dim> centre = Vec<dim>::Zero(); ///< in space, m
 	double radius = 0;                  ///< of the farthest contact node, m
 	double bulge = 0;                   ///< how far the outline may lie out of its facets, m
-	double speed = 0;                   ///< of the fastest place, at most, m/s
+	VelocityRange<dim> velocities;      ///< of all places
 };
 
 /// Throws std::invalid_argument unless a saved list has the size that the discretisation needs.
@@ -152,8 +152,8 @@ public:
 	virtual void prepareMove(int /*threads*/) {}
 	/// The new velocities become the present ones, and the grain moves by dt.
 	virtual void move(int g, double dt) = 0;
-	/// Speed that no contact node exceeds, m/s; of fast grains the speed of the fastest.
-	virtual double fastestContactNode(int g) const = 0;
+	/// Of the contact nodes; of slow grains a bound.
+	virtual VelocityRange<dim> contactVelocityRange(int g) const = 0;
 	/// Positions of the contact nodes into `at`.
 	virtual void contactPositions(int g, std::vector<Vec<dim>>& at) const = 0;
 

@@ -37,8 +37,8 @@ public:
 private:
 	/// Of the bound between measurements: a grain is measured some twenty times in its life.
 	static constexpr double growth = 1.05;
-	/// However the share changes, 0.8 of the critical step found with it is stable.
-	static constexpr double leastShare = 0.8 * 0.8;
+	/// However the share changes, 0.9 of the critical step found with it is stable.
+	static constexpr double leastShare = 0.9 * 0.9;
 
 	double measuredAt_ = 1, share_ = 1;
 };

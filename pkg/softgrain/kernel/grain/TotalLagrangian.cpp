@@ -311,16 +311,16 @@ constexpr double slowSpeed = 0.005;
 
 } // namespace
 
-template <int dim> double TotalLagrangian<dim>::fastestContactNode(int g) const
+template <int dim> VelocityRange<dim> TotalLagrangian<dim>::contactVelocityRange(int g) const
 {
-	if (isRigid_[g]) return rigidBounds(g).speed;
+	if (isRigid_[g]) return rigidBounds(g).velocities;
 	const double bound = shareSum_ * fastestNode(batch_, g);
 	const double slow = slowSpeed * batch_.reference->pointSpacing() * batch_.grain[g].radius /
 			    criticalTimeStep_[g];
-	if (bound <= slow) return bound;
-	std::vector<Vec<dim>> v;
+	if (bound <= slow) return { Vec<dim>::Zero(), bound };
+	thread_local std::vector<Vec<dim>> v;
 	interpolate<dim>(batch_.reference->contactValues, batch_.v.of(g), v);
-	return largestNorm<dim>(v);
+	return rangeOf<dim>(v);
 }
 
 template <int dim>

@@ -82,7 +82,7 @@ public:
 	void addDampingLoss(int g, double& before, double& after) const override;
 	void prepareMove(int threads) override;
 	void move(int g, double dt) override;
-	double fastestContactNode(int g) const override;
+	VelocityRange<dim> contactVelocityRange(int g) const override;
 	void contactPositions(int g, std::vector<Vec<dim>>& at) const override;
 	void massPoints(int g, std::vector<Vec<dim>>& position,
 			std::vector<double>& mass) const override;

@@ -121,8 +121,8 @@ template <int dim> RigidBounds<dim> TotalLagrangian<dim>::rigidBounds(int g) con
 	bounds.centre = batch_.grain[g].origin + motion.centre;
 	bounds.radius = R * outlineRadius_;
 	bounds.bulge = R * outlineBulge_;
-	bounds.speed =
-		motion.velocity.norm() + motion.angularVelocity(shape_[g]).norm() * bounds.radius;
+	bounds.velocities = { motion.velocity,
+			      motion.angularVelocity(shape_[g]).norm() * bounds.radius };
 	return bounds;
 }
 

@@ -241,9 +241,9 @@ template <int dim> void UpdatedLagrangian<dim>::move(int g, double dt)
 	grain_[g].gridToPoints(reference_->recipe.order, dt, picShare_);
 }
 
-template <int dim> double UpdatedLagrangian<dim>::fastestContactNode(int g) const
+template <int dim> VelocityRange<dim> UpdatedLagrangian<dim>::contactVelocityRange(int g) const
 {
-	return largestNorm<dim>(grain_[g].contactV);
+	return rangeOf<dim>(grain_[g].contactV);
 }
 
 template <int dim>

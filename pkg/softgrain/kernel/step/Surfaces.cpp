@@ -60,16 +60,16 @@ template <int dim> void System<dim>::measureSurface(int g) const
 template <int dim> void System<dim>::updateSurface(int g)
 {
 	renewOutline(g);
-	bodies_[g].fastest = setOf(g).fastestContactNode(indexInSet(g));
+	bodies_[g].velocities = setOf(g).contactVelocityRange(indexInSet(g));
 }
 
 /// Of the present positions, dt after the last ones; that of a rigid grain is left to who asks.
 template <int dim> void System<dim>::followMotion(int g, double dt)
 {
 	ContactBody<dim>& body = bodies_[g];
-	body.fastest = setOf(g).fastestContactNode(indexInSet(g));
+	body.velocities = setOf(g).contactVelocityRange(indexInSet(g));
 	if (isRigid(g)) {
-		body.travelled += dt * body.fastest;
+		body.travelled += dt * body.velocities.fastest();
 		surface_[g].expire();
 	} else
 		renewOutline(g);
@@ -115,16 +115,18 @@ template <int dim>
 double System<dim>::reach(int first, int second, const PairImage<dim>& image, double dt) const
 {
 	const ContactBody<dim>&a = bodies_[first], &b = bodies_[second];
-	return withinRange(a.fastest + b.fastest + image.velocity.norm(), dt,
+	const Vec<dim> apart = a.velocities.middle - b.velocities.middle - image.velocity;
+	return withinRange(apart.norm() + a.velocities.spread + b.velocities.spread, dt,
 			   std::min(a.pointSpacing, b.pointSpacing),
 			   std::max(a.pointSpacing, b.pointSpacing), interfaceRange_);
 }
 
 template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, double dt) const
 {
-	const double spacing = bodies_[g].pointSpacing;
-	return withinRange(bodies_[g].fastest + plane.velocity.norm(), dt, spacing, spacing,
-			   interfaceRange_);
+	const ContactBody<dim>& body = bodies_[g];
+	const Vec<dim> apart = body.velocities.middle - plane.velocity;
+	return withinRange(apart.norm() + body.velocities.spread, dt, body.pointSpacing,
+			   body.pointSpacing, interfaceRange_);
 }
 
 template <int dim>
@@ -132,8 +134,8 @@ double System<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<di
 			  double dt) const
 {
 	const double spacing = bodies_[g].pointSpacing;
-	return withinRange(bodies_[g].fastest + rigid.speed + image.velocity.norm(), dt, spacing,
-			   spacing, interfaceRange_);
+	return withinRange(bodies_[g].velocities.fastest() + rigid.speed + image.velocity.norm(), dt,
+			   spacing, spacing, interfaceRange_);
 }
 
 template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const

@@ -125,7 +125,7 @@ void System<dim>::chooseRigidGrains(const std::vector<char>& touched, const Step
 		}
 		if (rigid && settings.sleep && set.isMotionless(k) && loads_[g].isZero()) {
 			set.fallAsleep(k);
-			bodies_[g].fastest = 0;
+			bodies_[g].velocities = {};
 			resting_[g] = 0;
 		}
 	}
