@@ -40,6 +40,7 @@ class Case:
 def cases():
     bulk = {"grains": 400, "steps": 100, "repeat": 9}
     apart = {"grains": 20, "steps": 20}
+    own = {**bulk, "grains": 100, "own_templates": True}
     packing = {"grains": 400, "steps": 40}
     small = {"grains": 100, "zeta": 0.15}
     many = {"zeta": 0.155, "steps": 10}
@@ -51,7 +52,8 @@ def cases():
     return [
         Case("bulk, h = 2 dr", "bulk", {"steps": 20}, **bulk, node_spacing=2),
         Case("bulk, h = 1.25 dr", "bulk", {"steps": 20}, **bulk),
-        Case("bulk, own templates", "bulk", apart, **{**bulk, "grains": 100}, own_templates=True),
+        Case("bulk, own templates", "bulk", apart, **own),
+        Case("bulk, own templates, h = 2 dr", "bulk", apart, **own, node_spacing=2),
         Case("bulk, updated", "bulk", {"steps": 5}, **{**bulk, "steps": 20}, formulation="updated"),
         Case("bulk, 3D quadratic", "bulk", fewer_balls, **balls, order=2),
         Case("bulk, 3D cubic", "bulk", fewer_balls, **balls, order=3),

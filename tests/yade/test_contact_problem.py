@@ -173,7 +173,7 @@ def test_residual_and_cap_are_reported():
     engine.maxSweeps = 100_000
     run(1)
     assert engine.residual <= 1e-11
-    assert engine.sweeps > 10
+    assert engine.sweeps > 4  # of every step
     assert engine.cappedSteps == 10
 
 

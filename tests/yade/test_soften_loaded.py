@@ -34,7 +34,7 @@ def test_soften_when_loaded():
     assert not sg.soft_bodies()
     run(10)
     assert not sg.soft_bodies()
-    run(400)
+    run(350)
     assert [b.id for b in sg.soft_bodies()] == ids[:2]
     np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
     softener = [e for e in O.engines if isinstance(e, sg.SoftenWhenLoaded)][0]

@@ -6,10 +6,26 @@
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <dlfcn.h>
 #include <limits>
+#include <pthread.h>
 
 using namespace softgrain;
 using namespace softgrain::testing;
+
+namespace {
+int threadsMade = 0;
+} // namespace
+
+/// In place of that of the C library, for libgomp too: counts.
+extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes,
+			      void* (*start)(void*), void* argument)
+{
+	static const auto make =
+		reinterpret_cast<decltype(&pthread_create)>(dlsym(RTLD_NEXT, "pthread_create"));
+	++threadsMade;
+	return make(thread, attributes, start, argument);
+}
 
 namespace {
 
@@ -100,6 +116,16 @@ TEST_CASE("System: the same bits with any number of threads and any order of the
 	const Scene<2> shuffled = squeezedPacking(1, true);
 	CHECK(shuffled.state() == one.state());
 	CHECK(shuffled.system.energy().friction == one.system.energy().friction);
+}
+
+TEST_CASE("System: threads last from step to step", "[step]")
+{
+	Scene<2> scene = squeezedPacking(3, false);
+	REQUIRE(threadsMade >= 2);
+	const int before = threadsMade;
+	for (int n = 0; n < 10; ++n)
+		scene.advance();
+	CHECK(threadsMade == before);
 }
 
 TEMPLATE_TEST_CASE_SIG("Impact: two grains head-on", "[step]", ((int dim), dim), 2, 3)
@@ -266,7 +292,8 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 		scene.batchOf(k).place(k, Mat<2>::Identity(), { 30, 0 },
 				       spinMatrix<2>(Eigen::Matrix<double, 1, 1>(k * spin)));
 	scene.system.updateSurfaces(1);
-	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) / (2 * dt * 0.005 * spin) - 1) < 0.02); // 18 nodes
+	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) / (2 * dt * 0.005 * spin) - 1) <
+	      0.02); // 18 nodes
 }
 
 TEST_CASE("System: sums of work go on from a saved state", "[step]")

@@ -137,7 +137,10 @@ SweepPlan planSweeps(const std::vector<BodiesOfPair>& pairs, int bodies)
 	const auto tasks = tasksOf(pairs, cluster, order);
 	SweepPlan plan;
 	plan.pairs.reserve(pairs.size());
-	for (const auto& colour : coloursOf(tasks, bodies)) {
+	for (auto& colour : coloursOf(tasks, bodies)) {
+		std::stable_sort(colour.begin(), colour.end(), [](const Task* a, const Task* b) {
+			return a->end - a->begin > b->end - b->begin;
+		});
 		for (const Task* task : colour) {
 			plan.pairs.insert(plan.pairs.end(), order.begin() + task->begin,
 					  order.begin() + task->end);

@@ -134,8 +134,8 @@ double System<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<di
 			  double dt) const
 {
 	const double spacing = bodies_[g].pointSpacing;
-	return withinRange(bodies_[g].velocities.fastest() + rigid.speed + image.velocity.norm(), dt,
-			   spacing, spacing, interfaceRange_);
+	return withinRange(bodies_[g].velocities.fastest() + rigid.speed + image.velocity.norm(),
+			   dt, spacing, spacing, interfaceRange_);
 }
 
 template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const

@@ -209,8 +209,8 @@ template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 
 } // namespace
 
-/// Threads share the grains of a set or, if there are many sets, the sets. (Never both: threads of a
-/// region within another, even one of a single thread, are made anew each time.)
+/// Threads share the grains of a set or, if there are many sets, the sets. (Never both: threads of
+/// a region within another, even one of a single thread, are made anew each time.)
 template <int dim> void System<dim>::updateForces(int threads)
 {
 	listGrains();
