@@ -183,6 +183,7 @@ def test_residual_and_cap_are_reported():
         ({"tolerance": 0}, r"tolerance = 0 .*\(0, inf\)"),
         ({"max_sweeps": 0}, "max_sweeps = 0 .*1, 2"),
         ({"friction": np.array([-1.0, 0.3])}, r"friction = -1 .*\[0, inf\)"),
+        ({"friction": np.array([np.inf, 0.3])}, r"friction = inf .*finite numbers"),
         ({"friction": np.zeros(3)}, r"friction has the shape \(3,\)"),
         ({"bias": np.array([np.nan, 0.0])}, "bias = nan .*finite"),
         ({"normal": np.array([[0, 1.0], [0, 2.0]])}, "length of normal = 2 .* 1"),

@@ -3,9 +3,9 @@
 
 namespace softgrain {
 
-/// For a loop over so many grains, or pairs: with fewer a thread, waking it takes longer than what
-/// it does. All threads or one: libgomp ends those that a smaller team leaves out, and makes them
-/// anew for the next larger one.
+/// For a loop over so many grains, or pairs: to wake a thread takes as long as what it does with
+/// `countPerThread`, so from twice as many on threads share it. All of them or one: libgomp ends
+/// those that a smaller team leaves out, and makes them anew for the next larger one.
 inline int threadsFor(long count, int threads, int countPerThread = 16)
 {
 	return count >= 2 * countPerThread ? threads : 1;

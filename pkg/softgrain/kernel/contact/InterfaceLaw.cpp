@@ -21,7 +21,7 @@ void requireNonNegative(const char* parameter, double value, const char* range)
 
 void InterfaceLaw::validate(double friction) const
 {
-	require(friction >= 0, "friction", friction, "[0, inf)");
+	require(friction >= 0 && std::isfinite(friction), "friction", friction, "[0, inf)");
 	require(dynamicFriction <= friction, "dynamicFriction", dynamicFriction,
 		"[0, static friction] (negative: as the static one)");
 	requireNonNegative("cohesion", cohesion, "[0, inf) Pa");
