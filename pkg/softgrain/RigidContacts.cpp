@@ -6,6 +6,7 @@
 #include "SceneAssembly.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 #include <typeinfo>
@@ -138,7 +139,8 @@ void RigidContacts::requireTreatable(const Interaction& I, const Pair& pair)
 			") meet under Law2_ScGeom_FrictPhys_Nonsmooth, which is for a "
 			"Sphere against a Sphere, Facet, Box or Wall");
 	const Real friction = static_cast<const FrictPhys&>(*I.phys).tangensOfFrictionAngle;
-	requireOf(I, friction >= 0, "tangensOfFrictionAngle", friction, "[0, inf)");
+	requireOf(I, friction >= 0 && std::isfinite(friction), "tangensOfFrictionAngle", friction,
+		  "[0, inf)");
 }
 
 void RigidContacts::describe(const Scene& scene, RigidPartners& partners, Real maxOverlap)

@@ -37,7 +37,7 @@ VARIED = {
     "node_spacing": (1.25, 1.5, 2.0),
     "surface_spacing": (1.0, 0.6, 0.8, 1.25, 1.5),
     "tolerance": (None, 1e-1, 1e-2, 1e-3, 1e-4),
-    "time_step_fraction": (0.8, 0.25, 0.5, 0.7, 0.9),
+    "time_step_fraction": (0.9, 0.25, 0.5, 0.7, 0.8),
 }
 COLUMNS = ("formulation", "contact", "order", "zeta", "wall_seconds", "steps", "error")
 VARIED_COLUMNS = ("parameter", "value", "wall_seconds", "steps", "sweeps", "capped", "error")

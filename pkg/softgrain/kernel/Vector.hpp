@@ -50,7 +50,7 @@ template <int dim> struct VelocityRange {
 	double fastest() const { return middle.norm() + spread; }
 };
 
-/// The middle is that of the box of the vectors.
+/// The middle is that of the box of the vectors; there is at least one.
 template <int dim> VelocityRange<dim> rangeOf(const std::vector<Vec<dim>>& vectors)
 {
 	Vec<dim> low = vectors[0], high = vectors[0];

@@ -55,6 +55,7 @@ TEST_CASE("a bad interface law is refused with its name", "[interface]")
 	};
 	CHECK(complaint([](InterfaceLaw&) {}).empty());
 	CHECK(complaint([](InterfaceLaw&) {}, -0.1).starts_with("friction = -0.1"));
+	CHECK(complaint([](InterfaceLaw&) {}, infinity).starts_with("friction = inf"));
 	using Law = InterfaceLaw;
 	CHECK(complaint([](Law& l) { l.dynamicFriction = 0.6; }).starts_with("dynamicFriction"));
 	CHECK(complaint([](Law& l) { l.cohesion = -1; }).starts_with("cohesion = -1"));

@@ -81,13 +81,17 @@ TEST_CASE("Plan of sweeps: every pair once, no body in two tasks of a colour", "
 	int task = 0, pair = 0;
 	for (int colour = 0; colour < plan.colours(); ++colour) {
 		std::map<int, int> taskOf; // bodies of this colour
-		for (; task < plan.colourEnd[colour]; ++task)
+		int longest = static_cast<int>(pairs.size());
+		for (; task < plan.colourEnd[colour]; ++task) {
+			CHECK(plan.taskEnd[task] - pair <= longest);
+			longest = plan.taskEnd[task] - pair;
 			for (; pair < plan.taskEnd[task]; ++pair)
 				for (int body : { pairs[plan.pairs[pair]].first,
 						  pairs[plan.pairs[pair]].second })
 					if (body >= 0)
 						CHECK(taskOf.emplace(body, task).first->second ==
 						      task);
+		}
 	}
 	CHECK(plan.tasks() < static_cast<int>(crowd.lists.size()) / 2); // of two pairs and more
 }

@@ -9,7 +9,7 @@ namespace softgrain {
 
 /// proj_C: normal part first, max(0, r_n); then the tangential part is cut to mu r_n. This is not
 /// the nearest point of the cone, which would lift r_n where the tangential part is too large: with
-/// it a sliding contact would open, u_n = mu |u_t|.
+/// it a sliding contact would open, u_n = mu |u_t|. `n` is a unit vector, the friction finite.
 template <int dim> Vec<dim> onCone(const Vec<dim>& r, const Vec<dim>& n, double friction)
 {
 	const double normal = std::max(r.dot(n), 0.);

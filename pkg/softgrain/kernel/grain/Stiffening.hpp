@@ -30,7 +30,7 @@ public:
 	{
 		Stiffening s;
 		s.measuredAt_ = numbers[0];
-		s.share_ = numbers[1];
+		s.share_ = std::max(leastShare, numbers[1]);
 		return s;
 	}
 

@@ -209,14 +209,18 @@ template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 
 } // namespace
 
-/// Threads share the grains of a set or, if there are many sets, the sets. (Never both: threads of
-/// a region within another, even one of a single thread, are made anew each time.)
+/// Threads share the grains of a set or, if there are many sets or none has more than a block, the
+/// sets. (Never several threads within another region, even if that has a single thread: they are
+/// made anew each time.)
 template <int dim> void System<dim>::updateForces(int threads)
 {
 	listGrains();
 	threads = threadsFor(static_cast<long>(active_.size()), threads);
 	const int sets = static_cast<int>(sets_.size());
-	const bool shareSets = sets >= setsPerThread * threads;
+	const bool haveBlocks = std::all_of(sets_.begin(), sets_.end(), [](const auto& set) {
+		return set->grains() <= laneWidth;
+	});
+	const bool shareSets = haveBlocks || sets >= setsPerThread * threads;
 	const ForceSchedule schedule { shareSets ? 1 : threads, continuation_.steps,
 				       continuation_.lastStep };
 	auto updateSet = [&](int i) {

@@ -188,7 +188,7 @@ public:
 	/// Time over which the impulses of the last step acted, s; 0 before the first.
 	double lastKick() const { return lastKick_; }
 
-	/// Distance within which gaps must be handed to `step`: no node travels further in a step.
+	/// Distance within which gaps must be handed to `step`: none closes by more in a step.
 	double reach(int first, int second, const PairImage<dim>& image, double dt) const;
 	/// Tractions of interfaces act across gaps up to this, m; adds to every reach.
 	void setInterfaceRange(double range) { interfaceRange_ = range; }
