@@ -150,30 +150,17 @@ void ContactSolver<dim>::forEachPair(SweepOrder order, Visit&& visit)
 	const int colours = plan_.colours();
 #pragma omp parallel num_threads(threads_) if (threads_ > 1)
 	for (int i = 0; i < colours; ++i) {
-		const auto [begin, end] =
-			tasksOf(order == SweepOrder::forwards ? i : colours - 1 - i);
+		const int colour = order == SweepOrder::forwards ? i : colours - 1 - i;
+		const int begin = colour > 0 ? plan_.colourEnd[colour - 1] : 0;
 #pragma omp for schedule(static, 1)
-		for (int task = begin; task < end; ++task)
+		for (int task = begin; task < plan_.colourEnd[colour]; ++task)
 			forEachPairOf(task, order, visit);
 	}
 }
 
 template <int dim>
 template <class Visit>
-void ContactSolver<dim>::forEachPairAtOnce(Visit&& visit) const
-{
-#pragma omp parallel num_threads(threads_) if (threads_ > 1)
-	for (int colour = 0; colour < plan_.colours(); ++colour) {
-		const auto [begin, end] = tasksOf(colour);
-#pragma omp for schedule(static, 1) nowait
-		for (int task = begin; task < end; ++task)
-			forEachPairOf(task, SweepOrder::forwards, visit);
-	}
-}
-
-template <int dim>
-template <class Visit>
-void ContactSolver<dim>::forEachPairOf(int task, SweepOrder order, Visit&& visit) const
+void ContactSolver<dim>::forEachPairOf(int task, SweepOrder order, Visit&& visit)
 {
 	const int begin = task > 0 ? plan_.taskEnd[task - 1] : 0, end = plan_.taskEnd[task];
 	if (order == SweepOrder::forwards)
@@ -322,10 +309,11 @@ template <int dim> void ContactSolver<dim>::separateRigidBodies(double dt)
 template <int dim> std::vector<ResidualSum> ContactSolver<dim>::residualsOfPairs() const
 {
 	std::vector<ResidualSum> sums(count_);
-	forEachPairAtOnce([&](int k) {
+#pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
+	for (int k = 0; k < count_; ++k) {
 		fetchAfter(k, SweepOrder::forwards);
 		sums[k] = withPair(k, [](const auto& pair) { return pair.residual(); });
-	});
+	}
 	return sums;
 }
 
@@ -337,9 +325,9 @@ template <int dim> double ContactSolver<dim>::residual() const
 template <int dim> ContactWork ContactSolver<dim>::work() const
 {
 	std::vector<ContactWork> works(count_);
-	forEachPairAtOnce([&](int k) {
+#pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
+	for (int k = 0; k < count_; ++k)
 		withGrainPair(k, [&](const auto& pair) { works[k] = pair.work(); });
-	});
 	ContactWork work;
 	for (const ContactWork& ofPair : works)
 		work += ofPair;

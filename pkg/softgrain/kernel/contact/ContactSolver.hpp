@@ -21,7 +21,6 @@
 #include "contact/RigidPairSolver.hpp"
 #include "contact/SweepPlan.hpp"
 
-#include <utility>
 #include <vector>
 
 namespace softgrain {
@@ -77,15 +76,7 @@ private:
 		  const std::vector<RigidContact<dim>>* rigidContacts);
 	/// Calls with the numbers of all pairs, colour by colour; `visit` may not throw.
 	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit);
-	/// The same for what changes no velocity: colours do not wait for each other, but threads
-	/// have the pairs that they sweep.
-	template <class Visit> void forEachPairAtOnce(Visit&& visit) const;
-	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit) const;
-	/// Numbers of the tasks of a colour.
-	std::pair<int, int> tasksOf(int colour) const
-	{
-		return { colour > 0 ? plan_.colourEnd[colour - 1] : 0, plan_.colourEnd[colour] };
-	}
+	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit);
 	/// Of pair k, if there is one, as far as it is worth it.
 	void fetch(int k, void (PairSolver<dim>::*what)() const) const;
 	/// What a pass over the velocities will need after pair k.

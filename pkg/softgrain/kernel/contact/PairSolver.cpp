@@ -277,7 +277,6 @@ template <int dim> void PairSolver<dim>::finish()
 	}
 	sum.point /= static_cast<double>(constraints_.size());
 	list_->impulse = sum;
-	active_ = sum.active;
 }
 
 template <int dim> ContactWork PairSolver<dim>::work() const

@@ -40,7 +40,7 @@ public:
 	/// Gives the list its impulses and their sums, and adds them up on every contact node
 	/// (ContactBody::impulse).
 	void finish();
-	int active() const { return active_; } ///< contacts with an impulse
+	int active() const { return list_->impulse.active; } ///< contacts with an impulse
 	ContactWork work() const;
 
 	int contacts() const { return static_cast<int>(constraints_.size()); }
@@ -118,7 +118,6 @@ private:
 	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
 	double friction_ = 0;
 	std::array<Stretch, 2> stretch_; ///< of both bodies
-	int active_ = 0;                 ///< at the end; in the list it lies far away
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;
 };

@@ -217,10 +217,10 @@ template <int dim> void System<dim>::updateForces(int threads)
 	listGrains();
 	threads = threadsFor(static_cast<long>(active_.size()), threads);
 	const int sets = static_cast<int>(sets_.size());
-	const bool haveBlocks = std::all_of(sets_.begin(), sets_.end(), [](const auto& set) {
+	const bool allSmall = std::all_of(sets_.begin(), sets_.end(), [](const auto& set) {
 		return set->grains() <= laneWidth;
 	});
-	const bool shareSets = haveBlocks || sets >= setsPerThread * threads;
+	const bool shareSets = allSmall || sets >= setsPerThread * threads;
 	const ForceSchedule schedule { shareSets ? 1 : threads, continuation_.steps,
 				       continuation_.lastStep };
 	auto updateSet = [&](int i) {
