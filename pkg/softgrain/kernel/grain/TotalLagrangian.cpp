@@ -133,10 +133,10 @@ template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& s
 
 template <int dim> bool TotalLagrangian<dim>::measureStiffening(int g)
 {
-	const double bound = batch_.report[g].stiffening;
-	if (!stiffening_[g].isDue(bound)) return false;
+	const BulkReport& present = batch_.report[g];
+	if (!stiffening_[g].isDue(present)) return false;
 	const double ratio = 0.5 * criticalTimeStep_[g] * highestFrequency(batch_, g);
-	stiffening_[g].set(bound, ratio * ratio);
+	stiffening_[g].set(present, ratio * ratio);
 	return true;
 }
 

@@ -33,7 +33,7 @@ public:
 
 	double stiffening(int g) const override
 	{
-		return stiffening_[g].value(batch_.report[g].stiffening);
+		return stiffening_[g].value(batch_.report[g]);
 	}
 	bool measureStiffening(int g) override;
 
