@@ -221,15 +221,23 @@ def coordination_number():
 
 
 class Balance:
-    """Relative closure of the energy balance since this object was made; needs ``O.trackEnergy =
-    True`` from the start of the run, or for a step before. What a script changes by hand (``vel``,
-    ``young``, bodies erased) is no work that is booked: it counts as error.
+    """Relative closure of the energy balance since this object was made. What a script changes by
+    hand (``vel``, ``young``, bodies erased) is no work that is booked: it counts as error.
 
     The work of walls, loads and a periodic cell must be found again as kinetic and elastic energy
     and as what friction, impacts and damping dissipated, and grains that fell asleep lost.
+
+    Raises:
+        RuntimeError: ``O.trackEnergy`` is off, or no step has been taken with it: there are no
+            energies to begin with.
     """
 
     def __init__(self):
+        if not O.trackEnergy or "softKinetic" not in O.energy.keys():
+            raise RuntimeError(
+                f"Balance: O.trackEnergy = {O.trackEnergy}, and a balance begins with the "
+                "energies of a step: set O.trackEnergy = True and take a step first"
+            )
         self._start = self._stored_and_lost(integrator().energy())
         self._scale = 0.0
 

@@ -115,10 +115,17 @@ class Ledger:
         return dict(self.values)
 
 
+def keep_books(monkeypatch, ledger):
+    """The ledger instead of an integrator, after a step."""
+    monkeypatch.setattr("softgrain.observe.integrator", lambda: ledger)
+    O.trackEnergy = True
+    O.energy["softKinetic"] = ledger.values["kinetic"]
+
+
 def test_balance(monkeypatch):
     """Work that is not found again is an error over the largest energy."""
     ledger = Ledger(kinetic=1.0, walls=3.0)
-    monkeypatch.setattr("softgrain.observe.integrator", lambda: ledger)
+    keep_books(monkeypatch, ledger)
     balance = sg.Balance()
     assert balance.error() == 0
     ledger.values.update(elastic=4.0, friction=1.0, impact=0.5, walls=8.0, loads=0.5)
@@ -134,8 +141,15 @@ def test_balance(monkeypatch):
 
 
 def test_balance_without_energy(monkeypatch):
-    monkeypatch.setattr("softgrain.observe.integrator", Ledger)
+    keep_books(monkeypatch, Ledger())
     assert sg.Balance().error() == 0
+
+
+def test_balance_begins_with_a_step():
+    for track in (False, True):
+        O.trackEnergy = track
+        with pytest.raises(RuntimeError, match="take a step first"):
+            sg.Balance()
 
 
 def test_wall_box():

@@ -331,6 +331,7 @@ def squeeze(centres, radius, box, until, speed=0.5, friction=0.3):
         direction[axis] = -speed * box[axis] / box[0] * np.sign(wall.state.pos[axis])
         wall.state.vel = direction
     start()
+    sg.advance(1)
     balance = sg.Balance()
     while True:
         sg.advance(50)

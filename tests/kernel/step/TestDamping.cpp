@@ -243,8 +243,7 @@ TEST_CASE("Damping: stable while strongly stretched", "[damping]")
 		Scene<2> scene;
 		scene.add(std::move(batch));
 		scene.settings.rigidMotion = false;
-		for (int n = 0; n < 500; ++n)
-		{
+		for (int n = 0; n < 500; ++n) {
 			scene.system.updateForces(1); // the step is that of this deformation
 			scene.advance(0.98 * scene.system.presentCriticalTimeStep());
 		}

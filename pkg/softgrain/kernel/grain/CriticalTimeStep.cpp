@@ -11,9 +11,9 @@ namespace softgrain {
 
 namespace {
 
-/// Of Lanczos' iteration: the square of the frequency is then within 0.2 % from below
+/// Of Lanczos' iteration: the square of the frequency is then within 1.6 % from below
 /// (doc/decisions/0003-time-step.md).
-constexpr int iterations = 40;
+constexpr int iterations = 24;
 /// Of the node that moves most, in differences of forces, over the radius.
 constexpr double displacement = 1e-6;
 

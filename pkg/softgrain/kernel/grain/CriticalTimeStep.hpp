@@ -13,7 +13,7 @@ constexpr double pointVelocityTimeStepShare = 0.7071067811865476;
 
 /// Highest angular frequency of a grain in its present shape, rad/s: the largest eigenvalue of
 /// M^-1 K with the tangent K as differences of internal forces, by Lanczos' iteration. Raised by 1
-/// % because the iteration approaches from below. Takes the time of 40 computations of its forces.
+/// % because the iteration approaches from below. Takes the time of 24 computations of its forces.
 template <int dim> double highestFrequency(const Batch<dim>& batch, int g);
 
 /// dt_c of the undeformed grain, s.

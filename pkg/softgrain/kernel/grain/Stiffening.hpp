@@ -51,8 +51,8 @@ public:
 	}
 
 private:
-	/// Neither stiffer where it is stiffest, nor deformed in more places, nor let go since: what
-	/// is pressed all round after it was pressed in one place holds more energy.
+	/// Neither stiffer where it is stiffest, nor deformed in more places, nor let go since:
+	/// what is pressed all round after it was pressed in one place holds more energy.
 	bool isAlike(const BulkReport& present) const
 	{
 		return present.stiffening <= growth * bound_ &&
