@@ -229,17 +229,22 @@ class Balance:
 
     Raises:
         RuntimeError: ``O.trackEnergy`` is off, or no step has been taken with it: there are no
-            energies to begin with.
+            energies to compare.
     """
 
     def __init__(self):
-        if not O.trackEnergy or "softKinetic" not in O.energy.keys():
-            raise RuntimeError(
-                f"Balance: O.trackEnergy = {O.trackEnergy}, and a balance begins with the "
-                "energies of a step: set O.trackEnergy = True and take a step first"
-            )
+        self._check()
         self._start = self._stored_and_lost(integrator().energy())
         self._scale = 0.0
+
+    @staticmethod
+    def _check():
+        if O.trackEnergy and "softKinetic" in O.energy.keys() and integrator().steps > 0:
+            return
+        raise RuntimeError(
+            f"Balance: O.trackEnergy = {O.trackEnergy}, and a balance needs the energies of the "
+            "last step: set O.trackEnergy = True and take a step first"
+        )
 
     @staticmethod
     def _stored_and_lost(energy):
@@ -249,6 +254,7 @@ class Balance:
 
     def error(self):
         """|work - change of energy - dissipation| over the largest magnitude so far [-]."""
+        self._check()
         energy = integrator().energy()
         self._scale = max([self._scale] + [abs(value) for value in energy.values()])
         if self._scale == 0:

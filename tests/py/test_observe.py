@@ -106,6 +106,8 @@ def test_soft_bodies_and_integrator():
 class Ledger:
     """Stands in for the integrator."""
 
+    steps = 1
+
     def __init__(self, **energy):
         lost = ("friction", "impact", "damping", "sleep", "cohesion")
         self.values = dict.fromkeys(("kinetic", "elastic", "walls", "cell", "loads", *lost), 0.0)
@@ -150,6 +152,19 @@ def test_balance_begins_with_a_step():
         O.trackEnergy = track
         with pytest.raises(RuntimeError, match="take a step first"):
             sg.Balance()
+
+
+def test_balance_ends_with_its_energies(monkeypatch):
+    """Neither without tracking nor with another integrator are there energies of the last step."""
+    ledger = Ledger(kinetic=1.0)
+    keep_books(monkeypatch, ledger)
+    balance = sg.Balance()
+    ledger.steps = 0
+    with pytest.raises(RuntimeError, match="take a step first"):
+        balance.error()
+    ledger.steps, O.trackEnergy = 1, False
+    with pytest.raises(RuntimeError, match="O.trackEnergy = False"):
+        balance.error()
 
 
 def test_wall_box():
