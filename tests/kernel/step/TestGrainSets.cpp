@@ -76,8 +76,8 @@ TEST_CASE("Formulations: stiffening is measured alike wherever velocities live",
 	auto measured = [](const Scheme& scheme) {
 		auto set = grainsOf<2>(scheme, recipe(0.2));
 		GrainState state = set->state(0);
-		for (std::size_t k = 0; k < state.x.size();
-		     k += 2) { // pressed, the more to the right
+		// pressed, the more to the right
+		for (std::size_t k = 0; k < state.x.size(); k += 2) {
 			double& x = state.x[k];
 			x *= 0.75 - 15 * x;
 		}

@@ -10,9 +10,9 @@ namespace softgrain {
 
 /// Square of the highest frequency of a grain over that of the undeformed one: at most the largest
 /// stiffening of a material point (the bound), which is known in every step. Now and then it is
-/// measured: a share of the bound, which counts in full while the grain is deformed much as it was
-/// then, and as a share that is safe whatever happens otherwise
-/// (doc/decisions/0003-time-step.md).
+/// measured. What it is of the bound, its share, counts while the grain is deformed much as it was
+/// then; otherwise a share counts that is safe whatever happens (doc/decisions/0003-time-step.md,
+/// with the rules that were compared for the numbers below).
 class Stiffening {
 public:
 	/// However the share changes, 0.9 of the critical step found with it is stable.
@@ -74,7 +74,8 @@ private:
 	/// "alike" can do.
 	static constexpr double leastShare = 0.5;
 
-	double bound_ = 1, energy_ = 0, share_ = 1; ///< at the last measurement, J (2D: J/m)
+	/// At the last measurement; the energy in J (2D: J/m).
+	double bound_ = 1, energy_ = 0, share_ = 1;
 };
 
 } // namespace softgrain

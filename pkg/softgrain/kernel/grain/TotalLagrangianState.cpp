@@ -161,8 +161,10 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 	isRigid_[g] = !s.rigid.empty();
 	restoreRest(g, s.rest);
 	stiffening_[g] = {};
-	if (s.stiffening.size() == Stiffening::numberCount) // else it is measured anew
+	if (!s.stiffening.empty()) {
+		requireSize("stiffening", s.stiffening, Stiffening::numberCount);
 		stiffening_[g] = Stiffening::fromNumbers(s.stiffening);
+	}
 	++this->changesOfActivity_;
 	nodesWritten_[g] = 1;
 	for (int I = 0; I < nodes(); ++I)
