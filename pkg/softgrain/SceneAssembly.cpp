@@ -122,10 +122,7 @@ softgrain::GrainDescription describePresent(const Body& body)
 	grain.fetchState();
 	if (grain.assembly) grain.savedForces.clear(); // materials may have changed
 	softgrain::GrainDescription description = grain.describe(body);
-	if (changed) {
-		description.state.rest.clear();
-		description.state.stiffening.clear();
-	}
+	if (changed) description.state.rest.clear();
 	return description;
 }
 

@@ -31,7 +31,10 @@ public:
 	const GrainParameters<dim>& parameters(int g) const override { return batch_.grain[g]; }
 	double criticalTimeStep(int g) const override { return criticalTimeStep_[g]; }
 
-	double stiffening(int g) const override { return stiffening_[g].value(batch_.report[g]); }
+	double stiffening(int g) const override
+	{
+		return stiffening_[g].value(batch_.report[g].stiffening);
+	}
 	bool measureStiffening(int g) override;
 
 	bool isRigid(int g) const override { return isRigid_[g]; }
