@@ -122,7 +122,10 @@ softgrain::GrainDescription describePresent(const Body& body)
 	grain.fetchState();
 	if (grain.assembly) grain.savedForces.clear(); // materials may have changed
 	softgrain::GrainDescription description = grain.describe(body);
-	if (changed) description.state.rest.clear();
+	if (changed) {
+		description.state.rest.clear();
+		description.state.stiffening.clear();
+	}
 	return description;
 }
 

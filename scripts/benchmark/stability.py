@@ -32,6 +32,7 @@ from stability_scenes import (  # noqa: E402
     press_disk,
     press_pair,
     rest,
+    ripple,
     wave_speed,
 )
 
@@ -43,6 +44,7 @@ BOUNDS = {
     "force_difference": 1e-6,  # of scenes that must be equal, relative
     "drift_over_D": 2e-5,  # of a grain at rest, whose last vibrations settle
     "energy_growth": 1e-3,  # of a grain at rest, over its elastic energy
+    "ripple": 0.022,  # of stress from point to point over E; of an unstable step 0.028
 }
 
 
@@ -55,6 +57,12 @@ def time_step(quick):
         (0.1, 0.5, 0.9, 1.0, 1.2) if quick else (0.1, 0.3, 0.5, 0.7, 0.9, 1.0, 1.1, 1.2)
     ):
         yield fraction, lambda: press_disk(fraction=fraction, depth=0.3)
+
+
+def ripples(quick):
+    """Fraction of the critical step; ripples of stress inside 16 grains compacted to phi = 0.94"""
+    for fraction in (0.9,) if quick else (0.2, 0.5, 0.8, 0.9, 1.0):
+        yield fraction, lambda: ripple(fraction)
 
 
 def own_step(quick):
@@ -187,6 +195,7 @@ STUDIES = {
     study.__name__: study
     for study in (
         time_step,
+        ripples,
         own_step,
         wall_speed,
         impact_speed,

@@ -31,6 +31,8 @@ SHOWN = {
     "drift_over_D": "drift/D",
     "kinetic_over_elastic": "kinetic/elastic",
     "energy_growth": "heating",
+    "usual_ripple": "usual ripple",
+    "ripple": "largest ripple",
 }
 
 
@@ -44,7 +46,9 @@ beyond its bound (`BOUNDS` in `scripts/benchmark/stability.py`). This page is ma
 Disks at zeta = 0.2, nu = 0.45, plane strain, unless the study says otherwise. F: mean force of both
 plates over E D in the last quarter (compaction: wall stress over E at the end), as the speed of the
 study has it; overlap: largest so far; capped: share of the steps whose sweeps hit the cap; heating:
-growth of kinetic and elastic energy over the elastic energy. What rest means, and rest from
+growth of kinetic and elastic energy over the elastic energy; ripple: what the von Mises stress of a
+point alternates in time against the points about it, over E, in the middle one of the grains and in
+the one that has most. What rest means, and rest from
 equilibrium: [decisions/0010](decisions/0010-grains-at-rest.md).
 """
 

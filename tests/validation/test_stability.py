@@ -16,9 +16,10 @@ STOPS = {
     "poisson_plane_stress": dict.fromkeys((-0.5, -0.4, -0.3), "no thickness"),
     "distance": dict.fromkeys((1e9, 1e12), "radii from the origin"),
 }
-FAST = ("poisson_plane_stress", "friction", "distance")
+FAST = ("ripples", "poisson_plane_stress", "friction", "distance")
 SLOW = (
     "time_step",
+    "ripples",
     "own_step",
     "distance",
     "units",

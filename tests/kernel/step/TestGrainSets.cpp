@@ -3,6 +3,7 @@
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <cmath>
 #include <limits>
 
 using namespace softgrain;
@@ -68,6 +69,29 @@ TEST_CASE("Formulations: mobility of contact nodes stays bounded wherever the gr
 	}
 	CAPTURE(largest / usual);
 	CHECK(largest < 3 * usual);
+}
+
+TEST_CASE("Formulations: stiffening is measured alike wherever velocities live", "[step]")
+{
+	auto measured = [](const Scheme& scheme) {
+		auto set = grainsOf<2>(scheme, recipe(0.2));
+		GrainState state = set->state(0);
+		// pressed, the more to the right
+		for (std::size_t k = 0; k < state.x.size(); k += 2) {
+			double& x = state.x[k];
+			x *= 0.75 - 15 * x;
+		}
+		set->setState(0, state);
+		set->updateForces({});
+		const double bound = set->stiffening(0);
+		REQUIRE(set->measureStiffening(0));
+		CHECK(!set->measureStiffening(0));
+		CHECK(set->stiffening(0) > 1.05);
+		CHECK(set->stiffening(0) < 0.95 * bound);
+		return set->stiffening(0);
+	};
+	// their masses are lumped otherwise; the halved step of `flip` would halve it
+	CHECK(std::abs(measured(flip) / measured(nodal) - 1) < 0.2);
 }
 
 TEMPLATE_TEST_CASE_SIG("Formulations: same bits with any number of threads, and after a save",

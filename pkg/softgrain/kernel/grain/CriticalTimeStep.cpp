@@ -11,9 +11,6 @@ namespace softgrain {
 
 namespace {
 
-/// Of Lanczos' iteration: the square of the frequency is then within 0.2 % from below
-/// (doc/decisions/0003-time-step.md).
-constexpr int iterations = 40;
 /// Of the node that moves most, in differences of forces, over the radius.
 constexpr double displacement = 1e-6;
 
@@ -70,7 +67,7 @@ Eigen::VectorXd randomDirection(int size)
 	return q.normalized();
 }
 
-template <int dim> double largestEigenvalue(Dynamics<dim> dynamics)
+template <int dim> double largestEigenvalue(Dynamics<dim> dynamics, int iterations)
 {
 	const int most = std::min(iterations, dynamics.size());
 	Eigen::VectorXd q = randomDirection(dynamics.size()), before = q;
@@ -108,9 +105,9 @@ double highestFrequency(const GrainTemplate<dim>& reference, Condition condition
 
 } // namespace
 
-template <int dim> double highestFrequency(const Batch<dim>& batch, int g)
+template <int dim> double highestFrequency(const Batch<dim>& batch, int g, int iterations)
 {
-	return 1.01 * std::sqrt(largestEigenvalue(Dynamics<dim>(batch, g)));
+	return 1.01 * std::sqrt(largestEigenvalue(Dynamics<dim>(batch, g), iterations));
 }
 
 template <int dim>
@@ -149,7 +146,7 @@ double dampedTimeStep(double undamped, const Damping& damping, double stiffening
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
-	template double highestFrequency<dim>(const Batch<dim>&, int);                             \
+	template double highestFrequency<dim>(const Batch<dim>&, int, int);                        \
 	template double criticalTimeStep<dim>(const GrainTemplate<dim>&, Condition,                \
 					      const GrainParameters<dim>&);                        \
 	template std::vector<double> criticalTimeSteps<dim>(                                       \

@@ -42,7 +42,7 @@ struct GrainState {
 	std::vector<double> rigid; ///< RigidMotion::numbers of a grain that moves rigidly, x and v
 				   ///< being what follows from it; else empty
 	std::vector<double> held;  ///< forces that act beyond the next step; else empty
-	std::vector<double> stiffening; ///< bound and share, if measured (Stiffening); else empty
+	std::vector<double> stiffening; ///< Stiffening::numbers, if measured; else empty
 	std::vector<double> rest;  ///< RestWatch::numbers of a grain that comes to rest; else empty
 	std::vector<double> sleep; ///< System::sleepNumbers of a grain that is asleep; else empty
 };
@@ -76,8 +76,8 @@ public:
 	virtual const GrainParameters<dim>& parameters(int g) const = 0;
 	/// Of the undeformed grain without damping, s.
 	virtual double criticalTimeStep(int g) const = 0;
-	/// Square of the highest frequency as deformed now over that of the undeformed grain, or
-	/// more; at least 1.
+	/// Square of the highest frequency as deformed now over that of the undeformed grain, at
+	/// least 1: a bound, or what was measured of a deformation alike (Stiffening).
 	virtual double stiffening(int g) const = 0;
 	/// Where it may be less than known, finds out; else returns false.
 	virtual bool measureStiffening(int) { return false; }

@@ -133,10 +133,14 @@ template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& s
 
 template <int dim> bool TotalLagrangian<dim>::measureStiffening(int g)
 {
-	const double bound = batch_.report[g].stiffening;
-	if (!stiffening_[g].isDue(bound)) return false;
-	const double ratio = 0.5 * criticalTimeStep_[g] * highestFrequency(batch_, g);
-	stiffening_[g].set(bound, ratio * ratio);
+	const BulkReport& present = batch_.report[g];
+	if (!stiffening_[g].isDue(present)) return false;
+	const double ofNodes = // critical step of the undeformed grain
+		criticalTimeStep_[g] / (pointVelocities_ ? pointVelocityTimeStepShare : 1);
+	const double ratio = 0.5 * ofNodes * highestFrequency(batch_, g, quickIterations);
+	// what is reported of held forces is of another shape than that of the nodes
+	const double least = holder_.rate(g) > 1 ? Stiffening::safeShare * present.stiffening : 0;
+	stiffening_[g].set(present, std::max(least, ratio * ratio));
 	return true;
 }
 

@@ -31,10 +31,7 @@ public:
 	const GrainParameters<dim>& parameters(int g) const override { return batch_.grain[g]; }
 	double criticalTimeStep(int g) const override { return criticalTimeStep_[g]; }
 
-	double stiffening(int g) const override
-	{
-		return stiffening_[g].value(batch_.report[g].stiffening);
-	}
+	double stiffening(int g) const override { return stiffening_[g].value(batch_.report[g]); }
 	bool measureStiffening(int g) override;
 
 	bool isRigid(int g) const override { return isRigid_[g]; }

@@ -159,8 +159,8 @@ public:
 	}
 	/// Smallest critical time step over the grains, undeformed, with their damping, s.
 	double criticalTimeStep() const { return undeformedTimeStep_; }
-	/// The same as deformed now, and with the bonds between grains. Grains that would shorten
-	/// it are measured.
+	/// The same as deformed now, and with the bonds between grains; after `updateForces`.
+	/// Grains that would shorten it are measured.
 	double presentCriticalTimeStep();
 
 	/// Whether forces of grains with a longer critical step are computed in every so many steps
