@@ -31,6 +31,9 @@ constexpr Real unitRounding = 1e-6;
 /// A rotation within a step that is none, rad.
 constexpr Real noTurn = 1e-16;
 
+/// Of which each takes some 20 ns.
+constexpr int loadsPerThread = 500;
+
 /// Outlines leave their boxes when they are as near to its sides as this, over the spacing of
 /// material points: contacts start before touch.
 constexpr Real boxMargin = 0.1;
@@ -135,28 +138,38 @@ bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 	return wrapped;
 }
 
-void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow) const
+void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const
 {
 	scene_.forces.sync();
-	const Real dt = scene_.dt, kick = assembly_.kickTime(dt);
-	for (int g = 0; g < assembly_.grains(); ++g) {
-		const int id = assembly_.idOf(g);
-		const Vector3r force = scene_.forces.getForce(id),
-			       torque = scene_.forces.getTorque(id);
-		Vec3 angular = Vec3::Zero();
-		Vec3 acceleration = newton.gravity / materialOf(scene_, id).massScaling;
-		if (!force.isZero(0) || !torque.isZero(0)) {
-			const auto motion = assembly_.motion(g);
-			acceleration += force / motion.mass;
-			angular = torque / motion.inertia;
-		}
-		if (!flow.isZero()) {
-			const State& state = *(*scene_.bodies)[id]->state;
-			acceleration += flow.added(state.pos, state.vel, dt) / kick;
-			angular += flow.spinChange / kick;
-		}
-		assembly_.setLoad(g, acceleration, angular);
+	const int count = assembly_.grains();
+	std::vector<softgrain::GrainLoad> loads(count);
+#pragma omp parallel for schedule(static)                                                          \
+	num_threads(softgrain::threadsFor(count, threads, loadsPerThread))
+	for (int g = 0; g < count; ++g)
+		loads[g] = loadOf(g, newton, flow);
+	assembly_.setLoads(loads);
+}
+
+softgrain::GrainLoad SoftBodies::loadOf(int g, const NewtonIntegrator& newton,
+					const CellFlow& flow) const
+{
+	const int id = assembly_.idOf(g);
+	const Vector3r force = scene_.forces.getForce(id), torque = scene_.forces.getTorque(id);
+	softgrain::GrainLoad load;
+	if (!newton.gravity.isZero(0))
+		load.acceleration = newton.gravity / materialOf(scene_, id).massScaling;
+	if (!force.isZero(0) || !torque.isZero(0)) {
+		const auto motion = assembly_.motion(g);
+		load.acceleration += force / motion.mass;
+		load.angularAcceleration = torque / motion.inertia;
 	}
+	if (!flow.isZero()) {
+		const State& state = *(*scene_.bodies)[id]->state;
+		const Real dt = scene_.dt, kick = assembly_.kickTime(dt);
+		load.acceleration += flow.added(state.pos, state.vel, dt) / kick;
+		load.angularAcceleration += flow.spinChange / kick;
+	}
+	return load;
 }
 
 void SoftBodies::publishMotions(const CellFlow& flow, int threads) const

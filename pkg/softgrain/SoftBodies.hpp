@@ -24,7 +24,7 @@ public:
 	/// values that are no motion.
 	std::set<int> applyUserMotions(const NewtonIntegrator& newton, int threads) const;
 	/// Gravity, O.forces and the flow of a periodic cell as body loads.
-	void applyLoads(const NewtonIntegrator& newton, const CellFlow& flow) const;
+	void applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const;
 	/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt
 	/// to pos, and turns ori by angVel dt; it lands on the grain.
 	void publishMotions(const CellFlow& flow, int threads) const;
@@ -34,6 +34,8 @@ public:
 
 private:
 	bool applyUserMotion(int g, const NewtonIntegrator& newton) const;
+	softgrain::GrainLoad loadOf(int g, const NewtonIntegrator& newton,
+				    const CellFlow& flow) const;
 	void publishMotion(int g, const CellFlow& flow) const;
 	bool isInItsBox(int g, Real reach) const;
 

@@ -109,7 +109,7 @@ void SoftGrainIntegrator::advance()
 	interactions.moveImages();
 	clock_.end("softInteractions");
 	const CellFlow flow = cellFlow(*scene, newton);
-	bodies.applyLoads(newton, flow);
+	bodies.applyLoads(newton, flow, threads());
 	partners_.begin(*scene, newton, flow);
 	interactions.numberPartners(partners_);
 	rigidContacts_.describe(*scene, partners_, maxOverlap);

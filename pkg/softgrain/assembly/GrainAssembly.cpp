@@ -138,10 +138,12 @@ public:
 		return arraysOf(system_.contactProblem());
 	}
 
-	void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) override
+	void setLoads(const std::vector<GrainLoad>& loads) override
 	{
-		system_.setLoad(g, { toKernel<dim>(acceleration),
-				     spinMatrix<dim>(angularToKernel<dim>(angularAcceleration)) });
+		for (int g = 0; g < grains(); ++g)
+			system_.setLoad(g, { toKernel<dim>(loads[g].acceleration),
+					     spinMatrix<dim>(angularToKernel<dim>(
+						     loads[g].angularAcceleration)) });
 	}
 
 	GrainMotion motion(int g) const override

@@ -21,6 +21,11 @@ struct GrainMotion {
 	Rotation orientation;
 };
 
+/// Accelerations of a body load on one grain, m/s^2 and 1/s^2.
+struct GrainLoad {
+	Vec3 acceleration = Vec3::Zero(), angularAcceleration = Vec3::Zero();
+};
+
 /// Energies of one grain, J (2D: J/m).
 struct GrainEnergy {
 	double kinetic; ///< of the present velocities
@@ -89,8 +94,9 @@ public:
 				std::vector<RigidContactDescription>& rigidContacts) = 0;
 	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
 
-	/// Another load than before wakes a sleeping grain, and so does `moveRigidly`.
-	virtual void setLoad(int g, const Vec3& acceleration, const Vec3& angularAcceleration) = 0;
+	/// Of all grains. Another load than before wakes a sleeping one, and so does
+	/// `moveRigidly`.
+	virtual void setLoads(const std::vector<GrainLoad>& loads) = 0;
 	virtual GrainMotion motion(int g) const = 0;
 	/// Present inertia about the centre of mass, axes of space; in 2D about z alone.
 	virtual Mat3 inertia(int g) const = 0;

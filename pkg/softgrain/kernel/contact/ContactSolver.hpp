@@ -74,22 +74,25 @@ private:
 	void plan(const std::vector<ContactList<dim>*>& lists, int grains,
 		  const std::vector<RigidPartner<dim>>* partners,
 		  const std::vector<RigidContact<dim>>* rigidContacts);
-	/// Calls with the numbers of all pairs, colour by colour; `visit` may not throw.
-	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit);
+	/// Calls with the numbers of all pairs, colour by colour, those of a task so many times in
+	/// a row; `visit` may not throw.
+	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit, int times = 1);
 	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit);
 	/// Of pair k, if there is one, as far as it is worth it.
 	void fetch(int k, void (PairSolver<dim>::*what)() const) const;
 	/// What a pass over the velocities will need after pair k.
 	void fetchAfter(int k, SweepOrder order) const;
 	void fetchListsAfter(int k) const;
-	bool hasGrains() const;
+	int grainPairs() const; ///< pairs of two grains, or of a grain and a plane
 	/// The sweeps of `solve`; adds to the report what they came to.
 	void sweepToTolerance(SolverReport& report);
 	std::vector<ResidualSum> residualsOfPairs() const;
 	/// Brings the violation of pairs down, each on its own, so far that that of all is within
 	/// the tolerance, if pairs do not feel each other; returns the visits of contacts.
 	long solvePairsAlone(const std::vector<ResidualSum>& residuals);
-	double sweep(SweepOrder order); ///< relative change of the impulses, in the residual's norm
+	/// Relative change of the impulses, in the residual's norm, by the last of so many sweeps,
+	/// which each task makes in a row while it is in the caches.
+	double sweep(SweepOrder order, int times);
 	/// Calls with each pair's solver and constraint, in the order of the sweeps.
 	template <class Visit> void forEachConstraint(Visit&& visit) const;
 	SparseRows<double> delassus() const;
