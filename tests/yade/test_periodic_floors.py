@@ -67,6 +67,36 @@ def test_across_the_border_as_on_a_long_floor(velocity):
     np.testing.assert_allclose(places[1], places[0], rtol=0, atol=1e-8 * RADIUS)
 
 
+@pytest.mark.parametrize("form", ("round", "block"))
+@pytest.mark.parametrize("kind", ("facets", "boxes"))
+def test_seams_at_the_border_do_not_brake(kind, form):
+    """Without friction, over a floor of eight pieces, two of which meet at the border, there and
+    back."""
+    set_tall_cell()
+    if kind == "facets":
+        facet_floor(8)
+    else:
+        for k in range(8):
+            box_floor(0.5 * WIDTH / 8, middle=(k + 0.5) * WIDTH / 8)
+    soft = soft_material(massDamping=100)
+    middle = (0.5 * WIDTH, 0.999 * RADIUS, 0)
+    if form == "block":
+        body = sg.soft_block(middle, (2 * RADIUS, 2 * RADIUS), soft, zeta=0.3)
+    else:
+        body = sg.soft_disk(middle, RADIUS, soft, zeta=0.3)
+    O.bodies.append(body)
+    ready(gravity=(0, -50, 0))
+    for speed in (3.0, -3.0):
+        body.state.vel = (speed, body.state.vel[1], 0)
+        begin, touched, steps = body.state.pos[0], 0, 0
+        while abs(body.state.pos[0] - begin) < 2.2 * WIDTH:
+            run(5)
+            steps += 1
+            touched += sg.integrator().activeContacts > 0
+            assert body.state.vel[0] == pytest.approx(speed, rel=0.01), steps
+        assert touched > 0.2 * steps
+
+
 def weight_on(bodies):
     return sum(O.forces.f(b.id)[1] for b in bodies)
 
