@@ -212,7 +212,7 @@ void SoftInteractions::publish(const RigidPartners& partners, Real kick, int thr
 		const PairForce& force = forces[k];
 		if (!force.rigid2) scene_.forces.addForce(force.id2, force.onBody2);
 		if (!force.rigid1) scene_.forces.addForce(force.id1, -force.onBody2);
-		if (force.rigid1 || force.rigid2) addReactions(*interactions_[k], partners, kick);
+		if (force.rigid1 || force.rigid2) addReactions(*interactions_[k], partners);
 	}
 }
 
@@ -242,8 +242,7 @@ SoftInteractions::PairForce SoftInteractions::forceOf(const Interaction& I) cons
 
 /// On a rigid body: a free one is to get the impulse itself, which NewtonIntegrator makes of a
 /// force in the step dt; on others it is the mean force of the step.
-void SoftInteractions::addReactions(const Interaction& I, const RigidPartners& partners,
-				    Real kick) const
+void SoftInteractions::addReactions(const Interaction& I, const RigidPartners& partners) const
 {
 	const softgrain::SumOfImpulses sum = pairOf(I).impulse();
 	const Body& body = rigidBodyOf(I);
@@ -251,7 +250,7 @@ void SoftInteractions::addReactions(const Interaction& I, const RigidPartners& p
 	SoftPhys& phys = static_cast<SoftPhys&>(*I.phys);
 	phys.kn = phys.ks = free ? 0 : stiffnessWithinStep(softGrainOf(I), scene_);
 	if (sum.active == 0) return;
-	const Real time = free ? scene_.dt : kick;
+	const Real time = free ? scene_.dt : pairOf(I).kick();
 	scene_.forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);
 	if (!YADE_PTR_DYN_CAST<Wall>(body.shape)) // which has no place, and cannot turn
 		scene_.forces.addTorque(body.getId(), sum.moment / time);

@@ -53,7 +53,7 @@ private:
 	void stopOnOverlap(Real maxOverlap) const;
 	void publishSum(const Interaction& I, Real kick) const;
 	PairForce forceOf(const Interaction& I) const;
-	void addReactions(const Interaction& I, const RigidPartners& partners, Real kick) const;
+	void addReactions(const Interaction& I, const RigidPartners& partners) const;
 
 	Scene& scene_;
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;

@@ -14,7 +14,7 @@ from scenes import (
     run,
     soft_material,
 )
-from yade import NewtonIntegrator, O, Quaternion, Vector3, utils
+from yade import FrictMat, NewtonIntegrator, O, Quaternion, Vector3, utils
 
 import softgrain as sg
 
@@ -25,13 +25,36 @@ def newton():
     return next(engine for engine in O.engines if isinstance(engine, NewtonIntegrator))
 
 
-def heap(damping=4000.0, **engine):
-    """Two disks on a floor between walls and a third upon them; returns the disks."""
+def wall_below():
+    add_wall(-RADIUS, 1, friction=0.3)
+
+
+def rough():
+    return FrictMat(frictionAngle=math.atan(0.3))
+
+
+def box_below():
+    center, half = (RADIUS, -2 * RADIUS, 0), (5 * RADIUS, RADIUS, RADIUS)
+    O.bodies.append(utils.box(center, half, fixed=True, material=rough()))
+
+
+def facet_below():
+    low = (-9 * RADIUS, -RADIUS, -9 * RADIUS)
+    corners = (low, (30 * RADIUS, *low[1:]), (*low[:2], 30 * RADIUS))
+    O.bodies.append(utils.facet(corners, material=rough()))
+
+
+FLOORS = (wall_below, box_below, facet_below)
+on_all_floors = pytest.mark.parametrize("floor", FLOORS, ids=lambda floor: floor.__name__)
+
+
+def heap(damping=4000.0, floor=wall_below, **engine):
+    """Two disks on a floor (body #3) between walls and a third upon them; returns the disks."""
     O.reset()
     material = soft_material(massDamping=damping, frictionAngle=math.atan(0.3))
     places = ((0, 0, 0), (2.1 * RADIUS, 0, 0), (1.05 * RADIUS, 1.8 * RADIUS, 0))
     disks = [add_disk(place, material=material) for place in places]
-    add_wall(-RADIUS, 1, friction=0.3)
+    floor()
     add_wall(-1.05 * RADIUS, 0, friction=0.3)
     add_wall(3.15 * RADIUS, 0, friction=0.3)
     ready(gravity=(0, -GRAVITY, 0), **engine)
@@ -55,11 +78,12 @@ def forces():
     return np.array([O.forces.f(body.id) for body in O.bodies])
 
 
-def test_same_results_without():
+@on_all_floors
+def test_same_results_without(floor):
     """Places and forces to 1e-5 of the radius and of the weight; nothing jumps."""
     states = []
     for sleep in (True, False):
-        heap(sleep=sleep)
+        heap(sleep=sleep, floor=floor)
         run(9000)
         assert all(asleep()) == sleep
         states.append((present_state(), forces()))
@@ -172,9 +196,10 @@ CHANGES = (
 
 
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
+@pytest.mark.parametrize("floor", FLOORS[:2], ids=lambda floor: floor.__name__)
 @pytest.mark.parametrize("loaded", (False, True), ids=("", "loaded"))
-def test_woken_by(change, loaded, tmp_path):
-    heap()
+def test_woken_by(change, floor, loaded, tmp_path):
+    heap(floor=floor)
     rest()
     run(5)
     if loaded:
@@ -247,31 +272,24 @@ def test_moved_by_hand_while_asleep(steps):
     np.testing.assert_allclose(disk.state.pos, (0.5 * RADIUS, 0, 0), atol=1e-15)
 
 
-def box_below():
-    return utils.box((RADIUS, -2 * RADIUS, 0), (5 * RADIUS, RADIUS, RADIUS), fixed=True)
-
-
-def facet_below():
-    low = (-9 * RADIUS, -RADIUS, -9 * RADIUS)
-    return utils.facet((low, (30 * RADIUS, *low[1:]), (*low[:2], 30 * RADIUS)))
-
-
-@pytest.mark.parametrize("gate", (box_below, facet_below), ids=lambda g: g.__name__)
+@on_all_floors
+@pytest.mark.parametrize("awake", (False, True), ids=("", "awake"))
 @pytest.mark.parametrize("going", ("erased", "moved"))
-def test_a_floor_that_goes(gate, going):
-    """Grains at rest between walls on a rigid body, which keeps them awake, fall when it goes: in
-    a step in which it is looked who may sleep, before anything has moved."""
-    disks = heap()
-    O.bodies.erase(O.bodies[len(disks)].id)  # the floor
-    floor = O.bodies.append(gate())
-    O.materials[O.bodies[floor].mat.id].frictionAngle = math.atan(0.3)
+def test_a_floor_that_goes(floor, awake, going):
+    """Grains at rest fall when it goes; those that it kept awake by moving a little, too: in a step
+    in which it is looked who may sleep, before anything has moved."""
+    disks = heap(floor=floor)
+    if awake:
+        O.bodies[3].state.vel = (0, 1e-12, 0)
     run(8000)
-    assert sg.quasi_static()["kinetic_over_elastic"] < 1e-10 and not any(asleep())
+    assert sg.quasi_static()["kinetic_over_elastic"] < 1e-10
+    assert all(asleep()) != awake
     heights = [disk.state.pos[1] for disk in disks]
     if going == "erased":
-        O.bodies.erase(floor)
+        O.bodies.erase(3)
     else:
-        O.bodies[floor].state.pos -= Vector3(0, 5 * RADIUS, 0)
+        O.bodies[3].state.vel = (0, 0, 0)
+        O.bodies[3].state.pos -= Vector3(0, 5 * RADIUS, 0)
     run(200)
     assert all(disk.state.pos[1] < y - 0.1 * RADIUS for disk, y in zip(disks, heights))
 
@@ -289,9 +307,10 @@ def test_undamped_grains_do_not_sleep():
 
 @pytest.mark.parametrize("suffix", ("yade.bz2", "xml.gz"))
 @pytest.mark.parametrize("when", ("falling asleep", "asleep"))
-def test_save_and_load(when, suffix, tmp_path):
+@on_all_floors
+def test_save_and_load(floor, when, suffix, tmp_path):
     """A loaded run goes on with the same bits: asleep, and woken later."""
-    heap()
+    heap(floor=floor)
     if when == "asleep":
         rest()
     else:
@@ -316,6 +335,54 @@ def test_save_and_load(when, suffix, tmp_path):
     assert all(asleep()) == (when == "asleep")
     for found, expected in zip(go_on(), after):
         assert_same_bits(found, expected)
+
+
+def turn_the_floor():
+    O.bodies[3].state.ori = Quaternion((0, 0, 1), 1e-6)
+
+
+def let_the_floor_go():
+    O.bodies[3].state.mass, O.bodies[3].state.inertia = 1, Vector3(1, 1, 1)
+    O.bodies[3].state.blockedDOFs = "zXY"
+
+
+@pytest.mark.parametrize("change", (turn_the_floor, let_the_floor_go))
+def test_woken_by_a_floor(change):
+    heap(floor=box_below)
+    rest()
+    change()
+    run(3)
+    assert not any(asleep())
+
+
+def test_forces_on_a_floor_while_asleep():
+    """The weight of all, whatever the step: impulses of old are forces over the kick they had."""
+    heap(floor=box_below)
+    rest()
+    before = np.array(O.forces.f(3))
+    weight = GRAVITY * sum(b.state.mass for b in sg.soft_bodies())
+    assert abs(before[1]) < weight  # walls bear the rest by friction
+    for step in (0.5, 0.3):
+        O.dt *= step
+        run(3)
+        assert all(asleep())
+        np.testing.assert_allclose(O.forces.f(3), before, rtol=1e-12)
+
+
+def test_free_rigid_bodies_keep_grains_awake():
+    """They are carried by contact dynamics, and their own rest is not watched."""
+    O.reset()
+    material = soft_material(massDamping=4000.0, frictionAngle=math.atan(0.3))
+    add_disk((0, 0, 0), material=material)
+    sphere = utils.sphere((0, 1.99 * RADIUS, 0), RADIUS, material=rough())
+    O.bodies.append(sphere)
+    sphere.state.blockedDOFs = "xzXYZ"
+    add_wall(-RADIUS, 1, friction=0.3)
+    ready(gravity=(0, -GRAVITY, 0))
+    newton().damping = 0
+    run(6000)
+    assert abs(sphere.state.vel[1]) < 1e-9
+    assert asleep() == [False]
 
 
 def test_walls_that_move_keep_grains_awake():

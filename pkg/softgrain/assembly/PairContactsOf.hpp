@@ -5,6 +5,7 @@
 #include "assembly/PairContacts.hpp"
 #include "step/System.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -162,17 +163,40 @@ public:
 	std::vector<double> rest() const override
 	{
 		if (!list.isAsleep()) return {};
-		const Vec<dim>& point = list.rest.planePoint;
-		std::vector<double> numbers { list.rest.kick, list.friction };
-		numbers.insert(numbers.end(), point.data(), point.data() + dim);
+		const PairImpulse<dim>& sum = list.impulse;
+		std::vector<double> numbers { list.rest.kick, list.friction,
+					      static_cast<double>(sum.active) };
+		auto append = [&](const auto& part) {
+			numbers.insert(numbers.end(), part.begin(), part.end());
+		};
+		append(sum.normal);
+		append(sum.shear);
+		append(sum.point);
+		append(sum.moment);
+		append(list.rest.support);
 		return numbers;
 	}
 	void restoreRest(const std::vector<double>& saved) override
 	{
 		if (saved.empty()) return;
-		requireSize("figures of a sleeping pair", saved, 2 + dim);
+		PairImpulse<dim>& sum = list.impulse;
+		const long scalars = 3, spins = sum.moment.size();
+		if (static_cast<long>(saved.size()) < scalars + 3 * dim + spins)
+			throw std::invalid_argument("a sleeping pair was saved with " +
+						    std::to_string(saved.size()) +
+						    " figures; was it saved by another version?");
 		list.friction = saved[1];
-		list.rest = { saved[0], Eigen::Map<const Vec<dim>>(&saved[2]), false, false };
+		sum.active = static_cast<int>(saved[2]);
+		auto from = saved.begin() + scalars;
+		auto take = [&](auto& part) {
+			std::copy_n(from, part.size(), part.begin());
+			from += part.size();
+		};
+		take(sum.normal);
+		take(sum.shear);
+		take(sum.point);
+		take(sum.moment);
+		list.rest = { saved[0], { from, saved.end() }, false, false };
 	}
 
 	ContactList<dim> list;

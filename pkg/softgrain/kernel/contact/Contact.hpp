@@ -97,12 +97,12 @@ template <int dim> struct PairImpulse {
 };
 
 /// Of a pair that is asleep: both bodies lie still, and contacts and impulses stay as they are.
-template <int dim> struct PairRest {
-	double kick = 0;                        ///< time over which the impulses acted, s; 0: awake
-	Vec<dim> planePoint = Vec<dim>::Zero(); ///< where the pair's plane was, m
-	bool changed = false; ///< a body or the friction, since: the pair is to be woken
-	bool found = true;    ///< contacts are complete; after loading only keys and impulses are
-	bool kept = false;    ///< impulses were those of the step before in the last step
+struct PairRest {
+	double kick = 0;             ///< time over which the impulses acted, s; 0: awake
+	std::vector<double> support; ///< ContactList::support then
+	bool changed = false;        ///< a body or the friction, since: the pair is to be woken
+	bool found = true; ///< contacts are complete; after loading only keys and impulses are
+	bool kept = false; ///< impulses were those of the step before in the last step
 };
 
 /// All contacts of two bodies, sorted by key.
@@ -119,11 +119,19 @@ template <int dim> struct ContactList {
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
 	std::vector<Contact<dim>> contacts;
 	PairImpulse<dim> impulse; ///< of the last step, if there are contacts
-	PairRest<dim> rest;
+	PairRest rest;
 	ContactCandidates<dim> candidates;
 	int tested = 0; ///< nodes that the last search measured against the other body
 
 	bool isAsleep() const { return rest.kick > 0 && !rest.changed; }
+	/// Whether it is a plane or a rigid body that neither moves nor is moved by impulses.
+	bool hasStillSupport() const
+	{
+		if (rigid) return !rigid->moves && rigid->speed == 0 && image.velocity.isZero(0);
+		return second < 0 && plane.velocity.isZero(0);
+	}
+	/// Where the plane or the rigid body is, in numbers; of two grains none.
+	std::vector<double> support() const;
 	void clearContacts()
 	{
 		contacts.clear();
@@ -148,5 +156,12 @@ template <int dim> struct ContactList {
 		return { first, second >= 0, std::abs(second) };
 	}
 };
+
+template <int dim> std::vector<double> ContactList<dim>::support() const
+{
+	if (second >= 0) return {};
+	if (rigid) return placeNumbers<dim>(rigid->surface);
+	return { plane.point.data(), plane.point.data() + dim };
+}
 
 } // namespace softgrain

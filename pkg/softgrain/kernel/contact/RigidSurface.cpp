@@ -272,7 +272,35 @@ bool isAlong(const BlockSurface<dim>& block, const Vec<dim>& place, const Vec<di
 	return false;
 }
 
+template <int dim> std::vector<double> numbersOf(const BallSurface<dim>& ball)
+{
+	std::vector<double> numbers(ball.centre.begin(), ball.centre.end());
+	numbers.push_back(ball.radius);
+	return numbers;
+}
+
+template <int dim> std::vector<double> numbersOf(const PlateSurface<dim>& plate)
+{
+	std::vector<double> numbers;
+	for (const Vec<dim>& corner : plate.corner)
+		numbers.insert(numbers.end(), corner.begin(), corner.end());
+	return numbers;
+}
+
+template <int dim> std::vector<double> numbersOf(const BlockSurface<dim>& block)
+{
+	std::vector<double> numbers(block.centre.begin(), block.centre.end());
+	numbers.insert(numbers.end(), block.axes.reshaped().begin(), block.axes.reshaped().end());
+	numbers.insert(numbers.end(), block.halfSides.begin(), block.halfSides.end());
+	return numbers;
+}
+
 } // namespace
+
+template <int dim> std::vector<double> placeNumbers(const RigidSurface<dim>& surface)
+{
+	return std::visit([](const auto& s) { return numbersOf<dim>(s); }, surface);
+}
 
 template <int dim>
 bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const Vec<dim>& normal,
@@ -311,6 +339,7 @@ std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& b
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template std::optional<SurfacePlace<dim>> placeOn<dim>(                                    \
 		const RigidSurface<dim>&, const Vec<dim>&, const Faces<dim>&);                     \
+	template std::vector<double> placeNumbers<dim>(const RigidSurface<dim>&);                  \
 	template bool liesAlongSide<dim>(const RigidSurface<dim>&, const Tip<dim>&,                \
 					 const Vec<dim>&, double);                                 \
 	template double distanceTo<dim>(const RigidSurface<dim>&, const Vec<dim>&);                \

@@ -55,6 +55,9 @@ std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const
 /// Of a point from the surface; 0 inside of a ball or a block.
 template <int dim> double distanceTo(const RigidSurface<dim>& surface, const Vec<dim>& x);
 
+/// What tells where the surface is, and how large: equal for a body that has not been moved.
+template <int dim> std::vector<double> placeNumbers(const RigidSurface<dim>& surface);
+
 /// A ball that holds the surface.
 template <int dim> BallSurface<dim> ballAbout(const RigidSurface<dim>& surface);
 

@@ -70,8 +70,7 @@ template <int dim> bool System<dim>::liesStill(const ContactList<dim>& list) con
 {
 	if (!isAsleep(list.first)) return false;
 	if (list.second >= 0) return isAsleep(list.second) && list.image.velocity.isZero(0);
-	if (list.rigid) return false;
-	return list.plane.velocity.isZero(0) && list.plane.point == list.rest.planePoint;
+	return list.hasStillSupport() && list.support() == list.rest.support;
 }
 
 /// Wakes islands in which something changed: a grain was woken by hand, something came within
@@ -122,9 +121,10 @@ namespace {
 struct IslandAtRest {
 	int grains = 0;
 	double calmPeriods = 0; ///< for which each of them must be calm
-	bool supported = false; ///< by a plane, which takes what momentum is left
-	/// By a plane or an image that moves, a grain that is not calm, or a rigid body, which may
-	/// move.
+	/// By a plane or a rigid body that is held, which takes what momentum is left.
+	bool supported = false;
+	/// By a plane, a rigid body or an image that moves or may be moved, or a grain that is not
+	/// calm.
 	bool disturbed = false;
 };
 
@@ -166,8 +166,7 @@ void System<dim>::findRestedGrains(const std::vector<ContactList<dim>*>& lists,
 	for (const ContactList<dim>* list : lists) {
 		if (list->contacts.empty() || list->second >= 0) continue;
 		IslandAtRest& island = found[islands.of(list->first)];
-		const bool still = !list->rigid && list->plane.velocity.isZero(0);
-		(still ? island.supported : island.disturbed) = true;
+		(list->hasStillSupport() ? island.supported : island.disturbed) = true;
 	}
 	for (IslandAtRest& island : found)
 		if (island.grains > 0)
@@ -225,7 +224,7 @@ void System<dim>::fallAsleep(const std::vector<ContactList<dim>*>& lists, StepRe
 	}
 	for (ContactList<dim>* list : lists) {
 		if (list->contacts.empty() || !isAsleep(list->first)) continue;
-		list->rest = { report.kick, list->plane.point };
+		list->rest = { report.kick, list->support() };
 		++resting_[list->first];
 		if (list->second >= 0) ++resting_[list->second];
 	}
