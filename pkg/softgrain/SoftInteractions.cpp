@@ -241,7 +241,7 @@ SoftInteractions::PairForce SoftInteractions::forceOf(const Interaction& I) cons
 }
 
 /// On a rigid body: a free one is to get the impulse itself, which NewtonIntegrator makes of a
-/// force in the step dt; on others it is the mean force of the step.
+/// force in the step dt; on others, and from sleepers, it is the mean force of the step.
 void SoftInteractions::addReactions(const Interaction& I, const RigidPartners& partners) const
 {
 	const softgrain::SumOfImpulses sum = pairOf(I).impulse();
@@ -250,7 +250,7 @@ void SoftInteractions::addReactions(const Interaction& I, const RigidPartners& p
 	SoftPhys& phys = static_cast<SoftPhys&>(*I.phys);
 	phys.kn = phys.ks = free ? 0 : stiffnessWithinStep(softGrainOf(I), scene_);
 	if (sum.active == 0) return;
-	const Real time = free ? scene_.dt : pairOf(I).kick();
+	const Real time = free && !pairOf(I).isKept() ? scene_.dt : pairOf(I).kick();
 	scene_.forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);
 	if (!YADE_PTR_DYN_CAST<Wall>(body.shape)) // which has no place, and cannot turn
 		scene_.forces.addTorque(body.getId(), sum.moment / time);

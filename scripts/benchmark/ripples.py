@@ -8,7 +8,9 @@ import softgrain as sg
 
 NEIGHBOURS = 8  # of a point in the lattice of points
 RIM = 1.5  # in spacings of the points: nearer to the outline they are smaller and closer
-SAMPLES, STRIDE = 40, 3  # the shortest waves take two or three steps a period, or a little more
+#: Steps from sample to sample, in turn: the shortest waves take a little more than three steps a
+#: period, and one stride alone would see some of them always at the same phase.
+STRIDES, ROUNDS = (3, 4), 20
 
 
 class _Ripple:
@@ -43,10 +45,10 @@ class _Ripple:
 
 def ripples_of_stress():
     """Root mean square in time of the ripples of von Mises stress inside each soft disk over the
-    next 120 steps: array (grains,) [Pa]."""
+    next 140 steps: array (grains,) [Pa]."""
     ripples = [_Ripple(body) for body in sg.soft_bodies()]
-    for _ in range(SAMPLES):
-        sg.advance(STRIDE)
+    for stride in STRIDES * ROUNDS:
+        sg.advance(stride)
         for ripple in ripples:
             ripple.sample()
     return np.array([ripple.strength() for ripple in ripples])

@@ -59,7 +59,8 @@ template <int dim> struct RigidSide {
 	Vec<dim> pivot = Vec<dim>::Zero(); ///< moments of the impulses are about it, m
 	double speed = 0;                  ///< no place of the surface is faster, m/s
 	int partner = -1;                  ///< its motion: number in the step at hand
-	bool moves = false;                ///< RigidPartner::moves
+	/// RigidPartner::moves and carries, known from the begin of a step until the next search.
+	bool moves = false, carried = false;
 	/// Other surfaces about the grain, during a search: asked for where it meets an edge. May
 	/// be empty.
 	std::function<std::vector<RigidSurface<dim>>()> others;
@@ -124,13 +125,17 @@ template <int dim> struct ContactList {
 	int tested = 0; ///< nodes that the last search measured against the other body
 
 	bool isAsleep() const { return rest.kick > 0 && !rest.changed; }
-	/// Whether it is a plane or a rigid body that neither moves nor is moved by impulses.
+	/// Whether the second body is a plane or a rigid body that neither moves nor is moved by
+	/// impulses, as far as it is known.
 	bool hasStillSupport() const
 	{
-		if (rigid) return !rigid->moves && rigid->speed == 0 && image.velocity.isZero(0);
+		if (rigid)
+			return !rigid->moves && !rigid->carried && rigid->speed == 0 &&
+			       image.velocity.isZero(0);
 		return second < 0 && plane.velocity.isZero(0);
 	}
-	/// Where the plane or the rigid body is, in numbers; of two grains none.
+	/// Where the plane or the rigid body is, or the image of the second grain if it is
+	/// displaced, in numbers.
 	std::vector<double> support() const;
 	void clearContacts()
 	{
@@ -159,7 +164,8 @@ template <int dim> struct ContactList {
 
 template <int dim> std::vector<double> ContactList<dim>::support() const
 {
-	if (second >= 0) return {};
+	if (second >= 0 && image.shift.isZero(0)) return {};
+	if (second >= 0) return { image.shift.begin(), image.shift.end() };
 	if (rigid) return placeNumbers<dim>(rigid->surface);
 	return { plane.point.data(), plane.point.data() + dim };
 }

@@ -17,9 +17,10 @@ namespace {
 /// Sweeps that every step makes, so many backwards and then so many forwards: what the impulses
 /// still lack then answers to the velocities as springs would, and feeds no vibration
 /// (doc/decisions/0010-grains-at-rest.md).
-/// Where all bodies are grains, whose pairs hardly feel each other, a task makes them in a row:
-/// that spares half of the barriers and of the way to memory. Rigid bodies hand impulses on at
-/// once, and packings of them that are swept so creep (doc/decisions/0015-parallel-sweeps.md).
+/// Where impulses move grains alone, whose pairs hardly feel each other, a task makes them in a
+/// row: that spares half of the barriers and of the way to memory. Free rigid bodies hand impulses
+/// on at once, and packings of them that are swept so creep
+/// (doc/decisions/0015-parallel-sweeps.md).
 constexpr int sweepsEachWay = 2;
 
 /// Worth measuring the residual: it was 0.55 to 1.1 times the change of the sweep before it in
@@ -244,17 +245,23 @@ long ContactSolver<dim>::solvePairsAlone(const std::vector<ResidualSum>& residua
 	return std::accumulate(visits_.begin(), visits_.end(), 0L);
 }
 
-template <int dim> int ContactSolver<dim>::grainPairs() const
+template <int dim> bool ContactSolver<dim>::hasGrains() const
 {
-	return static_cast<int>(std::count_if(slot_.begin(), slot_.end(), [](const Slot& slot) {
-		return slot.kind == Kind::grains;
-	}));
+	return std::any_of(slot_.begin(), slot_.end(),
+			   [](const Slot& slot) { return slot.kind == Kind::grains; });
+}
+
+template <int dim> bool ContactSolver<dim>::movesRigidBodies() const
+{
+	return std::any_of(slot_.begin(), slot_.end(), [this](const Slot& slot) {
+		return slot.kind == Kind::rigid ||
+		       (slot.kind == Kind::grainOnRigid && rigidPairs_[slot.index].movesPartner());
+	});
 }
 
 template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& report)
 {
-	const int cap = settings_.maxSweeps, ofGrains = grainPairs();
-	const int inARow = ofGrains == count_ ? sweepsEachWay : 1;
+	const int cap = settings_.maxSweeps, inARow = movesRigidBodies() ? 1 : sweepsEachWay;
 	int sweeps = 0;
 	double change = 0;
 	auto sweepAll = [&](SweepOrder order, int times) {
@@ -268,7 +275,7 @@ template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& repor
 		for (int k = 0; k < sweepsEachWay && sweeps < cap; k += inARow)
 			sweepAll(order, std::min(inARow, cap - sweeps));
 	report.residual = std::numeric_limits<double>::infinity(); // until measured
-	if (ofGrains > 0 || isPromising()) {
+	if (hasGrains() || isPromising()) {
 		const std::vector<ResidualSum> residuals = residualsOfPairs();
 		report.residual = sumOf(residuals).value();
 		if (report.residual > settings_.tolerance && sweeps < cap) {
@@ -385,13 +392,11 @@ template <int dim> SparseRows<double> ContactSolver<dim>::delassus() const
 template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
 {
 	ContactProblem<dim> problem;
-	for (const Slot& slot : slot_)
-		if (slot.kind == Kind::rigid ||
-		    (slot.kind == Kind::grainOnRigid && rigidPairs_[slot.index].movesPartner()))
-			throw std::logic_error(
-				"the contact problem cannot be given as data: a rigid body that "
-				"contact moves takes part, whose blocks of W are no multiples of "
-				"the identity");
+	if (movesRigidBodies())
+		throw std::logic_error(
+			"the contact problem cannot be given as data: a rigid body that "
+			"contact moves takes part, whose blocks of W are no multiples of "
+			"the identity");
 	problem.delassus = delassus();
 	for (int k = 0; k < count_; ++k)
 		withGrainPair(k, [&](const auto& pair) {

@@ -83,7 +83,8 @@ private:
 	/// What a pass over the velocities will need after pair k.
 	void fetchAfter(int k, SweepOrder order) const;
 	void fetchListsAfter(int k) const;
-	int grainPairs() const; ///< pairs of two grains, or of a grain and a plane
+	bool hasGrains() const; ///< pairs of grains, or of a grain and a plane
+	bool movesRigidBodies() const;
 	/// The sweeps of `solve`; adds to the report what they came to.
 	void sweepToTolerance(SolverReport& report);
 	std::vector<ResidualSum> residualsOfPairs() const;

@@ -69,8 +69,9 @@ template <int dim> void System<dim>::measureSleepers()
 template <int dim> bool System<dim>::liesStill(const ContactList<dim>& list) const
 {
 	if (!isAsleep(list.first)) return false;
-	if (list.second >= 0) return isAsleep(list.second) && list.image.velocity.isZero(0);
-	return list.hasStillSupport() && list.support() == list.rest.support;
+	const bool still = list.second >= 0 ? isAsleep(list.second) && list.image.velocity.isZero(0)
+					    : list.hasStillSupport();
+	return still && list.support() == list.rest.support;
 }
 
 /// Wakes islands in which something changed: a grain was woken by hand, something came within

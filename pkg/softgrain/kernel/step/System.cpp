@@ -335,7 +335,11 @@ std::vector<char> System<dim>::sortLists(std::vector<ContactList<dim>*>& lists,
 	std::vector<char> touched(grains(), 0);
 	for (ContactList<dim>* list : lists) {
 		report.deepest = std::max(report.deepest, list->deepest);
-		if (list->rigid) list->rigid->moves = partners_[list->rigid->partner].moves();
+		if (list->rigid) {
+			const RigidPartner<dim>& partner = partners_[list->rigid->partner];
+			list->rigid->moves = partner.moves();
+			list->rigid->carried = partner.carries();
+		}
 		if (list->contacts.empty()) continue;
 		touched[list->first] = 1;
 		if (list->second >= 0) touched[list->second] = 1;
