@@ -119,7 +119,7 @@ void SoftGrainIntegrator::advance()
 	const auto report = assembly_->step(settings(), interactions.pairs(), partners_.motions(),
 					    rigidContacts_.descriptions());
 
-	interactions.publish(partners_, report.kick, threads());
+	interactions.publish(partners_, threads());
 	rigidContacts_.publish(*scene);
 	partners_.moveApart();
 	clock_.end("publishForces");

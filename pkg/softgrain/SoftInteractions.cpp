@@ -198,14 +198,14 @@ const SoftGrain& SoftInteractions::softGrainOf(const Interaction& I) const
 	return grainOf(scene_, I.getId1() == rigid ? I.getId2() : I.getId1());
 }
 
-void SoftInteractions::publish(const RigidPartners& partners, Real kick, int threads) const
+void SoftInteractions::publish(const RigidPartners& partners, int threads) const
 {
 	const long count = static_cast<long>(interactions_.size());
 	std::vector<PairForce> forces(count); // in one piece: what it is taken from lies far apart
 #pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
 	for (long k = 0; k < count; ++k) {
 		const Interaction& I = *interactions_[k];
-		if (!pairOf(I).isKept()) publishSum(I, kick); // else it holds these forces already
+		if (!pairOf(I).isKept()) publishSum(I); // else it holds these forces already
 		forces[k] = forceOf(I);
 	}
 	for (long k = 0; k < count; ++k) {
@@ -216,14 +216,15 @@ void SoftInteractions::publish(const RigidPartners& partners, Real kick, int thr
 	}
 }
 
-void SoftInteractions::publishSum(const Interaction& I, Real kick) const
+void SoftInteractions::publishSum(const Interaction& I) const
 {
 	SoftGeom& geom = static_cast<SoftGeom&>(*I.geom);
 	SoftPhys& phys = static_cast<SoftPhys&>(*I.phys);
 	const softgrain::SumOfImpulses sum = geom.pair->impulse();
 	const bool firstIsBody2 = assembly_->idOf(geom.pair->firstGrain()) == I.getId2();
-	const Real sign = firstIsBody2 ? 1 : -1, onBody2 = sign / kick; // forces act on body #2
-	if (sum.contacts > 0) geom.contactPoint = sum.point;            // on the side of body #1
+	const Real sign = firstIsBody2 ? 1 : -1,
+		   onBody2 = sign / geom.pair->kick();       // forces act on body #2
+	if (sum.contacts > 0) geom.contactPoint = sum.point; // on the side of body #1
 	if (firstIsBody2) geom.contactPoint += imageShift(scene_, I);
 	phys.normalForce = onBody2 * sum.normal;
 	phys.shearForce = onBody2 * sum.shear;

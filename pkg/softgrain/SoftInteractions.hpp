@@ -33,9 +33,8 @@ public:
 	/// Tells the pairs the numbers of their rigid bodies.
 	void numberPartners(RigidPartners& partners) const;
 	std::vector<softgrain::PairContacts*> pairs() const;
-	/// To the interactions in parallel, then to O.forces in the order of the interactions;
-	/// `kick` is the time over which the impulses acted, s.
-	void publish(const RigidPartners& partners, Real kick, int threads) const;
+	/// To the interactions in parallel, then to O.forces in the order of the interactions.
+	void publish(const RigidPartners& partners, int threads) const;
 
 private:
 	/// What an interaction does to its bodies. A rigid body (no wall that is a plane) gets its
@@ -51,7 +50,7 @@ private:
 	void checkRigidBodies() const;
 	void checkInterfaces() const;
 	void stopOnOverlap(Real maxOverlap) const;
-	void publishSum(const Interaction& I, Real kick) const;
+	void publishSum(const Interaction& I) const;
 	PairForce forceOf(const Interaction& I) const;
 	void addReactions(const Interaction& I, const RigidPartners& partners) const;
 

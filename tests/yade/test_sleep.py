@@ -363,8 +363,8 @@ def test_woken_by_a_period_that_changes():
     for k in range(4):
         add_disk((1.995 * (k + 0.5) * RADIUS, 0, 0), material=material)
     half = (20 * RADIUS, RADIUS, RADIUS)
-    floor = utils.box((0, -2 * RADIUS, 0), half, fixed=True, material=rough())
-    O.bodies.append(floor)
+    middle = (3.99 * RADIUS, -2 * RADIUS, 0)  # all grains lie on the box itself, on no image
+    O.bodies.append(utils.box(middle, half, fixed=True, material=rough()))
     ready(gravity=(0, -GRAVITY, 0))
     rest()
     O.cell.hSize = Matrix3(7.9 * RADIUS, 0, 0, 0, 30 * RADIUS, 0, 0, 0, 1)

@@ -45,7 +45,8 @@ public:
 	virtual void setImageVelocity(const Vec3& velocity) = 0;
 	/// What acts besides friction (none: nothing), valid or not.
 	virtual void setInterface(const std::optional<InterfaceLaw>& law) = 0;
-	/// Throws std::invalid_argument if law and friction are not admissible for the pair.
+	/// Throws std::invalid_argument if law and friction are not admissible for the pair, or if
+	/// what it was saved with cannot be read.
 	virtual void checkInterface() const = 0;
 	/// Bonds the contact points that touch now; returns their number.
 	virtual int bondTouching() = 0;

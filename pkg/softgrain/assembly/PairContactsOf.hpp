@@ -43,6 +43,10 @@ public:
 	}
 	void checkInterface() const override
 	{
+		if (unreadable_ > 0)
+			throw std::invalid_argument("it was saved asleep with " +
+						    std::to_string(unreadable_) +
+						    " figures: by another version of softgrain?");
 		if (!list.interface) {
 			require(list.friction >= 0 && std::isfinite(list.friction), "friction",
 				list.friction, "[0, inf)");
@@ -181,8 +185,9 @@ public:
 		if (saved.empty()) return;
 		PairImpulse<dim>& sum = list.impulse;
 		const long scalars = 3, spins = sum.moment.size();
-		if (static_cast<long>(saved.size()) < scalars + 3 * dim + spins)
-			return; // of another version: awake, and with it its grains
+		const long size = static_cast<long>(saved.size());
+		unreadable_ = size < scalars + 3 * dim + spins ? size : 0;
+		if (unreadable_ > 0) return; // searches run in parallel: nothing may be thrown here
 		list.friction = saved[1];
 		sum.active = static_cast<int>(saved[2]);
 		auto from = saved.begin() + scalars;
@@ -239,6 +244,7 @@ private:
 	const System<dim>* system_;
 	double z_;
 	bool lawUnknown_ = false; ///< history was restored, the law is still to come
+	long unreadable_ = 0;     ///< figures of a sleeping pair that cannot be restored
 };
 
 } // namespace softgrain

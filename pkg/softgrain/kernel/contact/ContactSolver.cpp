@@ -19,7 +19,7 @@ namespace {
 /// (doc/decisions/0010-grains-at-rest.md).
 /// Where impulses move grains alone, whose pairs hardly feel each other, a task makes them in a
 /// row: that spares half of the barriers and of the way to memory. Free rigid bodies hand impulses
-/// on at once, and packings of them that are swept so creep
+/// on at once, and in packings of them that are swept so overlaps grow
 /// (doc/decisions/0015-parallel-sweeps.md).
 constexpr int sweepsEachWay = 2;
 
