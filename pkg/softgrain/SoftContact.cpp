@@ -149,6 +149,7 @@ bool Law2_SoftGeom_SoftPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IP
 {
 	SoftGeom& g = static_cast<SoftGeom&>(*geom);
 	const SoftPhys& p = static_cast<SoftPhys&>(*phys);
+	if (!g.pair) return true; // loaded, without an assembly: SoftGrainIntegrator reports why
 	g.pair->setFriction(p.tangensOfFrictionAngle);
 	g.pair->setInterface(p.interface ? std::optional(p.interface->law()) : std::nullopt);
 	return g.pair->hasContact();

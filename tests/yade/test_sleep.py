@@ -1,6 +1,8 @@
 """Damped grains that came to rest sleep: nothing is done for them, and nothing changes by it."""
 
+import gzip
 import math
+import re
 
 import numpy as np
 import pytest
@@ -336,6 +338,33 @@ def test_save_and_load(floor, when, suffix, tmp_path):
     assert all(asleep()) == (when == "asleep")
     for found, expected in zip(go_on(), after):
         assert_same_bits(found, expected)
+
+
+@pytest.mark.parametrize("least, most", ((8, 30), (30, 999)), ids=("pairs", "grains"))
+def test_saved_otherwise_is_refused(least, most, tmp_path):
+    """Lists of numbers as another version may save them, of pairs and of grains."""
+    heap(floor=box_below)
+    rest()
+    path = str(tmp_path / "scene.xml.gz")
+    O.save(path)
+
+    def cut(match):
+        items = re.findall("<item>[^<]*</item>", match[0])
+        return (
+            match[0]
+            if not least < len(items) < most
+            else match[0]
+            .replace(f"<count>{len(items)}<", "<count>4<")
+            .replace("".join(re.findall("<item>.*</item>", match[0], re.S)), "".join(items[:4]))
+        )
+
+    with gzip.open(path, "rt") as file:
+        text = file.read()
+    with gzip.open(path, "wt") as file:
+        file.write(re.sub("<savedRest>.*?</savedRest>", cut, text, flags=re.S))
+    O.load(path)
+    with pytest.raises(RuntimeError, match="saved asleep with 4 figures|figures at rest"):
+        O.step()
 
 
 def turn_the_floor():
