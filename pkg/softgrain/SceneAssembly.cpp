@@ -5,6 +5,7 @@
 #include "SoftGrain.hpp"
 #include "SoftGrainIntegrator.hpp"
 #include "SoftMat.hpp"
+#include "Threads.hpp"
 
 #include <map>
 #include <mutex>
@@ -15,6 +16,9 @@ namespace yade {
 namespace {
 
 std::mutex assemblyMutex;
+
+/// What a thread does with so many, 20 to 25 ns each, takes about as long as waking it.
+constexpr int bodiesPerThread = 1000;
 
 std::string name(const Body& body) { return "body #" + std::to_string(body.getId()); }
 
@@ -75,12 +79,6 @@ bool isAsAssembled(const SoftGrain& grain, const SoftMat& material)
 	       grain.assembledCondition == material.condition;
 }
 
-/// The soft bodies of a scene, and the assembly of them all as they are, if there is one.
-struct SoftScene {
-	std::vector<Body*> bodies;
-	std::shared_ptr<softgrain::GrainAssembly> assembly;
-};
-
 bool belongsTo(const softgrain::GrainAssembly* assembly, const Body& body)
 {
 	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
@@ -89,28 +87,65 @@ bool belongsTo(const softgrain::GrainAssembly* assembly, const Body& body)
 	       isAsAssembled(grain, static_cast<const SoftMat&>(*body.material));
 }
 
-/// In one pass: all bodies are visited in every step, and most of it is waiting for memory.
-SoftScene softScene(const Scene& scene)
+void check(const Body& body, const Scene& scene)
 {
-	SoftScene soft;
-	bool isCurrent = true;
+	if (scene.isPeriodic) checkPeriodic(body, scene);
+	checkBody(body);
+}
+
+/// For parallel loops, which nothing may leave.
+bool passes(const Body& body, const Scene& scene) noexcept
+{
+	try {
+		check(body, scene);
+		return true;
+	} catch (const std::invalid_argument&) {
+		return false;
+	}
+}
+
+bool isSoft(const Body* body) { return body && isA<SoftGrain>(body->shape); }
+
+std::vector<Body*> softBodies(const Scene& scene)
+{
+	std::vector<Body*> soft;
+	for (const shared_ptr<Body>& body : *scene.bodies)
+		if (isSoft(body.get())) soft.push_back(body.get());
+	return soft;
+}
+
+/// That of the first soft grain; null if there is none.
+std::shared_ptr<softgrain::GrainAssembly> firstAssembly(const Scene& scene)
+{
+	for (const shared_ptr<Body>& body : *scene.bodies)
+		if (isSoft(body.get())) return static_cast<SoftGrain&>(*body->shape).assembly;
+	return nullptr;
+}
+
+/// The assembly of all soft grains as they are, if there is one. Throws std::invalid_argument for
+/// the first body that cannot be. In one pass: all bodies are visited in every step, and most of it
+/// is waiting for memory.
+std::shared_ptr<softgrain::GrainAssembly> presentAssembly(const Scene& scene, int threads)
+{
+	const auto assembly = firstAssembly(scene);
 	const BodyContainer& bodies = *scene.bodies;
 	const int count = static_cast<int>(bodies.size());
+	int faulty = count, soft = 0, strangers = 0;
+#pragma omp parallel for schedule(static) reduction(min : faulty) reduction(+ : soft, strangers)   \
+	num_threads(softgrain::threadsFor(count, threads, bodiesPerThread))
 	for (int id = 0; id < count; ++id) {
 		fetchBodies(bodies, id, count, [](int i) { return i; });
-		const shared_ptr<Body>& body = bodies[id];
+		const Body* body = bodies[id].get();
 		if (!body || !body->shape) continue;
-		if (scene.isPeriodic) checkPeriodic(*body, scene);
-		checkBody(*body);
-		if (!isA<SoftGrain>(body->shape)) continue;
-		if (soft.bodies.empty())
-			soft.assembly = static_cast<SoftGrain&>(*body->shape).assembly;
-		soft.bodies.push_back(body.get());
-		isCurrent = isCurrent && belongsTo(soft.assembly.get(), *body);
+		if (!passes(*body, scene))
+			faulty = std::min(faulty, id);
+		else if (isSoft(body)) {
+			++soft;
+			if (!belongsTo(assembly.get(), *body)) ++strangers;
+		}
 	}
-	const std::size_t assembled = soft.assembly ? soft.assembly->grains() : 0;
-	if (!isCurrent || assembled != soft.bodies.size()) soft.assembly = nullptr;
-	return soft;
+	if (faulty < count) check(*bodies[faulty], scene);
+	return assembly && strangers == 0 && assembly->grains() == soft ? assembly : nullptr;
 }
 
 /// What a grain goes on from; it is awake if its material changed since it was assembled.
@@ -141,7 +176,6 @@ void join(const Body& body, const std::shared_ptr<softgrain::GrainAssembly>& ass
 	grain.assembledCondition = material.condition;
 	grain.assembledDamping = material.damping();
 	grain.written = assembly->motion(index);
-	grain.writtenAsleep = false;
 }
 
 /// A SoftGrain holds the state of one grain; rigid shapes may stand for many.
@@ -157,19 +191,20 @@ void requireShapesOfTheirOwn(const std::vector<Body*>& bodies)
 	}
 }
 
-std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
+std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threads)
 {
-	const auto [bodies, current] = softScene(scene);
-	if (bodies.empty()) return nullptr;
+	const auto present = presentAssembly(scene, threads);
+	const auto bodies = present ? std::vector<Body*>() : softBodies(scene);
+	if (!present && bodies.empty()) return nullptr;
 	checkHost(scene);
-	if (current) return current;
+	if (present) return present;
 
 	std::vector<softgrain::GrainDescription> grains;
 	std::shared_ptr<softgrain::GrainAssembly> last;
 	requireShapesOfTheirOwn(bodies);
 	for (const Body* body : bodies) {
-		const auto& present = static_cast<SoftGrain&>(*body->shape).assembly;
-		if (present) last = present;
+		const auto& before = static_cast<SoftGrain&>(*body->shape).assembly;
+		if (before) last = before;
 		grains.push_back(describePresent(*body));
 	}
 	const auto assembly = softgrain::GrainAssembly::create(grains, last.get());
@@ -183,10 +218,10 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene)
 
 } // namespace
 
-std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
+std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene, int threads)
 {
 	const std::lock_guard<std::mutex> lock(assemblyMutex);
-	return assembleLocked(scene);
+	return assembleLocked(scene, threads);
 }
 
 bool isSoftGrain(const Body& body) { return isA<SoftGrain>(body.shape); }
@@ -243,7 +278,7 @@ std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene
 {
 	try {
 		const std::lock_guard<std::mutex> lock(assemblyMutex);
-		if (!shape.assembly) assembleLocked(scene);
+		if (!shape.assembly) assembleLocked(scene, 1);
 		if (!shape.assembly) return std::nullopt;
 		return shape.assembly->box(shape.index, map);
 	} catch (...) {

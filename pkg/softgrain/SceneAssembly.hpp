@@ -19,7 +19,7 @@ class SoftMat;
 /// The assembly of the scene's soft grains, made anew if grains, materials or shapes changed since;
 /// null if there is none. Throws std::invalid_argument saying which body is wrong and why.
 /// Thread-safe.
-std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene);
+std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene, int threads = 1);
 
 /// Box about the present outline of a grain, in coordinates that `map` makes of those of space, the
 /// scene being assembled if need be; none if that fails. For functors, which run in parallel

@@ -115,7 +115,7 @@ bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 	const softgrain::GrainMotion& written = grain.written;
 	const Real radius = grain.radius;
 	requireMotion(body);
-	grain.writtenAsleep = false; // the next State is to be published, whatever becomes of it
+	assembly_.note(g, false); // the next State is to be published, whatever becomes of it
 	const Vec3 shift = state.pos - written.position;
 	Rotation turn = state.ori * written.orientation.conjugate();
 	requireInPlane(body, turn);
@@ -141,13 +141,8 @@ bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const
 {
 	scene_.forces.sync();
-	const int count = assembly_.grains();
-	std::vector<softgrain::GrainLoad> loads(count);
-#pragma omp parallel for schedule(static)                                                          \
-	num_threads(softgrain::threadsFor(count, threads, loadsPerThread))
-	for (int g = 0; g < count; ++g)
-		loads[g] = loadOf(g, newton, flow);
-	assembly_.setLoads(loads);
+	assembly_.setLoads([&](int g) { return loadOf(g, newton, flow); },
+			   softgrain::threadsFor(assembly_.grains(), threads, loadsPerThread));
 }
 
 softgrain::GrainLoad SoftBodies::loadOf(int g, const NewtonIntegrator& newton,
@@ -177,11 +172,9 @@ void SoftBodies::publishMotions(const CellFlow& flow, int threads) const
 	const int count = assembly_.grains();
 #pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
 	for (int g = 0; g < count; ++g) {
-		SoftGrain& grain = grainOf(scene_, assembly_.idOf(g));
-		const bool asleep = assembly_.isAsleep(g);
-		const bool known = asleep && grain.writtenAsleep;
-		grain.writtenAsleep = asleep;
-		if (!known) publishMotion(g, flow);
+		const bool asleep = assembly_.isAsleep(g), news = !(asleep && assembly_.isNoted(g));
+		assembly_.note(g, asleep);
+		if (news) publishMotion(g, flow);
 	}
 }
 

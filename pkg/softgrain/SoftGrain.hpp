@@ -22,7 +22,6 @@ public:
 	/// Motion of the whole grain as last written to State, to notice what the user changes.
 	softgrain::GrainMotion written;
 	Vector3r boundCell = Vector3r::Zero(); ///< Cell.size when the bound was made, m
-	bool writtenAsleep = false; ///< since it fell asleep; nothing to be written until woken
 
 	softgrain::TemplateRecipe recipe() const;
 	softgrain::Scheme scheme() const;

@@ -74,7 +74,7 @@ void SoftGrainIntegrator::action()
 bool SoftGrainIntegrator::assemble()
 {
 	rigidContacts_.list(*scene);
-	assembly_ = assembleScene(*scene);
+	assembly_ = assembleScene(*scene, threads());
 	if (!assembly_ && !rigidContacts_.hasLaw()) return false;
 	if (!assembly_) {
 		if (!withoutGrains_)

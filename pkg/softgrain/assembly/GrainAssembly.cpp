@@ -23,6 +23,7 @@ public:
 		const Templates<dim> none, &known = assembly ? assembly->templates_ : none;
 		for (auto& described : makeSets<dim>(grains, known, templates_))
 			add(described);
+		noted_.assign(system_.grains(), false);
 		system_.updateSurfaces(1);
 		slowestWave_ = std::numeric_limits<double>::infinity();
 		for (int g = 0; g < system_.grains(); ++g)
@@ -138,12 +139,16 @@ public:
 		return arraysOf(system_.contactProblem());
 	}
 
-	void setLoads(const std::vector<GrainLoad>& loads) override
+	void setLoads(const std::function<GrainLoad(int)>& loadOf, int threads) override
 	{
-		for (int g = 0; g < grains(); ++g)
-			system_.setLoad(g, { toKernel<dim>(loads[g].acceleration),
-					     spinMatrix<dim>(angularToKernel<dim>(
-						     loads[g].angularAcceleration)) });
+		system_.setLoads(
+			[&](int g) -> BodyLoad<dim> {
+				const GrainLoad load = loadOf(g);
+				return { toKernel<dim>(load.acceleration),
+					 spinMatrix<dim>(
+						 angularToKernel<dim>(load.angularAcceleration)) };
+			},
+			threads);
 	}
 
 	GrainMotion motion(int g) const override

@@ -67,6 +67,9 @@ public:
 	virtual void updateForces(int threads) = 0;   ///< throws StepError
 	virtual bool isRigid(int g) const = 0;        ///< moves as a rigid body
 	virtual bool isAsleep(int g) const = 0;       ///< at rest, and left as it is
+	/// Whether the host has noted of a grain that it sleeps, since when there is no news of it.
+	bool isNoted(int g) const { return noted_[g]; }
+	void note(int g, bool asleep) { noted_[g] = asleep; }
 
 	virtual std::unique_ptr<PairContacts> newPair() const = 0;
 	/// Of the grain `first` and the image of the other.
@@ -94,9 +97,9 @@ public:
 				std::vector<RigidContactDescription>& rigidContacts) = 0;
 	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
 
-	/// Of all grains. Another load than before wakes a sleeping one, and so does
-	/// `moveRigidly`.
-	virtual void setLoads(const std::vector<GrainLoad>& loads) = 0;
+	/// Of all grains g; threads share the calls of `loadOf`. Another load than before wakes a
+	/// sleeping grain, and so does `moveRigidly`.
+	virtual void setLoads(const std::function<GrainLoad(int g)>& loadOf, int threads) = 0;
 	virtual GrainMotion motion(int g) const = 0;
 	/// Present inertia about the centre of mass, axes of space; in 2D about z alone.
 	virtual Mat3 inertia(int g) const = 0;
@@ -127,6 +130,9 @@ public:
 	virtual std::vector<double> nodeVelocities(int g) const = 0;
 	/// Present state and its origin as GrainDescription takes them.
 	virtual GrainState state(int g, Vec3& origin) const = 0;
+
+protected:
+	std::vector<char> noted_; ///< by grain
 };
 
 } // namespace softgrain

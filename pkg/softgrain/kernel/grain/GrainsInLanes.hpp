@@ -38,7 +38,7 @@ template <int dim, class Part> struct RowSums {
 };
 
 template <int dim, int order, class Part>
-void sumRow(const PointLines<dim>& lines, const double* across, const double* x,
+void sumRow(const LinesInLoop<dim, order>& in, const double* across, const double* x,
 	    RowSums<dim, Part>& sums)
 {
 	constexpr int nodes = nodesAcross<dim, order>;
@@ -46,9 +46,8 @@ void sumRow(const PointLines<dim>& lines, const double* across, const double* x,
 	for (int k = 0; k < nodes; ++k)
 		for (int q = 0; q < dim; ++q)
 			for (int a = 0; a < dim; ++a)
-				sum[q][a] +=
-					across[q * nodes + k] *
-					lanesAt<Part, dim>(x, stepAcross<dim, order>(lines, k), a);
+				sum[q][a] += across[q * nodes + k] *
+					     lanesAt<Part, dim>(x, in.step[k], a);
 	for (int q = 0; q < dim; ++q)
 		for (int a = 0; a < dim; ++a)
 			sums.at[q][a] = sum[q][a];
@@ -56,13 +55,13 @@ void sumRow(const PointLines<dim>& lines, const double* across, const double* x,
 
 /// The transpose of `sumRow`, subtracted.
 template <int dim, int order, class Part>
-void spreadRow(const PointLines<dim>& lines, const double* across, const RowSums<dim, Part>& sums,
-	       double* force)
+void spreadRow(const LinesInLoop<dim, order>& in, const double* across,
+	       const RowSums<dim, Part>& sums, double* force)
 {
 	constexpr int nodes = nodesAcross<dim, order>;
 	for (int k = 0; k < nodes; ++k)
 		for (int a = 0; a < dim; ++a) {
-			auto& node = lanesAt<Part, dim>(force, stepAcross<dim, order>(lines, k), a);
+			auto& node = lanesAt<Part, dim>(force, in.step[k], a);
 			typename Part::Numbers sum = node;
 			for (int q = 0; q < dim; ++q)
 				sum -= across[q * nodes + k] * sums.at[q][a];
@@ -89,24 +88,24 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherGrains(const PointLines<dim>& line
 						     int begin, Strip<dim>& strip)
 {
 	constexpr int width = order + 1;
+	const LinesInLoop<dim, order> in(lines);
 	double* tensor = &strip.tensor[0][0][0][begin];
 	for (int n = strip.lines.begin; n < strip.lines.end; ++n) {
-		const auto& line = lines.line[n];
-		const double* across = acrossLine<dim, order>(lines, n);
+		const auto line = in.line[n];
+		const double* across = in.acrossLine(n);
 		const double* first =
 			x + static_cast<std::ptrdiff_t>(line.place) * dim * laneWidth + begin;
 		Window<dim, order, Part> window;
 #pragma GCC unroll 4
 		for (int j = 0; j < width; ++j)
-			sumRow<dim, order, Part>(lines, across, first + j * dim * laneWidth,
+			sumRow<dim, order, Part>(in, across, first + j * dim * laneWidth,
 						 window.row[j]);
 		int next = width; // row after the window
 		for (int i = line.begin; i < line.end; ++i, tensor += dim * dim * laneWidth) {
-			const auto& point = lines.point[i];
+			const auto& point = in.point[i];
 			for (; next < point.row + width; ++next) {
 				window.shift();
-				sumRow<dim, order, Part>(lines, across,
-							 first + next * dim * laneWidth,
+				sumRow<dim, order, Part>(in, across, first + next * dim * laneWidth,
 							 window.row[order]);
 			}
 			typename Part::Numbers F[dim][dim] = {};
@@ -130,18 +129,19 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
 scatterGrains(const PointLines<dim>& lines, const Strip<dim>& strip, int begin, double* force)
 {
 	constexpr int width = order + 1;
+	const LinesInLoop<dim, order> in(lines);
 	const double* tensor = &strip.tensor[0][0][0][begin];
 	for (int n = strip.lines.begin; n < strip.lines.end; ++n) {
-		const auto& line = lines.line[n];
-		const double* across = acrossLine<dim, order>(lines, n);
+		const auto line = in.line[n];
+		const double* across = in.acrossLine(n);
 		double* first =
 			force + static_cast<std::ptrdiff_t>(line.place) * dim * laneWidth + begin;
 		Window<dim, order, Part> window = {};
 		int row = 0; // first of the window
 		for (int i = line.begin; i < line.end; ++i, tensor += dim * dim * laneWidth) {
-			const auto& point = lines.point[i];
+			const auto& point = in.point[i];
 			for (; row < point.row; ++row) {
-				spreadRow<dim, order, Part>(lines, across, window.row[0],
+				spreadRow<dim, order, Part>(in, across, window.row[0],
 							    first + row * dim * laneWidth);
 				window.shift();
 				window.row[order] = {};
@@ -159,7 +159,7 @@ scatterGrains(const PointLines<dim>& lines, const Strip<dim>& strip, int begin, 
 		}
 #pragma GCC unroll 4
 		for (int j = 0; j < width; ++j)
-			spreadRow<dim, order, Part>(lines, across, window.row[j],
+			spreadRow<dim, order, Part>(in, across, window.row[j],
 						    first + (row + j) * dim * laneWidth);
 	}
 }
@@ -217,9 +217,14 @@ template <class Use> void forEachPart(Use&& use)
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void followTies(const PointLines<dim>& lines, BlockField<dim>& x)
 {
-	lines.forEachTie([&](int tied, int followed, double weight) {
+	lines.forEachTied([&](int tied, auto&& forEachFollowed) {
+		Lanes sum[dim] = {};
+		forEachFollowed([&](int followed, double weight) {
+			for (int a = 0; a < dim; ++a)
+				sum[a] += weight * x.at(followed, a);
+		});
 		for (int a = 0; a < dim; ++a)
-			x.at(tied, a) += weight * x.at(followed, a);
+			x.at(tied, a) = sum[a];
 	});
 }
 /// Tied nodes hand their forces to those that they follow.
@@ -227,9 +232,14 @@ template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void handTiedForces(const PointLines<dim>& lines,
 						       BlockField<dim>& force)
 {
-	lines.forEachTie([&](int tied, int followed, double weight) {
+	lines.forEachTied([&](int tied, auto&& forEachFollowed) {
+		Lanes own[dim];
 		for (int a = 0; a < dim; ++a)
-			force.at(followed, a) += weight * force.at(tied, a);
+			own[a] = force.at(tied, a);
+		forEachFollowed([&](int followed, double weight) {
+			for (int a = 0; a < dim; ++a)
+				force.at(followed, a) += weight * own[a];
+		});
 	});
 }
 

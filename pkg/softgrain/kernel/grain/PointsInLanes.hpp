@@ -41,34 +41,27 @@ template <int dim> double* firstNumber(Strip<dim>& strip, unsigned point)
 	return &strip.tensor[point / laneWidth][0][0][point % laneWidth];
 }
 
-/// Calls `use(run, products across its line)` for the runs of a strip.
-template <int dim, int order, class Use>
-void forEachRun(const PointLines<dim>& lines, const Strip<dim>& strip, Use&& use)
-{
-	const int runs = runsBegin(lines, strip.lines.end);
-	for (int r = runsBegin(lines, strip.lines.begin); r < runs; ++r)
-		use(lines.run[r], acrossLine<dim, order>(lines, lines.run[r].line));
-}
-
 template <int dim, int order>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& lines,
-						     const std::array<const double*, dim>& x,
+						     const std::array<const double*, dim> x,
 						     Strip<dim>& strip)
 {
 	constexpr int nodes = nodesAcross<dim, order>;
-	const int stripBegin = strip.pointsBegin(lines);
-	forEachRun<dim, order>(lines, strip, [&](const auto& run, const double* across) {
+	const LinesInLoop<dim, order> in(lines);
+	const int stripBegin = strip.pointsBegin(lines), end = runsBegin(lines, strip.lines.end);
+	for (int r = runsBegin(lines, strip.lines.begin); r < end; ++r) {
+		const auto run = in.run[r];
+		const double* across = in.acrossLine(run.line);
 		AcrossSums<dim> sum = {};
 		for (int k = 0; k < nodes; ++k)
 			for (int a = 0; a < dim; ++a) {
-				const Row value =
-					fourAt(x[a] + run.place + stepAcross<dim, order>(lines, k));
+				const Row value = fourAt(x[a] + run.place + in.step[k]);
 				for (int q = 0; q < dim; ++q)
 					sum[q][a] += across[q * nodes + k] * value;
 			}
 		for (int i = run.begin; i < run.end; ++i) {
-			const Row value = fourAt(lines.point[i].value),
-				  slope = fourAt(lines.point[i].slope);
+			const Row value = fourAt(in.point[i].value),
+				  slope = fourAt(in.point[i].slope);
 			Row part[dim * dim + 3] = {}; // of F, component by component
 			for (int a = 0; a < dim; ++a) {
 				for (int q = 1; q < dim; ++q)
@@ -83,21 +76,24 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& line
 					F[(k + c) * laneWidth] = whole[c];
 			}
 		}
-	});
+	}
 }
 
 template <int dim, int order>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lines,
 						      const Strip<dim>& strip,
-						      const std::array<double*, dim>& force)
+						      const std::array<double*, dim> force)
 {
 	constexpr int nodes = nodesAcross<dim, order>;
-	const int stripBegin = strip.pointsBegin(lines);
-	forEachRun<dim, order>(lines, strip, [&](const auto& run, const double* across) {
+	const LinesInLoop<dim, order> in(lines);
+	const int stripBegin = strip.pointsBegin(lines), end = runsBegin(lines, strip.lines.end);
+	for (int r = runsBegin(lines, strip.lines.begin); r < end; ++r) {
+		const auto run = in.run[r];
+		const double* across = in.acrossLine(run.line);
 		AcrossSums<dim> sum = {};
 		for (int i = run.begin; i < run.end; ++i) {
-			const Row value = fourAt(lines.point[i].value),
-				  slope = fourAt(lines.point[i].slope);
+			const Row value = fourAt(in.point[i].value),
+				  slope = fourAt(in.point[i].slope);
 			const double* P = firstNumber(strip, i - stripBegin);
 			for (int a = 0; a < dim; ++a) {
 				for (int q = 1; q < dim; ++q)
@@ -107,14 +103,13 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lin
 		}
 		for (int k = 0; k < nodes; ++k)
 			for (int a = 0; a < dim; ++a) {
-				double* node =
-					force[a] + run.place + stepAcross<dim, order>(lines, k);
+				double* node = force[a] + run.place + in.step[k];
 				Row value = fourAt(node);
 				for (int q = 0; q < dim; ++q)
 					value -= across[q * nodes + k] * sum[q][a];
 				fourAt(node) = value;
 			}
-	});
+	}
 }
 
 /// The same for points whose stencils are rows of a table.
@@ -174,9 +169,14 @@ public:
 		for (int I = 0; I < lines_.nodes(); ++I)
 			for (int a = 0; a < dim; ++a)
 				x[a][lines_.nodePlace[I]] = inverseRadius * own[I][a];
-		lines_.forEachTie([&](int tied, int followed, double weight) {
+		lines_.forEachTied([&](int tied, auto&& forEachFollowed) {
+			double sum[dim] = {};
+			forEachFollowed([&](int followed, double weight) {
+				for (int a = 0; a < dim; ++a)
+					sum[a] += weight * x[a][followed];
+			});
 			for (int a = 0; a < dim; ++a)
-				x[a][tied] += weight * x[a][followed];
+				x[a][tied] = sum[a];
 		});
 	}
 
@@ -231,9 +231,14 @@ public:
 	void finish(const BulkSums& sums, Batch<dim>& batch)
 	{
 		const auto force = components<double>(force_);
-		lines_.forEachTie([&](int tied, int followed, double weight) {
+		lines_.forEachTied([&](int tied, auto&& forEachFollowed) {
+			double own[dim];
 			for (int a = 0; a < dim; ++a)
-				force[a][followed] += weight * force[a][tied];
+				own[a] = force[a][tied];
+			forEachFollowed([&](int followed, double weight) {
+				for (int a = 0; a < dim; ++a)
+					force[a][followed] += weight * own[a];
+			});
 		});
 		const double scale = batch.pointScale[grain_] / batch.grain[grain_].radius;
 		Vec<dim>* own = batch.force.of(grain_);

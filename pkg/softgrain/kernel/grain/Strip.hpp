@@ -52,11 +52,30 @@ template <int dim, int order> int stepAcross(const PointLines<dim>& lines, int k
 		return k / (order + 1) * lines.stride[0] + k % (order + 1) * lines.stride[1];
 }
 
-/// The products across line n.
-template <int dim, int order> const double* acrossLine(const PointLines<dim>& lines, int n)
-{
-	return &lines.across[static_cast<std::size_t>(n) * dim * nodesAcross<dim, order>];
-}
+/// What loops over points need of PointLines, in variables of their own: no store to an array can
+/// change these, so they stay in registers.
+template <int dim, int order> struct LinesInLoop {
+	const typename PointLines<dim>::Line* line;
+	const typename PointLines<dim>::Run* run;
+	const typename PointLines<dim>::Point* point;
+	const double* across;
+	int step[nodesAcross<dim, order>]; ///< in the box to the k-th node across
+
+	explicit LinesInLoop(const PointLines<dim>& lines)
+		: line(lines.line.data())
+		, run(lines.run.data())
+		, point(lines.point.data())
+		, across(lines.across.data())
+	{
+		for (int k = 0; k < nodesAcross<dim, order>; ++k)
+			step[k] = stepAcross<dim, order>(lines, k);
+	}
+	/// The products across line n.
+	const double* acrossLine(int n) const
+	{
+		return across + static_cast<std::ptrdiff_t>(n) * dim * nodesAcross<dim, order>;
+	}
+};
 
 /// Calls `use` with the order of the splines as a type.
 template <class Use> void withOrder(int order, Use&& use)

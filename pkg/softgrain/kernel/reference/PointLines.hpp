@@ -49,12 +49,15 @@ template <int dim> struct PointLines {
 	/// The lines are mere lists of points, whose stencils are the rows of
 	/// GrainTemplate::pointShapes; places are nodes.
 	bool isTable() const { return run.empty(); }
-	/// Calls `use(place of the tied node, place of a node that it follows, weight)`.
-	template <class Use> void forEachTie(Use&& use) const
+	/// Calls `use(place of a tied node, forEachFollowed)`, where `forEachFollowed(visit)` calls
+	/// `visit(place, weight)` for the nodes that it follows.
+	template <class Use> void forEachTied(Use&& use) const
 	{
 		for (int t = 0; t < ties.rows(); ++t)
-			for (int k = ties.begin(t); k < ties.end(t); ++k)
-				use(tiePlace[t], nodePlace[ties.column[k]], ties.value[k]);
+			use(tiePlace[t], [&](auto&& visit) {
+				for (int k = ties.begin(t); k < ties.end(t); ++k)
+					visit(nodePlace[ties.column[k]], ties.value[k]);
+			});
 	}
 
 	std::vector<Line> line;

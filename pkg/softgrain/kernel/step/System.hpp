@@ -143,6 +143,8 @@ public:
 	std::vector<RigidContact<dim>>& rigidContacts() { return rigidContacts_; }
 	/// Wakes a sleeping grain if the load is another.
 	void setLoad(int g, const BodyLoad<dim>& load);
+	/// The same for all grains; threads share the calls of `loadOf(g)`.
+	template <class LoadOf> void setLoads(LoadOf&& loadOf, int threads);
 	/// A grain about which something was changed by hand; the grains that it rests with follow
 	/// in the next step.
 	void wake(int g);
@@ -306,6 +308,20 @@ private:
 	bool forcesFresh_ = false;
 	long updatedPoints_ = 0; ///< since the end of the last step
 };
+
+template <int dim> template <class LoadOf> void System<dim>::setLoads(LoadOf&& loadOf, int threads)
+{
+	const int count = grains();
+	std::vector<char> changed(count);
+#pragma omp parallel for schedule(static) num_threads(threads)
+	for (int g = 0; g < count; ++g) {
+		const BodyLoad<dim> load = loadOf(g);
+		changed[g] = !(load == loads_[g]);
+		loads_[g] = load;
+	}
+	for (int g = 0; g < count; ++g)
+		if (changed[g]) wake(g);
+}
 
 template <int dim>
 template <class Phase>
