@@ -17,7 +17,7 @@ import numpy as np
 sys.path[:0] = [str(Path(__file__).resolve().parent)]
 
 from rigid_and_soft.models import MODELS  # noqa: E402
-from rigid_and_soft.options import add_packing_options, packing_arguments  # noqa: E402
+from rigid_and_soft.options import add_case_options, case_arguments  # noqa: E402
 
 from softgrain import command_line, finite_elements  # noqa: E402
 from softgrain.runs import markdown_table  # noqa: E402
@@ -27,7 +27,7 @@ RUN = Path(__file__).parent / "rigid_and_soft" / "run.py"
 
 def parse_options(arguments=None):
     parser = command_line.case_parser(__doc__, out="compare_rigid")
-    add_packing_options(parser)
+    add_case_options(parser)
     parser.add_argument(
         "--models", nargs="+", choices=MODELS, default=list(MODELS), help="to be run"
     )
@@ -38,12 +38,18 @@ def run(model, problem, options):
     """Results of one model on one problem, from its own process."""
     result = options.out / f"{model}_{problem}.json"
     command = ["yade", "-n", "-x", "-j1", RUN, model, problem, "--result", result]
-    command += packing_arguments(options)
+    command += case_arguments(options)
     print(f"{MODELS[model].label}, {problem} ...", flush=True)
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"{model}, {problem}: {done.stdout[-2000:]}{done.stderr[-2000:]}")
     return json.loads(result.read_text())
+
+
+def highest(curves, name):
+    """Of the models that deform, and room above; None without one."""
+    tops = [max(curve[name]) for model, curve in curves.items() if MODELS[model].deforms]
+    return 1.25 * max(tops) if tops else None
 
 
 def plot(cells, packings, exact, path):
@@ -60,13 +66,13 @@ def plot(cells, packings, exact, path):
         xlabel="displacement of each side w / D",
         ylabel="force F / (E D)",
         xlim=(0, 0.06),
-        ylim=(0, 0.2),
+        ylim=(0, highest(cells, "force")),
         title="one grain in a closing box",
     )
     packing.set(
         xlabel=r"nominal packing fraction $\phi_0$",
         ylabel=r"$\sigma$ / E",
-        ylim=(0, 0.2),
+        ylim=(0, highest(packings, "stress")),
         title="packing",
     )
     for axes in (cell, packing):
@@ -127,7 +133,7 @@ def table(cells, packings, exact):
 
 def main():
     options = parse_options()
-    exact = finite_elements.square_cell()
+    exact = finite_elements.square_cell(options.poisson)
     cells = {model: run(model, "cell", options) for model in options.models}
     packings = {model: run(model, "packing", options) for model in options.models}
     command_line.write_result(options.out, {"cell": cells, "packing": packings})

@@ -85,12 +85,13 @@ def main():
     disk, walls = make_scene(options)
     started = time.time()
     columns = close(options, disk, walls)
+    known = options.poisson in finite_elements.CELL_POISSON_RATIOS
     cases.report_cell(
         options,
         started,
         columns,
         own_results=lambda forces: {f"force_{name}_over_ED": f for name, f in zip(WALLS, forces)},
-        exact=finite_elements.square_cell() if options.poisson == finite_elements.POISSON else None,
+        exact=finite_elements.square_cell(options.poisson) if known else None,
         title="square cell",
     )
 

@@ -1,5 +1,5 @@
 """Models of a grain that ``compare_rigid.py`` compares. All are told the same: disks of Young's
-modulus YOUNG and Poisson's ratio POISSON in plane strain, in a box of frictionless walls.
+modulus YOUNG and a Poisson's ratio in plane strain, in a box of frictionless walls.
 
 Models made of spheres stand for a layer as thick as a grain's diameter: their forces are divided by
 it.
@@ -32,22 +32,26 @@ from yade import (
 
 import softgrain as sg
 
-YOUNG, POISSON, DENSITY = 1e6, 0.45, 1000.0  # Pa, -, kg/m3
+YOUNG, DENSITY = 1e6, 1000.0  # Pa, kg/m3
 WALL_YOUNG = 1e15  # Pa: of walls of rigid models, hard next to the grains
 ZETA = 0.1  # of soft grains and triangles
 DAMPING = 0.2  # NewtonIntegrator.damping of the models of YADE: local, takes their vibrations out
 
 
 class Model:
-    """Grains of one kind. ``thickness``: of the layer that the forces of a scene are of [m]."""
+    """Grains of one kind.
+
+    ``thickness``: of the layer that the forces of a scene are of [m]; ``poisson``: Poisson's ratio;
+    ``mu``: friction between grains [-].
+    """
 
     label = ""
     deforms = True
     thickness = 1.0
     parts = 1  # particles or material points a grain
 
-    def __init__(self, mu):
-        self.mu = mu
+    def __init__(self, mu, poisson):
+        self.mu, self.poisson = mu, poisson
         self.grain_of = {}  # grain that a body is, or is a part of
 
     def wall_material(self):
@@ -80,7 +84,7 @@ class Spheres(Model):
 
     def _material(self):
         return FrictMat(
-            young=YOUNG, poisson=POISSON, density=DENSITY, frictionAngle=math.atan(self.mu)
+            young=YOUNG, poisson=self.poisson, density=DENSITY, frictionAngle=math.atan(self.mu)
         )
 
     def add(self, centres, radii):
@@ -138,18 +142,25 @@ class Bonded(Spheres):
 
     With kn and ks of a bond the lattice has, in its plane and by unit of thickness t,
     C11 = sqrt(3)/4 (3 kn + ks)/t and C12 = sqrt(3)/4 (kn - ks)/t, so a Poisson's ratio of
-    (kn - ks)/(3 kn + ks), at most 1/3. Plane strain of nu = 0.45 asks for nu/(1 - nu) = 0.82:
-    out of reach. kn is that of the right Young's modulus in the plane, E/(1 - nu^2).
+    (kn - ks)/(3 kn + ks), at most 1/3. Plane strain asks for nu/(1 - nu), which is in reach up to
+    nu = 0.25; beyond that, ks/kn is small and the ratio falls short. kn is that of the right
+    Young's modulus in the plane, E/(1 - nu^2).
     """
 
     label = "bonded particles"
     across = 15  # particles on a diameter
-    shear = 0.05  # ks/kn of a bond: a little, for friction between grains
+    least_shear = 0.05  # ks/kn of a bond: a little, for friction between grains
+
+    def _shear(self):
+        """ks/kn of a bond."""
+        ratio = self.poisson / (1 - self.poisson)
+        return max(self.least_shear, (1 - 3 * ratio) / (1 + ratio))
 
     def _bond_stiffness(self):
-        ratio = (1 - self.shear) / (3 + self.shear)
-        young = YOUNG / (1 - POISSON**2)
-        return young * self.thickness / ((1 - ratio**2) * math.sqrt(3) / 4 * (3 + self.shear))
+        shear = self._shear()
+        ratio = (1 - shear) / (3 + shear)
+        young = YOUNG / (1 - self.poisson**2)
+        return young * self.thickness / ((1 - ratio**2) * math.sqrt(3) / 4 * (3 + shear))
 
     def add(self, centres, radii):
         self.thickness = 2 * float(np.mean(radii))
@@ -159,7 +170,7 @@ class Bonded(Spheres):
             cell = 2 * math.sqrt(3) * small**2  # of the lattice, area
             material = CohFrictMat(
                 young=kn / small,  # two equal spheres: kn = young radius
-                poisson=self.shear,  # YADE's name for ks/kn
+                poisson=self._shear(),  # YADE's name for ks/kn
                 density=DENSITY * cell * self.thickness / (4 / 3 * math.pi * small**3),
                 frictionAngle=math.atan(self.mu),
                 isCohesive=True,
@@ -209,7 +220,7 @@ class Soft(Model):
 
     def add(self, centres, radii):
         material = sg.SoftMat(
-            young=YOUNG, poisson=POISSON, density=DENSITY, frictionAngle=math.atan(self.mu)
+            young=YOUNG, poisson=self.poisson, density=DENSITY, frictionAngle=math.atan(self.mu)
         )
         O.materials.append(material)
         for g, ((x, y), radius) in enumerate(zip(centres, radii)):

@@ -1,11 +1,18 @@
-"""Options of the packing that ``compare_rigid.py`` passes on to ``run.py``."""
+"""Options that ``compare_rigid.py`` passes on to ``run.py``."""
 
-from softgrain import command_line
+from softgrain import command_line, finite_elements
 
 
-def add_packing_options(parser):
+def add_case_options(parser):
     """Add them to an ``argparse.ArgumentParser``."""
     add = parser.add_argument
+    add(
+        "--poisson",
+        type=float,
+        choices=finite_elements.CELL_POISSON_RATIOS,
+        default=0.2,
+        help="Poisson's ratio of the grains; up to 0.25 bonded particles can have it [-]",
+    )
     add("--grains", type=command_line.whole_from(4), default=25, help="in the packing [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
     add(
@@ -16,9 +23,10 @@ def add_packing_options(parser):
     )
 
 
-def packing_arguments(options):
+def case_arguments(options):
     """Their values, as words of a command line: list of str."""
     return [
+        f"--poisson={options.poisson}",
         f"--grains={options.grains}",
         f"--mu={options.mu}",
         f"--until-phi={options.until_phi}",

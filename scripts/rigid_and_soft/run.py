@@ -16,7 +16,7 @@ sys.path[:0] = [str(SCRIPTS)]
 
 import compaction  # noqa: E402
 from rigid_and_soft.models import MODELS, YOUNG  # noqa: E402
-from rigid_and_soft.options import add_packing_options  # noqa: E402
+from rigid_and_soft.options import add_case_options  # noqa: E402
 
 DIAMETER = 0.02  # m, of the grain in the cell
 CELL_SPEED = 0.01  # m/s, of each wall of the cell
@@ -31,7 +31,7 @@ def parse_options():
     add("model", choices=MODELS)
     add("problem", choices=PROBLEMS)
     add("--result", type=Path, required=True, help="JSON file to write")
-    add_packing_options(parser)
+    add_case_options(parser)
     return parser.parse_args()
 
 
@@ -147,7 +147,8 @@ PROBLEMS = {"cell": cell, "packing": packing}
 
 def main():
     options = parse_options()
-    model = MODELS[options.model](options.mu if options.problem == "packing" else 0.0)
+    mu = options.mu if options.problem == "packing" else 0.0
+    model = MODELS[options.model](mu, options.poisson)
     started = time.time()
     columns = PROBLEMS[options.problem](model, options)
     facts = {"seconds": time.time() - started, "steps": O.iter, "parts": model.parts}

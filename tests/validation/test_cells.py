@@ -32,12 +32,14 @@ def force_errors(result, curve, start):
     return errors(result, curve, "wall_displacement_over_D", start=start)
 
 
-def test_square_cell(tmp_path):
-    result = run_case("square_cell", tmp_path, "--zeta", "0.14", "--until-phi", "0.9")
+@pytest.mark.parametrize("poisson", finite_elements.CELL_POISSON_RATIOS)
+def test_square_cell(tmp_path, poisson):
+    options = ("--zeta", "0.14", "--until-phi", "0.9", "--poisson", str(poisson))
+    result = run_case("square_cell", tmp_path, *options)
     check_results(tmp_path, result, 0.9)
-    curve = finite_elements.square_cell()
+    curve = finite_elements.square_cell(poisson)
     assert np.abs(force_errors(result, curve, start=0.01)).max() < 0.02
-    areas = errors(result, curve, "wall_displacement_over_D", "phi")
+    areas = errors(result, curve, "wall_displacement_over_D", "phi", start=0.0025)
     assert np.abs(areas).max() < 1e-3
     walls = [result[f"force_{name}_over_ED"] for name in ("left", "right", "bottom", "top")]
     np.testing.assert_allclose(np.mean(walls, axis=0), result["force_over_ED"], rtol=1e-12)

@@ -104,6 +104,7 @@ REFUSED = {
     compare_rigid: {
         "--grains 3": "--grains: '3' is not a whole number in [4, inf)",
         "--mu -1": "--mu: '-1' is not a number in [0, inf)",
+        "--poisson 0.3": "--poisson: invalid choice: ",
         "--models springs": "--models: invalid choice: 'springs'",
     },
 }

@@ -69,8 +69,10 @@ def test_plain_pairs_have_no_interface():
 
 @pytest.mark.parametrize("law", (COHESION, BOND))
 def test_force_momentum_and_energy_of_two_blocks(law):
-    """Pulled apart by less than the interface bears, then by more."""
-    upper, lower = add_block(0), add_block(-SIDE)
+    """Pulled apart by less than the interface bears, then by more. (Without friction they would
+    tilt and slide off each other.)"""
+    rough = damped(frictionAngle=0.3)
+    upper, lower = add_block(0, rough), add_block(-SIDE, rough)
     O.trackEnergy = True
     ready(interface=law)
     run(2)

@@ -73,6 +73,11 @@ bool isIndented(const ContactBody<2>& body, int corner)
 /// In 3D there are blocks only.
 bool isIndented(const ContactBody<3>&, int) { return false; }
 
+/// What is beyond an edge by less, in dr, lies over the facet still: where two edges lie upon each
+/// other the direction from one to the other is that of rounding. In a notch nothing does, and only
+/// a direction that has no length is not asked.
+constexpr double edgeWidth = 0.05, notchWidth = 1e-9;
+
 /// Whether the place nearest to `x` is a sharp edge or corner of the outline with `x` beyond the
 /// end of the facet: no facet lies under `x` then, and the distance to the edge is the gap,
 /// negative below an indentation.
@@ -91,7 +96,8 @@ bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOn
 	}
 	const Vec<dim> apart = x - foot;
 	const Vec<dim> normal = body.areaOfFacet(place.facet).normalized();
-	if ((apart - apart.dot(normal) * normal).norm() < 1e-9 * body.pointSpacing) return false;
+	const double width = (indented ? notchWidth : edgeWidth) * body.pointSpacing;
+	if ((apart - apart.dot(normal) * normal).norm() < width) return false;
 	const double sign = indented && body.encloses(x) ? -1 : 1;
 	contact.normal = sign * apart.normalized();
 	contact.gap = sign * apart.norm();

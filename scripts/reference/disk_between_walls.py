@@ -1,7 +1,8 @@
-"""Converged finite elements for a disk between two rigid frictionless plates, up to nu = 0.499.
+"""Converged finite elements for a disk between rigid frictionless walls, up to nu = 0.499.
 
-Needs numpy and scipy only: ``python3 scripts/reference/disk_between_plates.py --poisson 0.49``. It
-shares nothing with the kernel. A quarter of the disk (plane strain, neo-Hookean) is cut into
+Two plates, or four walls of a square box that all move in. Needs numpy and scipy only: ``python3
+scripts/reference/disk_between_walls.py --walls 2 --poisson 0.49``. It shares nothing with the
+kernel. A quarter of the disk (plane strain, neo-Hookean) is cut into
 biquadratic quadrilaterals whose pressure is linear within each and free to jump between them: the
 pair Q9/P1 meets the inf-sup condition, so it does not lock. With ``theta`` the projection of
 ln J on these pressures (weights of the reference configuration) the energy is
@@ -9,7 +10,7 @@ ln J on these pressures (weights of the reference configuration) the energy is
     mu/2 (I1 - 3 - 2 ln J) + lambda/2 theta^2,
 
 quasi-static equilibrium is found by Newton's method with the exact tangent, and contact with the
-plate by an active set of nodes, without penalty. The edge of contact moves from node to node, so
+walls by an active set of nodes, without penalty. The edge of contact moves from node to node, so
 that the force does not converge smoothly enough to be extrapolated: the value is that of the finest
 mesh, its uncertainty the difference from the second finest. At nu = 0.45 the values agree with
 those of another code within 0.1 %.
@@ -24,7 +25,7 @@ import scipy.sparse.linalg
 
 #: Elements along half of the quarter's arc, coarse to fine.
 MESHES = (8, 16, 24)
-#: Elements shrink towards the pole, where contact begins: the arc's position to this power.
+#: Elements shrink towards the poles, where contact begins: the arc's position to this power.
 GRADING = 1.5
 #: Half the side of the square in the middle of the mesh, over the radius.
 CORE = 0.55
@@ -34,13 +35,17 @@ RELEASES = 30
 #: Newton's steps are shortened so that no point is compressed below this share of its volume: from
 #: there they would not find back.
 LEAST_VOLUME = 0.4
-#: Largest advance of the plates between two equilibria, over D.
-ADVANCE = 0.0025
-DELTAS = np.concatenate([[0.005, 0.01, 0.015], np.arange(0.02, 0.2001, 0.01)])
+#: Largest way of a wall between two equilibria, over D.
+ADVANCE = 0.00125
+#: Ways of each wall at which forces are written, over D: of plates half their approach.
+PLATE_WAYS = 0.5 * np.concatenate([[0.005, 0.01, 0.015], np.arange(0.02, 0.2001, 0.01)])
+BOX_STEP = 0.0025
 
 
 class Mesh:
     """Quarter of a disk of radius 1/2, x >= 0 and y >= 0: a square core and two blocks to the arc.
+
+    Elements shrink towards the pole (0, 1/2), and where four walls touch towards (1/2, 0), too.
 
     Attributes:
         nodes (ndarray): positions, shape (nodes, 2).
@@ -48,11 +53,12 @@ class Mesh:
         arc (ndarray): nodes on the arc, from the pole (0, 1/2) on.
     """
 
-    def __init__(self, n):
+    def __init__(self, n, walls):
         self._number = {}
         self._elements = []
         fine = np.linspace(0, 1, 2 * n + 1)
         across = fine**GRADING  # along x, from the pole's axis
+        up = across if walls == 4 else fine  # along y
         half = CORE / 2
 
         def core(s, t):
@@ -68,9 +74,9 @@ class Mesh:
             return place
 
         outward = 1 - (1 - fine) ** 1.2  # finer towards the arc
-        self._add(core, across, fine)
+        self._add(core, across, up)
         self._add(block(lambda s: core(s, 1), lambda s: np.pi / 2 - s * np.pi / 4), across, outward)
-        self._add(block(lambda s: core(1, s), lambda s: s * np.pi / 4), fine, outward, flipped=True)
+        self._add(block(lambda s: core(1, s), lambda s: s * np.pi / 4), up, outward, flipped=True)
         self.nodes = np.array(list(self._number))
         self.elements = np.array(self._elements)
         on_arc = np.flatnonzero(np.abs(np.linalg.norm(self.nodes, axis=1) - 0.5) < 1e-9)
@@ -97,14 +103,16 @@ def line_shapes(s):
 
 
 class Disk:
-    """Equilibrium of the quarter under a plate at height Y; Young's modulus and diameter 1."""
+    """Equilibrium of the quarter within walls; Young's modulus and diameter 1."""
 
-    def __init__(self, mesh, poisson):
+    def __init__(self, mesh, poisson, walls):
         self.mu = 0.5 / (1 + poisson)
         self.lam = poisson / ((1 + poisson) * (1 - 2 * poisson))
         self.mesh = mesh
         self.x = mesh.nodes.copy()
-        self.active = np.zeros(len(mesh.arc), bool)
+        #: Unknowns that walls may stop: heights of the arc's nodes, between four walls x, too.
+        self.stopped = np.concatenate([2 * mesh.arc + 1, 2 * mesh.arc][: walls // 2])
+        self.active = np.zeros(len(self.stopped), bool)
         self._tables()
         at_axis = np.abs(mesh.nodes) < 1e-9
         self.held = np.flatnonzero(at_axis.ravel())
@@ -164,17 +172,17 @@ class Disk:
         stiffness = scipy.sparse.coo_matrix((K.ravel(), (self.rows, self.columns)), (size, size))
         return force, stiffness.tocsr()
 
-    def press(self, height):
-        """Equilibrium under the plate at `height`; the active set is found on the way."""
-        arc_y = 2 * self.mesh.arc + 1
-        self.active |= self.x.ravel()[arc_y] > height
+    def press(self, place):
+        """Equilibrium with the walls at this distance; the active set is found on the way."""
+        stopped = self.stopped
+        self.active |= self.x.ravel()[stopped] > place
         for iteration in range(100):
             force, stiffness = self.assemble()
-            pulled = self.active & (force[arc_y] > 1e-12) & self._settled & (iteration < RELEASES)
+            pulled = self.active & (force[stopped] > 1e-12) & self._settled & (iteration < RELEASES)
             self.active &= ~pulled
-            fixed = np.concatenate([self.held, arc_y[self.active]])
+            fixed = np.concatenate([self.held, stopped[self.active]])
             step = np.zeros(self.x.size)
-            step[arc_y[self.active]] = height - self.x.ravel()[arc_y[self.active]]
+            step[stopped[self.active]] = place - self.x.ravel()[stopped[self.active]]
             free = np.setdiff1d(np.arange(self.x.size), fixed)
             residual = -force - stiffness @ step
             step[free] = scipy.sparse.linalg.spsolve(
@@ -184,71 +192,92 @@ class Disk:
             while (self.strain(self.x + share * step.reshape(-1, 2))[1] <= LEAST_VOLUME).any():
                 share *= 0.5
             self.x += share * step.reshape(-1, 2)
-            entered = ~self.active & (self.x.ravel()[arc_y] > height + 1e-12)
+            entered = ~self.active & (self.x.ravel()[stopped] > place + 1e-12)
             self.active |= entered
             self._settled = share == 1 and np.abs(step).max() < 1e-6
             done = share == 1 and np.abs(step).max() < 1e-10
             if done and not entered.any() and not pulled.any():
                 return self._result()
-        raise RuntimeError(f"no equilibrium at height {height}")
+        raise RuntimeError(f"no equilibrium with walls at {place}")
 
     _settled = False  # forces tell contact from release only near equilibrium
 
     def _result(self):
         force, _ = self.assemble()
         _, J = self.strain(self.x)
-        touching = self.mesh.arc[self.active]
+        touching = self.mesh.arc[self.active[: len(self.mesh.arc)]]  # the wall above
         width = self.x[touching, 0].max() if len(touching) else 0.0
         return -2 * force[2 * touching + 1].sum(), width, 4 * (self.w * J).sum()
 
 
-def curve(n, poisson, deltas):
-    """Force, contact half-width and area at each approach on the mesh of n, shape (deltas, 3)."""
-    disk = Disk(Mesh(n), poisson)
+def curve(n, poisson, walls, ways):
+    """Force on a wall, contact half-width and area for each way, on the mesh of n: (ways, 3)."""
+    disk = Disk(Mesh(n, walls), poisson, walls)
     rows, last = [], 0.0
-    for delta in deltas:
-        for part in np.linspace(last, delta, 1 + int(np.ceil((delta - last) / ADVANCE - 1e-9)))[1:]:
-            result = disk.press(0.5 * (1 - part))
+    for way in ways:
+        parts = 1 + int(np.ceil((way - last) / ADVANCE - 1e-9))
+        for part in np.linspace(last, way, parts)[1:]:
+            result = disk.press(0.5 - part)
         rows.append(result)
-        last = delta
-        print(f"n = {n}, delta/D = {delta:.3f}: F/(E D) = {rows[-1][0]:.7f}", flush=True)
+        last = way
+        print(f"n = {n}, way/D = {way:.4f}: F/(E D) = {rows[-1][0]:.7f}", flush=True)
     return np.array(rows)
 
 
-def write(file, poisson, deltas, curves):
-    finest = curves[-1]
-    uncertainty = np.abs(curves[-2][:, 0] / finest[:, 0] - 1)
-    meshes = ",".join(f"force_mesh_{n}" for n in MESHES)
+def columns(walls, ways, curves):
+    """What is written, by name: arrays (ways,)."""
+    force, width, area = curves[-1].T
+    if walls == 2:
+        first = {"delta_over_D": 2 * ways}
+    else:
+        cell = (1 - 2 * ways) ** 2
+        phi, phi0 = area / cell, 0.25 * np.pi / cell
+        first = {"wall_displacement_over_D": ways, "phi": phi, "phi0": phi0}
+    return {
+        **first,
+        "force_over_ED": force,
+        "rel_uncertainty": np.abs(curves[-2][:, 0] / force - 1),
+        "contact_halfwidth_over_D": width,
+        "deformed_area_over_D2": area,
+        **{f"force_mesh_{n}": c[:, 0] for n, c in zip(MESHES, curves)},
+    }
+
+
+def write(file, poisson, walls, ways, curves):
+    case = {
+        2: "Diametral compression of a disk between two rigid frictionless plates",
+        4: "Disk in a square box whose four rigid frictionless walls move in by w each",
+    }[walls]
+    way = "delta_over_D = total approach of the plates" if walls == 2 else "force: on one wall"
+    table = columns(walls, ways, curves)
     with open(file, "w") as out:
         out.write(
-            "# Diametral compression of a disk between two rigid frictionless plates; plane "
-            f"strain, nu = {poisson:g}, neo-Hookean\n"
-            "# units: lengths /D, force over E D per unit (reference) thickness; delta_over_D = "
-            "total approach of the plates\n"
+            f"# {case}; plane strain, nu = {poisson:g}, neo-Hookean\n"
+            f"# units: lengths /D, force over E D per unit (reference) thickness; {way}\n"
             "# biquadratic displacement, discontinuous linear pressure, quarter of the disk; made "
-            f"by scripts/reference/disk_between_plates.py --poisson {poisson:g}\n"
-            "delta_over_D,force_over_ED,rel_uncertainty,contact_halfwidth_over_D,"
-            f"deformed_area_over_D2,{meshes}\n"
+            f"by scripts/reference/disk_between_walls.py --walls {walls} --poisson {poisson:g}\n"
         )
-        for k, delta in enumerate(deltas):
-            values = [delta, finest[k, 0], uncertainty[k], finest[k, 1], finest[k, 2]]
-            out.write(",".join(f"{v:.8g}" for v in values + [c[k, 0] for c in curves]) + "\n")
+        out.write(",".join(table) + "\n")
+        for row in zip(*table.values()):
+            out.write(",".join(f"{v:.8g}" for v in row) + "\n")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--poisson", type=float, default=0.49, help="Poisson's ratio [-]")
-    parser.add_argument("--out", type=Path, help="file to write")
+    add = parser.add_argument
+    add("--walls", type=int, choices=(2, 4), default=2, help="two plates, or four walls of a box")
+    add("--poisson", type=float, default=0.49, help="Poisson's ratio [-]")
+    add("--way", type=float, default=0.1, help="of each wall of the box, over D [-]")
+    add("--out", type=Path, help="file to write")
     options = parser.parse_args()
     if not -1 < options.poisson < 0.5:
         parser.error(f"argument --poisson: {options.poisson} is outside (-1, 0.5)")
-    curves = [curve(n, options.poisson, DELTAS) for n in MESHES]
-    write(
-        options.out or f"disk_plane_strain_nu{options.poisson:g}.csv",
-        options.poisson,
-        DELTAS,
-        curves,
-    )
+    box_ways = BOX_STEP * np.arange(1, round(options.way / BOX_STEP) + 1)
+    ways = PLATE_WAYS if options.walls == 2 else box_ways
+    curves = [curve(n, options.poisson, options.walls, ways) for n in MESHES]
+    name = "disk_plane_strain" if options.walls == 2 else "square_cell"
+    file = options.out or f"{name}_nu{options.poisson:g}.csv"
+    write(file, options.poisson, options.walls, ways, curves)
 
 
 if __name__ == "__main__":
