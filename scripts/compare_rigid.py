@@ -46,7 +46,7 @@ def run(model, problem, options):
     return json.loads(result.read_text())
 
 
-def highest(curves, name):
+def upper_limit(curves, name):
     """Of the models that deform, and room above; None without one."""
     tops = [max(curve[name]) for model, curve in curves.items() if MODELS[model].deforms]
     return 1.25 * max(tops) if tops else None
@@ -66,13 +66,13 @@ def plot(cells, packings, exact, path):
         xlabel="displacement of each side w / D",
         ylabel="force F / (E D)",
         xlim=(0, 0.06),
-        ylim=(0, highest(cells, "force")),
+        ylim=(0, upper_limit(cells, "force")),
         title="one grain in a closing box",
     )
     packing.set(
         xlabel=r"nominal packing fraction $\phi_0$",
         ylabel=r"$\sigma$ / E",
-        ylim=(0, highest(packings, "stress")),
+        ylim=(0, upper_limit(packings, "stress")),
         title="packing",
     )
     for axes in (cell, packing):

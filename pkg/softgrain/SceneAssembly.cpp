@@ -7,6 +7,7 @@
 #include "SoftMat.hpp"
 #include "Threads.hpp"
 
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <typeinfo>
@@ -79,11 +80,11 @@ bool isAsAssembled(const SoftGrain& grain, const SoftMat& material)
 	       grain.assembledCondition == material.condition;
 }
 
-bool belongsTo(const softgrain::GrainAssembly* assembly, const Body& body)
+/// Whether a grain is in an assembly, and as it was when it went there.
+bool isInAssembly(const Body& body)
 {
 	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
-	return assembly && grain.assembly.get() == assembly &&
-	       assembly->idOf(grain.index) == body.getId() &&
+	return grain.assembly && grain.assembly->idOf(grain.index) == body.getId() &&
 	       isAsAssembled(grain, static_cast<const SoftMat&>(*body.material));
 }
 
@@ -104,48 +105,56 @@ bool passes(const Body& body, const Scene& scene) noexcept
 	}
 }
 
-bool isSoft(const Body* body) { return body && isA<SoftGrain>(body->shape); }
+/// The soft grains of a scene.
+struct SoftScene {
+	int grains = 0;
+	/// Of them all, as they are; null if there is none.
+	std::shared_ptr<softgrain::GrainAssembly> assembly;
+};
+
+/// Throws std::invalid_argument for the first body that cannot be in the scene. In one pass: all
+/// bodies are visited in every step, and most of it is waiting for memory.
+SoftScene softScene(const Scene& scene, int threads)
+{
+	const BodyContainer& bodies = *scene.bodies;
+	const int count = static_cast<int>(bodies.size());
+	int faulty = count, first = count, grains = 0, inAssembly = 0;
+	std::uintptr_t lowest = UINTPTR_MAX, highest = 0; // of the assemblies: are they one?
+#pragma omp parallel for schedule(static) reduction(min : faulty, first, lowest)                   \
+	reduction(max : highest) reduction(+ : grains, inAssembly)                                 \
+	num_threads(softgrain::threadsFor(count, threads, bodiesPerThread))
+	for (int id = 0; id < count; ++id) {
+		if (faulty < id) continue; // one is enough
+		fetchBodies(bodies, id, count, [](int i) { return i; });
+		const Body* body = bodies[id].get();
+		if (!body || !body->shape) continue;
+		if (!passes(*body, scene)) {
+			faulty = id;
+			continue;
+		}
+		if (!isSoftGrain(*body)) continue;
+		const auto assembly = reinterpret_cast<std::uintptr_t>(
+			static_cast<const SoftGrain&>(*body->shape).assembly.get());
+		first = std::min(first, id);
+		lowest = std::min(lowest, assembly);
+		highest = std::max(highest, assembly);
+		++grains;
+		inAssembly += isInAssembly(*body);
+	}
+	if (faulty < count) check(*bodies[faulty], scene);
+	SoftScene soft { grains, nullptr };
+	if (grains == 0 || lowest != highest || inAssembly != grains) return soft;
+	const auto& assembly = static_cast<SoftGrain&>(*bodies[first]->shape).assembly;
+	if (assembly->grains() == grains) soft.assembly = assembly;
+	return soft;
+}
 
 std::vector<Body*> softBodies(const Scene& scene)
 {
 	std::vector<Body*> soft;
 	for (const shared_ptr<Body>& body : *scene.bodies)
-		if (isSoft(body.get())) soft.push_back(body.get());
+		if (body && isSoftGrain(*body)) soft.push_back(body.get());
 	return soft;
-}
-
-/// That of the first soft grain; null if there is none.
-std::shared_ptr<softgrain::GrainAssembly> firstAssembly(const Scene& scene)
-{
-	for (const shared_ptr<Body>& body : *scene.bodies)
-		if (isSoft(body.get())) return static_cast<SoftGrain&>(*body->shape).assembly;
-	return nullptr;
-}
-
-/// The assembly of all soft grains as they are, if there is one. Throws std::invalid_argument for
-/// the first body that cannot be. In one pass: all bodies are visited in every step, and most of it
-/// is waiting for memory.
-std::shared_ptr<softgrain::GrainAssembly> presentAssembly(const Scene& scene, int threads)
-{
-	const auto assembly = firstAssembly(scene);
-	const BodyContainer& bodies = *scene.bodies;
-	const int count = static_cast<int>(bodies.size());
-	int faulty = count, soft = 0, strangers = 0;
-#pragma omp parallel for schedule(static) reduction(min : faulty) reduction(+ : soft, strangers)   \
-	num_threads(softgrain::threadsFor(count, threads, bodiesPerThread))
-	for (int id = 0; id < count; ++id) {
-		fetchBodies(bodies, id, count, [](int i) { return i; });
-		const Body* body = bodies[id].get();
-		if (!body || !body->shape) continue;
-		if (!passes(*body, scene))
-			faulty = std::min(faulty, id);
-		else if (isSoft(body)) {
-			++soft;
-			if (!belongsTo(assembly.get(), *body)) ++strangers;
-		}
-	}
-	if (faulty < count) check(*bodies[faulty], scene);
-	return assembly && strangers == 0 && assembly->grains() == soft ? assembly : nullptr;
 }
 
 /// What a grain goes on from; it is awake if its material changed since it was assembled.
@@ -193,14 +202,14 @@ void requireShapesOfTheirOwn(const std::vector<Body*>& bodies)
 
 std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threads)
 {
-	const auto present = presentAssembly(scene, threads);
-	const auto bodies = present ? std::vector<Body*>() : softBodies(scene);
-	if (!present && bodies.empty()) return nullptr;
+	const SoftScene soft = softScene(scene, threads);
+	if (soft.grains == 0) return nullptr;
 	checkHost(scene);
-	if (present) return present;
+	if (soft.assembly) return soft.assembly;
 
 	std::vector<softgrain::GrainDescription> grains;
 	std::shared_ptr<softgrain::GrainAssembly> last;
+	const std::vector<Body*> bodies = softBodies(scene);
 	requireShapesOfTheirOwn(bodies);
 	for (const Body* body : bodies) {
 		const auto& before = static_cast<SoftGrain&>(*body->shape).assembly;

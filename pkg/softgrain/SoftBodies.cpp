@@ -115,7 +115,7 @@ bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 	const softgrain::GrainMotion& written = grain.written;
 	const Real radius = grain.radius;
 	requireMotion(body);
-	assembly_.note(g, false); // the next State is to be published, whatever becomes of it
+	assembly_.setPublishedAsleep(g, false); // whatever becomes of it, State is written next
 	const Vec3 shift = state.pos - written.position;
 	Rotation turn = state.ori * written.orientation.conjugate();
 	requireInPlane(body, turn);
@@ -172,9 +172,10 @@ void SoftBodies::publishMotions(const CellFlow& flow, int threads) const
 	const int count = assembly_.grains();
 #pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
 	for (int g = 0; g < count; ++g) {
-		const bool asleep = assembly_.isAsleep(g), news = !(asleep && assembly_.isNoted(g));
-		assembly_.note(g, asleep);
-		if (news) publishMotion(g, flow);
+		const bool asleep = assembly_.isAsleep(g);
+		const bool known = asleep && assembly_.isPublishedAsleep(g);
+		assembly_.setPublishedAsleep(g, asleep);
+		if (!known) publishMotion(g, flow);
 	}
 }
 

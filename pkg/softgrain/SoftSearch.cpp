@@ -76,12 +76,12 @@ void describeByCentres(SoftGeom& geom, const Interaction& I, const Vec3& normal,
 }
 
 /// YADE's rules for Ig2: an interaction stays potential until there is a contact; once real it is
-/// Law2 that ends it.
+/// Law2 that ends it. One that stays potential keeps its geometry, which knows the nodes that come
+/// near: most of them are looked at again in the next step.
 bool conclude(const shared_ptr<SoftGeom>& geom, bool force, const shared_ptr<Interaction>& I)
 {
-	if (!geom->pair->hasContact() && !I->isReal() && !force) return false;
 	I->geom = geom;
-	return true;
+	return geom->pair->hasContact() || I->isReal() || force;
 }
 
 /// On which side of a wall a grain lies, along its axis.

@@ -143,7 +143,7 @@ class Bonded(Spheres):
     With kn and ks of a bond the lattice has, in its plane and by unit of thickness t,
     C11 = sqrt(3)/4 (3 kn + ks)/t and C12 = sqrt(3)/4 (kn - ks)/t, so a Poisson's ratio of
     (kn - ks)/(3 kn + ks), at most 1/3. Plane strain asks for nu/(1 - nu), which is in reach up to
-    nu = 0.25; beyond that, ks/kn is small and the ratio falls short. kn is that of the right
+    nu = 0.237 with ``least_shear``; beyond that the ratio falls short. kn is that of the right
     Young's modulus in the plane, E/(1 - nu^2).
     """
 

@@ -11,7 +11,7 @@ def add_case_options(parser):
         type=float,
         choices=finite_elements.CELL_POISSON_RATIOS,
         default=0.2,
-        help="Poisson's ratio of the grains; up to 0.25 bonded particles can have it [-]",
+        help="Poisson's ratio of the grains; up to 0.237 bonded particles can have it [-]",
     )
     add("--grains", type=command_line.whole_from(4), default=25, help="in the packing [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")

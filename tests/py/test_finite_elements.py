@@ -89,7 +89,7 @@ def test_nearly_incompressible(poisson, expected):
 
 
 def test_cell_with_another_poisson():
-    """Softer with the smaller ratio; forces of three meshes agree."""
+    """Softer with the smaller ratio; forces of the two finest meshes agree."""
     soft, stiff = finite_elements.square_cell(0.2), finite_elements.square_cell()
     at = np.array([0.01, 0.05, 0.09])
     forces = [

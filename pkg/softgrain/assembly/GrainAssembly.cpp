@@ -23,7 +23,7 @@ public:
 		const Templates<dim> none, &known = assembly ? assembly->templates_ : none;
 		for (auto& described : makeSets<dim>(grains, known, templates_))
 			add(described);
-		noted_.assign(system_.grains(), false);
+		publishedAsleep_.assign(system_.grains(), false);
 		system_.updateSurfaces(1);
 		slowestWave_ = std::numeric_limits<double>::infinity();
 		for (int g = 0; g < system_.grains(); ++g)

@@ -67,9 +67,10 @@ public:
 	virtual void updateForces(int threads) = 0;   ///< throws StepError
 	virtual bool isRigid(int g) const = 0;        ///< moves as a rigid body
 	virtual bool isAsleep(int g) const = 0;       ///< at rest, and left as it is
-	/// Whether the host has noted of a grain that it sleeps, since when there is no news of it.
-	bool isNoted(int g) const { return noted_[g]; }
-	void note(int g, bool asleep) { noted_[g] = asleep; }
+	/// For the host, whether it has published that a grain sleeps: nothing changes until it is
+	/// awake again.
+	bool isPublishedAsleep(int g) const { return publishedAsleep_[g]; }
+	void setPublishedAsleep(int g, bool asleep) { publishedAsleep_[g] = asleep; }
 
 	virtual std::unique_ptr<PairContacts> newPair() const = 0;
 	/// Of the grain `first` and the image of the other.
@@ -97,8 +98,8 @@ public:
 				std::vector<RigidContactDescription>& rigidContacts) = 0;
 	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
 
-	/// Of all grains g; threads share the calls of `loadOf`. Another load than before wakes a
-	/// sleeping grain, and so does `moveRigidly`.
+	/// Of all grains g; so many threads share the calls of `loadOf`, which must throw nothing.
+	/// Another load than before wakes a sleeping grain, and so does `moveRigidly`.
 	virtual void setLoads(const std::function<GrainLoad(int g)>& loadOf, int threads) = 0;
 	virtual GrainMotion motion(int g) const = 0;
 	/// Present inertia about the centre of mass, axes of space; in 2D about z alone.
@@ -132,7 +133,7 @@ public:
 	virtual GrainState state(int g, Vec3& origin) const = 0;
 
 protected:
-	std::vector<char> noted_; ///< by grain
+	std::vector<char> publishedAsleep_;
 };
 
 } // namespace softgrain

@@ -70,6 +70,21 @@ TEST_CASE("Corners: nodes beyond the end of a side do not touch it", "[contact]"
 	}
 }
 
+TEST_CASE("Corners: edges upon edges touch across the faces", "[contact]")
+{
+	constexpr double dr = 0.5;
+	for (double aside : { 0., 1e-12, -1e-12, 0.04 * dr, -0.04 * dr, 0.06 * dr, -0.06 * dr }) {
+		CAPTURE(aside);
+		const TwoBlocks blocks(dr, { aside, 2 + 1e-6 }, 0.02);
+		const bool lostEdges = std::abs(aside) > 0.05 * dr;          // one of each block
+		CHECK(blocks.list.contacts.size() == (lostEdges ? 16 : 18)); // nine nodes a side
+		for (const Contact<2>& c : blocks.list.contacts) {
+			CHECK(std::abs(std::abs(c.normal[1]) - 1) < 1e-12);
+			CHECK(std::abs(c.gap - 1e-6) < 1e-12);
+		}
+	}
+}
+
 TEST_CASE("Corners: corner against corner touches across the distance", "[contact]")
 {
 	const TwoBlocks blocks(0.5, { 4.03, 2.04 }, 0.1);

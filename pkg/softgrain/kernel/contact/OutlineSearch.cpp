@@ -73,17 +73,18 @@ bool isIndented(const ContactBody<2>& body, int corner)
 /// In 3D there are blocks only.
 bool isIndented(const ContactBody<3>&, int) { return false; }
 
-/// What is beyond an edge by less, in dr, lies over the facet still: where two edges lie upon each
-/// other the direction from one to the other is that of rounding. In a notch nothing does, and only
-/// a direction that has no length is not asked.
-constexpr double edgeWidth = 0.05, notchWidth = 1e-9;
+/// What is beyond an edge by less, in dr, lies over the facet still. Of a node, which is held
+/// against facets that it faces only: where two edges lie upon each other the direction from one to
+/// the other is that of rounding. In a notch, and of the tip of a rigid body, only where there is
+/// no direction.
+constexpr double edgeWidth = 0.05, noWidth = 1e-9;
 
 /// Whether the place nearest to `x` is a sharp edge or corner of the outline with `x` beyond the
 /// end of the facet: no facet lies under `x` then, and the distance to the edge is the gap,
-/// negative below an indentation.
+/// negative below an indentation. `width`: of the edge, in dr.
 template <int dim>
 bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place,
-		  Contact<dim>& contact)
+		  double width, Contact<dim>& contact)
 {
 	Vec<dim> foot = Vec<dim>::Zero();
 	bool indented = false;
@@ -96,8 +97,8 @@ bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOn
 	}
 	const Vec<dim> apart = x - foot;
 	const Vec<dim> normal = body.areaOfFacet(place.facet).normalized();
-	const double width = (indented ? notchWidth : edgeWidth) * body.pointSpacing;
-	if ((apart - apart.dot(normal) * normal).norm() < width) return false;
+	const double beyond = (apart - apart.dot(normal) * normal).norm();
+	if (beyond < (indented ? noWidth : width) * body.pointSpacing) return false;
 	const double sign = indented && body.encloses(x) ? -1 : 1;
 	contact.normal = sign * apart.normalized();
 	contact.gap = sign * apart.norm();
@@ -141,7 +142,8 @@ void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& ot
 		if (!faces && !mayBeInside) return;
 		if (!faces) place = nearestPlace(x, other, facets, anyFacet);
 		Contact<dim> contact = contactAt(x, other, place);
-		if (isBeyondEdge(x, other, place, contact) && !body.facesAgainst(s, contact.normal))
+		if (isBeyondEdge(x, other, place, edgeWidth, contact) &&
+		    !body.facesAgainst(s, contact.normal))
 			return;
 		if (contact.gap >= (faces ? reach : -deep)) return;
 		// behind the line of a side that has been bent, and outside all the same
@@ -196,7 +198,7 @@ std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
 		leanOnOutline(centre, body, place, contact);
 	else {
 		measureGap(centre, body, place, contact);
-		isBeyondEdge(centre, body, place, contact);
+		isBeyondEdge(centre, body, place, noWidth, contact);
 	}
 	contact.gap -= radius;
 	if (contact.gap >= reach) return std::nullopt;

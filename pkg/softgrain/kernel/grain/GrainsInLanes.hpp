@@ -213,34 +213,18 @@ template <class Use> void forEachPart(Use&& use)
 			use(HalfBlock {}, begin);
 }
 
-/// Tied nodes take their positions from those that they follow.
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void followTies(const PointLines<dim>& lines, BlockField<dim>& x)
 {
-	lines.forEachTied([&](int tied, auto&& forEachFollowed) {
-		Lanes sum[dim] = {};
-		forEachFollowed([&](int followed, double weight) {
-			for (int a = 0; a < dim; ++a)
-				sum[a] += weight * x.at(followed, a);
-		});
-		for (int a = 0; a < dim; ++a)
-			x.at(tied, a) = sum[a];
-	});
+	softgrain::followTies<Lanes>(lines,
+				     [&](int place, int a) -> Lanes& { return x.at(place, a); });
 }
-/// Tied nodes hand their forces to those that they follow.
 template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void handTiedForces(const PointLines<dim>& lines,
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void handToFollowed(const PointLines<dim>& lines,
 						       BlockField<dim>& force)
 {
-	lines.forEachTied([&](int tied, auto&& forEachFollowed) {
-		Lanes own[dim];
-		for (int a = 0; a < dim; ++a)
-			own[a] = force.at(tied, a);
-		forEachFollowed([&](int followed, double weight) {
-			for (int a = 0; a < dim; ++a)
-				force.at(followed, a) += weight * own[a];
-		});
-	});
+	softgrain::handToFollowed<Lanes>(
+		lines, [&](int place, int a) -> Lanes& { return force.at(place, a); });
 }
 
 } // namespace detail
@@ -317,7 +301,7 @@ public:
 	}
 	void finish(const BulkSums& sums, Batch<dim>& batch)
 	{
-		detail::handTiedForces(lines_, force_);
+		detail::handToFollowed(lines_, force_);
 		force_.store(batch.force, batch, block_, lines_.nodePlace,
 			     volume_ * inverseRadius_);
 		for (int l = 0; l < laneWidth && batch.hasGrain(block_, l); ++l)

@@ -169,15 +169,8 @@ public:
 		for (int I = 0; I < lines_.nodes(); ++I)
 			for (int a = 0; a < dim; ++a)
 				x[a][lines_.nodePlace[I]] = inverseRadius * own[I][a];
-		lines_.forEachTied([&](int tied, auto&& forEachFollowed) {
-			double sum[dim] = {};
-			forEachFollowed([&](int followed, double weight) {
-				for (int a = 0; a < dim; ++a)
-					sum[a] += weight * x[a][followed];
-			});
-			for (int a = 0; a < dim; ++a)
-				x[a][tied] = sum[a];
-		});
+		followTies<double>(lines_,
+				   [&](int place, int a) -> double& { return x[a][place]; });
 	}
 
 	const LameConstants& lame() const { return lame_; }
@@ -231,15 +224,8 @@ public:
 	void finish(const BulkSums& sums, Batch<dim>& batch)
 	{
 		const auto force = components<double>(force_);
-		lines_.forEachTied([&](int tied, auto&& forEachFollowed) {
-			double own[dim];
-			for (int a = 0; a < dim; ++a)
-				own[a] = force[a][tied];
-			forEachFollowed([&](int followed, double weight) {
-				for (int a = 0; a < dim; ++a)
-					force[a][followed] += weight * own[a];
-			});
-		});
+		handToFollowed<double>(
+			lines_, [&](int place, int a) -> double& { return force[a][place]; });
 		const double scale = batch.pointScale[grain_] / batch.grain[grain_].radius;
 		Vec<dim>* own = batch.force.of(grain_);
 		for (int I = 0; I < lines_.nodes(); ++I)

@@ -77,6 +77,35 @@ template <int dim, int order> struct LinesInLoop {
 	}
 };
 
+/// Tied nodes take what they carry (`at(place, component)`) from those that they follow. Sums are
+/// in variables of their own, not in the field.
+template <class Number, int dim, class At> void followTies(const PointLines<dim>& lines, At&& at)
+{
+	lines.forEachTied([&](int tied, auto&& forEachFollowed) {
+		Number sum[dim] = {};
+		forEachFollowed([&](int followed, double weight) {
+			for (int a = 0; a < dim; ++a)
+				sum[a] += weight * at(followed, a);
+		});
+		for (int a = 0; a < dim; ++a)
+			at(tied, a) = sum[a];
+	});
+}
+/// The transpose: they hand what they bear to those that they follow.
+template <class Number, int dim, class At>
+void handToFollowed(const PointLines<dim>& lines, At&& at)
+{
+	lines.forEachTied([&](int tied, auto&& forEachFollowed) {
+		Number own[dim];
+		for (int a = 0; a < dim; ++a)
+			own[a] = at(tied, a);
+		forEachFollowed([&](int followed, double weight) {
+			for (int a = 0; a < dim; ++a)
+				at(followed, a) += weight * own[a];
+		});
+	});
+}
+
 /// Calls `use` with the order of the splines as a type.
 template <class Use> void withOrder(int order, Use&& use)
 {
