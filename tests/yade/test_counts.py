@@ -55,6 +55,20 @@ def test_neighbours_out_of_reach_are_told_apart_by_the_balls_about_them():
     assert engine.contactsSwept == engine.totalSweeps == 0
 
 
+def test_neighbours_that_do_not_touch_keep_their_geometry():
+    """It knows the nodes that come near; a new one would be searched from the beginning."""
+    two_disks(distance=1.01)
+    run(1)
+    (pair,) = O.interactions.all()
+    geometry = pair.geom
+    assert geometry is not None and geometry != sg.SoftGeom()
+    run(STEPS)
+    assert pair.geom == geometry and not pair.isReal
+    while not pair.isReal:
+        run(1)
+    assert pair.geom == geometry
+
+
 def test_only_nodes_near_the_other_grain_are_candidates():
     a, b = two_disks(distance=1.001)
     run(STEPS)
