@@ -257,7 +257,8 @@ def write(file, poisson, walls, ways, curves):
             f"# {case}; plane strain, nu = {poisson:g}, neo-Hookean\n"
             f"# units: lengths /D, force over E D per unit (reference) thickness; {way}\n"
             "# biquadratic displacement, discontinuous linear pressure, quarter of the disk; made "
-            f"by scripts/reference/disk_between_walls.py --walls {walls} --poisson {poisson:g}{far}\n"
+            f"by scripts/reference/disk_between_walls.py --walls {walls} --poisson {poisson:g}"
+            f"{far}\n"
         )
         out.write(",".join(table) + "\n")
         for row in zip(*table.values()):
