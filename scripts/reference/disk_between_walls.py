@@ -275,6 +275,8 @@ def main():
     options = parser.parse_args()
     if not -1 < options.poisson < 0.5:
         parser.error(f"argument --poisson: {options.poisson} is outside (-1, 0.5)")
+    if not BOX_STEP <= options.way < 0.5:
+        parser.error(f"argument --way: {options.way} is outside [{BOX_STEP}, 0.5)")
     box_ways = BOX_STEP * np.arange(1, round(options.way / BOX_STEP) + 1)
     ways = PLATE_WAYS if options.walls == 2 else box_ways
     curves = [curve(n, options.poisson, options.walls, ways) for n in MESHES]

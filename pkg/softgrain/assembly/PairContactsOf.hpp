@@ -177,7 +177,7 @@ public:
 		append(sum.shear);
 		append(sum.point);
 		append(sum.moment);
-		append(list.rest.support);
+		append(list.rest.placeOfSecond);
 		return numbers;
 	}
 	void restoreRest(const std::vector<double>& saved) override

@@ -108,8 +108,8 @@ TEMPLATE_TEST_CASE_SIG("Interface: cohesion holds flat faces up to its traction"
 		       "[interface][dugdale]", ((int dim), dim), 2, 3)
 {
 	for (bool onPlane : { true, false }) {
-		// without friction two free blocks that pull at each other tilt and slide off in
-		// the end: in 3D, where their faces are rough by the order of the facets, soon
+		// without friction two free blocks that pull at each other tilt and slide off
+		// (doc/decisions/0024-interface-laws.md): cubes within these steps
 		const double friction = dim == 2 || onPlane ? 0 : 0.5;
 		for (double share : { 0.97, 1.03 }) {
 			Scene<dim> scene = pressedBlocks<dim>(dim == 2 ? 0.25 : 0.5, onPlane,

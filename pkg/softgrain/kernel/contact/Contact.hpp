@@ -59,8 +59,9 @@ template <int dim> struct RigidSide {
 	Vec<dim> pivot = Vec<dim>::Zero(); ///< moments of the impulses are about it, m
 	double speed = 0;                  ///< no place of the surface is faster, m/s
 	int partner = -1;                  ///< its motion: number in the step at hand
-	/// RigidPartner::moves and carries, known from the begin of a step until the next search.
-	bool moves = false, carried = false;
+	/// RigidPartner::moves and hasVelocity, known from the begin of a step until the next
+	/// search.
+	bool moves = false, hasVelocity = false;
 	/// Other surfaces about the grain, during a search: asked for where it meets an edge. May
 	/// be empty.
 	std::function<std::vector<RigidSurface<dim>>()> others;
@@ -99,11 +100,11 @@ template <int dim> struct PairImpulse {
 
 /// Of a pair that is asleep: both bodies lie still, and contacts and impulses stay as they are.
 struct PairRest {
-	double kick = 0;             ///< time over which the impulses acted, s; 0: awake
-	std::vector<double> support; ///< ContactList::support then
-	bool changed = false;        ///< a body or the friction, since: the pair is to be woken
-	bool found = true; ///< contacts are complete; after loading only keys and impulses are
-	bool kept = false; ///< impulses were those of the step before in the last step
+	double kick = 0;                   ///< time over which the impulses acted, s; 0: awake
+	std::vector<double> placeOfSecond; ///< ContactList::placeOfSecond then
+	bool changed = false; ///< a body or the friction, since: the pair is to be woken
+	bool found = true;    ///< contacts are complete; after loading only keys and impulses are
+	bool kept = false;    ///< impulses were those of the step before in the last step
 };
 
 /// All contacts of two bodies, sorted by key.
@@ -130,13 +131,13 @@ template <int dim> struct ContactList {
 	bool hasStillSupport() const
 	{
 		if (rigid)
-			return !rigid->moves && !rigid->carried && rigid->speed == 0 &&
+			return !rigid->moves && !rigid->hasVelocity && rigid->speed == 0 &&
 			       image.velocity.isZero(0);
 		return second < 0 && plane.velocity.isZero(0);
 	}
 	/// Where the plane or the rigid body is, or the image of the second grain if it is
 	/// displaced, in numbers.
-	std::vector<double> support() const;
+	std::vector<double> placeOfSecond() const;
 	void clearContacts()
 	{
 		contacts.clear();
@@ -162,7 +163,7 @@ template <int dim> struct ContactList {
 	}
 };
 
-template <int dim> std::vector<double> ContactList<dim>::support() const
+template <int dim> std::vector<double> ContactList<dim>::placeOfSecond() const
 {
 	if (second >= 0 && image.shift.isZero(0)) return {};
 	if (second >= 0) return { image.shift.begin(), image.shift.end() };

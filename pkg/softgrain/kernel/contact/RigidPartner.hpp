@@ -49,7 +49,7 @@ template <int dim> struct RigidPartner {
 	/// Whether impulses change its motion.
 	bool moves() const { return !inverseMass.isZero(0) || !inverseInertia.isZero(0); }
 	/// Whether it moves as it stands, impulses apart.
-	bool carries() const { return !velocity.isZero(0) || !spin.isZero(0); }
+	bool hasVelocity() const { return !velocity.isZero(0) || !spin.isZero(0); }
 	/// Of its point at `arm` from the centre.
 	Vec<dim> velocityAt(const Vec<dim>& arm) const { return velocity + turned<dim>(spin, arm); }
 	Vec<dim> velocityBeforeAt(const Vec<dim>& arm) const

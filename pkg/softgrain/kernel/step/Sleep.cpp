@@ -71,7 +71,7 @@ template <int dim> bool System<dim>::liesStill(const ContactList<dim>& list) con
 	if (!isAsleep(list.first)) return false;
 	const bool still = list.second >= 0 ? isAsleep(list.second) && list.image.velocity.isZero(0)
 					    : list.hasStillSupport();
-	return still && list.support() == list.rest.support;
+	return still && list.placeOfSecond() == list.rest.placeOfSecond;
 }
 
 /// Wakes islands in which something changed: a grain was woken by hand, something came within
@@ -225,7 +225,7 @@ void System<dim>::fallAsleep(const std::vector<ContactList<dim>*>& lists, StepRe
 	}
 	for (ContactList<dim>* list : lists) {
 		if (list->contacts.empty() || !isAsleep(list->first)) continue;
-		list->rest = { report.kick, list->support() };
+		list->rest = { report.kick, list->placeOfSecond() };
 		++resting_[list->first];
 		if (list->second >= 0) ++resting_[list->second];
 	}

@@ -338,7 +338,7 @@ std::vector<char> System<dim>::sortLists(std::vector<ContactList<dim>*>& lists,
 		if (list->rigid) {
 			const RigidPartner<dim>& partner = partners_[list->rigid->partner];
 			list->rigid->moves = partner.moves();
-			list->rigid->carried = partner.carries();
+			list->rigid->hasVelocity = partner.hasVelocity();
 		}
 		if (list->contacts.empty()) continue;
 		touched[list->first] = 1;
