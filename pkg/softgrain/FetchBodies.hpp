@@ -13,7 +13,7 @@ namespace yade {
 constexpr int bodyAhead = 12, partsAhead = 6;
 
 /// What passes over all grains read lies at the beginning of a SoftGrain, bytes.
-constexpr int grainHead = 512;
+constexpr int grainHead = 384;
 
 /// In the i-th of `count` turns of a pass over the bodies idOf(0), idOf(1), ...
 template <class Id> void fetchBodies(const BodyContainer& bodies, int i, int count, const Id& idOf)

@@ -2,6 +2,7 @@
 #include "FetchBodies.hpp"
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
+#include "SoftBodies.hpp"
 #include "SoftGrain.hpp"
 #include "SoftGrainIntegrator.hpp"
 #include "SoftMat.hpp"
@@ -112,8 +113,9 @@ struct SoftScene {
 	std::shared_ptr<softgrain::GrainAssembly> assembly;
 };
 
-/// Throws std::invalid_argument for the first body that cannot be in the scene. In one pass: all
-/// bodies are visited in every step, and most of it is waiting for memory.
+/// Throws std::invalid_argument for the first body that cannot be in the scene, and tells the
+/// assembly which grains were moved. In one pass: all bodies are visited in every step, and most of
+/// it is waiting for memory.
 SoftScene softScene(const Scene& scene, int threads)
 {
 	const BodyContainer& bodies = *scene.bodies;
@@ -133,13 +135,15 @@ SoftScene softScene(const Scene& scene, int threads)
 			continue;
 		}
 		if (!isSoftGrain(*body)) continue;
-		const auto assembly = reinterpret_cast<std::uintptr_t>(
-			static_cast<const SoftGrain&>(*body->shape).assembly.get());
+		const SoftGrain& grain = static_cast<const SoftGrain&>(*body->shape);
+		const auto assembly = reinterpret_cast<std::uintptr_t>(grain.assembly.get());
 		first = std::min(first, id);
 		lowest = std::min(lowest, assembly);
 		highest = std::max(highest, assembly);
 		++grains;
-		inAssembly += isInAssembly(*body);
+		if (!isInAssembly(*body)) continue;
+		++inAssembly;
+		grain.assembly->setMovedByHost(grain.index, !isAsWritten(*body));
 	}
 	if (faulty < count) check(*bodies[faulty], scene);
 	SoftScene soft { grains, nullptr };

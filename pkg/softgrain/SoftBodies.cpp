@@ -1,5 +1,4 @@
 #include "SoftBodies.hpp"
-#include "FetchBodies.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
@@ -38,17 +37,6 @@ constexpr int loadsPerThread = 2000;
 /// material points: contacts start before touch.
 constexpr Real boxMargin = 0.1;
 
-/// Up to the rounding of Newton's integrator, which adds vel dt to pos and turns ori: the usual
-/// case, told apart at little cost. False where a value is not finite.
-bool isAsWritten(const State& state, const softgrain::GrainMotion& written, Real radius)
-{
-	return state.vel == written.velocity && state.angVel == written.angularVelocity &&
-	       (state.pos - written.position).squaredNorm() <=
-		       lengthRounding * lengthRounding * radius * radius &&
-	       (state.ori.coeffs() - written.orientation.coeffs()).squaredNorm() <=
-		       quaternionRounding;
-}
-
 void requireMotion(const Body& body)
 {
 	const State& state = *body.state;
@@ -75,6 +63,18 @@ void requireInPlane(const Body& body, const Rotation& turn)
 
 } // namespace
 
+bool isAsWritten(const Body& body)
+{
+	const State& state = *body.state;
+	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
+	const softgrain::GrainMotion& written = grain.written;
+	const Real length = lengthRounding * grain.radius;
+	return state.vel == written.velocity && state.angVel == written.angularVelocity &&
+	       (state.pos - written.position).squaredNorm() <= length * length &&
+	       (state.ori.coeffs() - written.orientation.coeffs()).squaredNorm() <=
+		       quaternionRounding;
+}
+
 void SoftBodies::requireCarried(const NewtonIntegrator& newton) const
 {
 	if (newton.mask <= 0) return;
@@ -89,20 +89,14 @@ void SoftBodies::requireCarried(const NewtonIntegrator& newton) const
 	}
 }
 
-std::set<int> SoftBodies::applyUserMotions(const NewtonIntegrator& newton, int threads) const
+/// (Which grains are moved is known since the scene was assembled: a pass over all bodies waits for
+/// memory.)
+std::set<int> SoftBodies::applyUserMotions(const NewtonIntegrator& newton) const
 {
-	const int count = assembly_.grains();
-	std::vector<char> changed(count);
-#pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
-	for (int g = 0; g < count; ++g) {
-		fetchBodies(*scene_.bodies, g, count, [&](int k) { return assembly_.idOf(k); });
-		const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
-		const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
-		changed[g] = !isAsWritten(*body.state, grain.written, grain.radius);
-	}
 	std::set<int> wrapped;
-	for (int g = 0; g < count; ++g)
-		if (changed[g] && applyUserMotion(g, newton)) wrapped.insert(assembly_.idOf(g));
+	for (int g = 0; g < assembly_.grains(); ++g)
+		if (assembly_.isMovedByHost(g) && applyUserMotion(g, newton))
+			wrapped.insert(assembly_.idOf(g));
 	return wrapped;
 }
 

@@ -8,6 +8,11 @@
 
 namespace yade {
 
+/// Whether the State of a soft grain is what was written to it, up to the rounding of
+/// NewtonIntegrator, which adds vel dt to pos and turns ori: the usual case, told apart at little
+/// cost. False where a value is not finite.
+bool isAsWritten(const Body& body);
+
 /// The bodies of the soft grains of an assembly, for one step.
 class SoftBodies {
 public:
@@ -22,7 +27,7 @@ public:
 	/// Changes of State since it was written are the user's: they act as rigid motions. Returns
 	/// the ids of the grains that were shifted by whole periods. Throws std::runtime_error for
 	/// values that are no motion.
-	std::set<int> applyUserMotions(const NewtonIntegrator& newton, int threads) const;
+	std::set<int> applyUserMotions(const NewtonIntegrator& newton) const;
 	/// Gravity, O.forces and the flow of a periodic cell as body loads.
 	void applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const;
 	/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt

@@ -97,14 +97,13 @@ void SoftGrainIntegrator::advance()
 	clock_.end("assembleScene");
 	const NewtonIntegrator& newton = *newtonIntegratorOf(*scene);
 	const SoftBodies bodies(*scene, *assembly_);
-	const auto wrapped = bodies.applyUserMotions(newton, threads());
+	const auto wrapped = bodies.applyUserMotions(newton);
 	clock_.end("applyUserMotions");
 	assembly_->updateForces(threads());
 	clock_.end("updateForces");
 	chooseTimeStep();
 	clock_.end("chooseTimeStep");
-	const SoftInteractions interactions(*scene, assembly_);
-	interactions.renew(wrapped);
+	const SoftInteractions interactions(*scene, assembly_, wrapped);
 	interactions.check(maxOverlap);
 	interactions.moveImages();
 	clock_.end("softInteractions");

@@ -37,20 +37,75 @@ bool isTouched(const Shape& shape)
 			 : ". Soft grains touch SoftGrain, Wall, Sphere, Facet and Box only"));
 }
 
-/// Whether an interaction is a real one of soft grains; refuses what soft grains cannot touch.
-bool isOfSoftGrains(const Interaction& I, const Body& b1, const Body& b2)
-{
-	if (I.isReal()) {
-		if (!dynamic_cast<SoftGeom*>(I.geom.get())) return false;
-		if (!isTouched(*b1.shape)) refusePair(b2, b1);
-		if (!isTouched(*b2.shape)) refusePair(b1, b2);
-		return true;
+/// What a body is to soft grains.
+enum class Kind : char { unknown, none, grain, touched, refused };
+
+/// Of all bodies of a scene. Bodies and their shapes lie far from interactions in memory, so each
+/// is looked at once, however many interactions it has, and grains not at all.
+class Kinds {
+public:
+	Kinds(const BodyContainer& bodies, const softgrain::GrainAssembly& assembly)
+		: bodies_(bodies)
+		, kind_(bodies.size(), Kind::unknown)
+	{
+		for (int g = 0; g < assembly.grains(); ++g)
+			kind_[assembly.idOf(g)] = Kind::grain;
 	}
-	const bool soft1 = isSoftGrain(b1), soft2 = isSoftGrain(b2);
-	if (!soft1 && !soft2) return false;
-	const Body &grain = soft1 ? b1 : b2, &other = soft1 ? b2 : b1;
-	if (!I.functorCache.geomExists || !isTouched(*other.shape)) refusePair(grain, other);
-	return false;
+	Kind operator[](int id)
+	{
+		if (kind_[id] == Kind::unknown) kind_[id] = kindOf(bodies_[id].get());
+		return kind_[id];
+	}
+
+private:
+	static Kind kindOf(const Body* body)
+	{
+		if (!body || !body->shape) return Kind::none;
+		return isTouched(*body->shape) ? Kind::touched : Kind::refused;
+	}
+
+	const BodyContainer& bodies_;
+	std::vector<Kind> kind_;
+};
+
+/// Whether an interaction is a real one of soft grains; refuses what soft grains cannot touch.
+bool isOfSoftGrains(const Interaction& I, Kinds& kinds, const BodyContainer& bodies)
+{
+	const Kind kind1 = kinds[I.getId1()], kind2 = kinds[I.getId2()];
+	if (kind1 == Kind::none || kind2 == Kind::none) return false;
+	if (I.isReal() ? !dynamic_cast<SoftGeom*>(I.geom.get())
+		       : kind1 != Kind::grain && kind2 != Kind::grain)
+		return false;
+	const auto &b1 = bodies[I.getId1()], &b2 = bodies[I.getId2()];
+	const bool hasNoFunctor = !I.isReal() && !I.functorCache.geomExists;
+	if (kind1 == Kind::refused || (hasNoFunctor && kind1 != Kind::grain)) refusePair(*b2, *b1);
+	if (kind2 == Kind::refused || hasNoFunctor) refusePair(*b1, *b2);
+	return I.isReal();
+}
+
+/// In the k-th turn of a pass: of interactions some turns away, what will be read of them.
+void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
+{
+	constexpr std::size_t interactionAhead = 24, partsAhead = 16, pairAhead = 8;
+	constexpr int pairSize = 640; // of a PairContacts in 2D, bytes
+	const std::size_t count = interactions.size();
+	if (k + interactionAhead < count) {
+		const Interaction* I = interactions[k + interactionAhead];
+		softgrain::fetchBytes(I, I + 1);
+	}
+	if (k + partsAhead < count) {
+		const Interaction& I = *interactions[k + partsAhead];
+		const auto* geom = static_cast<const SoftGeom*>(I.geom.get());
+		const auto* phys = static_cast<const SoftPhys*>(I.phys.get());
+		softgrain::fetchBytes(geom, geom + 1);
+		softgrain::fetchBytes(phys, phys + 1);
+	}
+	if (k + pairAhead < count) {
+		const auto* pair =
+			static_cast<SoftGeom&>(*interactions[k + pairAhead]->geom).pair.get();
+		const auto* begin = reinterpret_cast<const char*>(pair);
+		softgrain::fetchBytes(begin, begin + pairSize);
+	}
 }
 
 softgrain::PairContacts& pairOf(const Interaction& I)
@@ -73,7 +128,8 @@ Real stiffnessWithinStep(const SoftGrain& grain, const Scene& scene)
 void describePair(const Scene& scene, const Interaction& I, const Vec3& normal, SoftGeom& geom)
 {
 	const Body &b1 = *(*scene.bodies)[I.getId1()], &b2 = *(*scene.bodies)[I.getId2()];
-	const bool soft1 = isSoftGrain(b1), soft2 = isSoftGrain(b2);
+	const bool ofGrains = geom.pair->isOfTwoGrains(); // shapes lie far from here in memory
+	const bool soft1 = ofGrains || isSoftGrain(b1), soft2 = ofGrains || isSoftGrain(b2);
 	const Vec3 second = b2.state->pos + imageShift(scene, I);
 	geom.normal = normal;
 	if (soft1) geom.refR1 = std::max(0., normal.dot(geom.contactPoint - b1.state->pos));
@@ -85,14 +141,36 @@ void describePair(const Scene& scene, const Interaction& I, const Vec3& normal, 
 } // namespace
 
 SoftInteractions::SoftInteractions(Scene& scene,
-				   const std::shared_ptr<softgrain::GrainAssembly>& assembly)
+				   const std::shared_ptr<softgrain::GrainAssembly>& assembly,
+				   const std::set<int>& wrapped)
 	: scene_(scene)
 	, assembly_(assembly)
 {
 	if (assembly->grains() == 0) return;
-	for (const auto& I : *scene.interactions) {
-		const auto &b1 = (*scene.bodies)[I->getId1()], &b2 = (*scene.bodies)[I->getId2()];
-		if (b1 && b2 && isOfSoftGrains(*I, *b1, *b2)) interactions_.push_back(I.get());
+	assembly->searchMemory.beginRun(scene.interactions->size());
+	collect();
+	for (std::size_t k = 0; k < interactions_.size(); ++k) {
+		fetchAhead(interactions_, k);
+		renew(*interactions_[k], wrapped);
+		pairs_.push_back(&pairOf(*interactions_[k]));
+	}
+}
+
+void SoftInteractions::collect()
+{
+	constexpr std::size_t interactionAhead = 24, geometryAhead = 12;
+	auto& all = *scene_.interactions;
+	if (all.size() == 0) return;
+	Kinds kinds(*scene_.bodies, *assembly_);
+	for (std::size_t k = 0; k < all.size(); ++k) {
+		if (k + interactionAhead < all.size()) {
+			const Interaction* I = all[k + interactionAhead].get();
+			softgrain::fetchBytes(I, I + 1);
+		}
+		if (k + geometryAhead < all.size())
+			__builtin_prefetch(all[k + geometryAhead]->geom.get());
+		if (isOfSoftGrains(*all[k], kinds, *scene_.bodies))
+			interactions_.push_back(all[k].get());
 	}
 	// the container's order depends on threads and history; sums of forces must not
 	std::sort(interactions_.begin(), interactions_.end(),
@@ -102,19 +180,17 @@ SoftInteractions::SoftInteractions(Scene& scene,
 		  });
 }
 
-void SoftInteractions::renew(const std::set<int>& wrapped) const
+/// Grains added, erased or changed since the InteractionLoop have other indices now, and contacts
+/// found there name the old ones; those of wrapped grains have the place of another image.
+void SoftInteractions::renew(Interaction& I, const std::set<int>& wrapped) const
 {
-	for (Interaction* I : interactions_) {
-		const bool present = static_cast<SoftGeom&>(*I->geom).assembly == assembly_;
-		if (present && !wrapped.count(I->getId1()) && !wrapped.count(I->getId2())) continue;
-		const auto& b1 = (*scene_.bodies)[I->getId1()];
-		const auto& b2 = (*scene_.bodies)[I->getId2()];
-		const shared_ptr<Interaction>& shared =
-			scene_.interactions->find(I->getId1(), I->getId2());
-		I->functorCache.geom->go(b1->shape, b2->shape, *b1->state, *b2->state,
-					 imageShift(scene_, *I), true, shared);
-		I->functorCache.constLaw->go(I->geom, I->phys, I);
-	}
+	const bool present = static_cast<SoftGeom&>(*I.geom).assembly == assembly_;
+	if (present && !wrapped.count(I.getId1()) && !wrapped.count(I.getId2())) return;
+	const auto &b1 = (*scene_.bodies)[I.getId1()], &b2 = (*scene_.bodies)[I.getId2()];
+	const shared_ptr<Interaction>& shared = scene_.interactions->find(I.getId1(), I.getId2());
+	I.functorCache.geom->go(b1->shape, b2->shape, *b1->state, *b2->state, imageShift(scene_, I),
+				true, shared);
+	I.functorCache.constLaw->go(I.geom, I.phys, &I);
 }
 
 void SoftInteractions::check(Real maxOverlap) const
@@ -127,32 +203,34 @@ void SoftInteractions::check(Real maxOverlap) const
 /// Bodies that soft grains cannot touch as they stand.
 void SoftInteractions::checkRigidBodies() const
 {
-	for (const Interaction* I : interactions_) {
-		if (!pairOf(*I).hasRigidBody()) continue;
-		const Body& body = rigidBodyOf(*I);
+	for (std::size_t k = 0; k < pairs_.size(); ++k) {
+		if (!pairs_[k]->hasRigidBody()) continue;
+		const Interaction& I = *interactions_[k];
+		const Body& body = rigidBodyOf(I);
 		const auto described =
-			describeRigid(*body.shape, *body.state, body.getId(), softGrainOf(*I));
+			describeRigid(*body.shape, *body.state, body.getId(), softGrainOf(I));
 		if (described) assembly_->checkRigidBody(*described);
 	}
 }
 
 void SoftInteractions::checkInterfaces() const
 {
-	for (const Interaction* I : interactions_)
+	for (std::size_t k = 0; k < pairs_.size(); ++k)
 		try {
-			pairOf(*I).checkInterface();
+			pairs_[k]->checkInterface();
 		} catch (const std::invalid_argument& e) {
-			throw std::runtime_error("interaction of " + namesOf(*I) + ": " + e.what());
+			throw std::runtime_error("interaction of " + namesOf(*interactions_[k]) +
+						 ": " + e.what());
 		}
 }
 
 void SoftInteractions::stopOnOverlap(Real maxOverlap) const
 {
-	for (const Interaction* I : interactions_) {
-		const Real deepest = pairOf(*I).deepest();
+	for (std::size_t k = 0; k < pairs_.size(); ++k) {
+		const Real deepest = pairs_[k]->deepest();
 		if (deepest <= maxOverlap) continue;
 		std::ostringstream message;
-		message << namesOf(*I) << " overlap by " << deepest
+		message << namesOf(*interactions_[k]) << " overlap by " << deepest
 			<< " point spacings, more than maxOverlap = " << maxOverlap
 			<< ". Hint: start from less overlap (sg.soften(overlap='shrink')), load "
 			   "more slowly, or reduce tolerance";
@@ -163,27 +241,18 @@ void SoftInteractions::stopOnOverlap(Real maxOverlap) const
 void SoftInteractions::moveImages() const
 {
 	if (!scene_.isPeriodic) return;
-	for (const Interaction* I : interactions_) {
-		softgrain::PairContacts& pair = pairOf(*I);
-		const bool firstIsBody1 = assembly_->idOf(pair.firstGrain()) == I->getId1();
-		pair.setImageVelocity(imageOf(scene_, *I, firstIsBody1).velocity);
+	for (std::size_t k = 0; k < pairs_.size(); ++k) {
+		const Interaction& I = *interactions_[k];
+		const bool firstIsBody1 = assembly_->idOf(pairs_[k]->firstGrain()) == I.getId1();
+		pairs_[k]->setImageVelocity(imageOf(scene_, I, firstIsBody1).velocity);
 	}
 }
 
 void SoftInteractions::numberPartners(RigidPartners& partners) const
 {
-	for (const Interaction* I : interactions_) {
-		softgrain::PairContacts& pair = pairOf(*I);
-		if (pair.hasRigidBody()) pair.setPartner(partners.numberOf(rigidBodyOf(*I)));
-	}
-}
-
-std::vector<softgrain::PairContacts*> SoftInteractions::pairs() const
-{
-	std::vector<softgrain::PairContacts*> pairs;
-	for (const Interaction* I : interactions_)
-		pairs.push_back(&pairOf(*I));
-	return pairs;
+	for (std::size_t k = 0; k < pairs_.size(); ++k)
+		if (pairs_[k]->hasRigidBody())
+			pairs_[k]->setPartner(partners.numberOf(rigidBodyOf(*interactions_[k])));
 }
 
 const Body& SoftInteractions::rigidBodyOf(const Interaction& I) const
@@ -204,6 +273,7 @@ void SoftInteractions::publish(const RigidPartners& partners, int threads) const
 	std::vector<PairForce> forces(count); // in one piece: what it is taken from lies far apart
 #pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
 	for (long k = 0; k < count; ++k) {
+		fetchAhead(interactions_, k);
 		const Interaction& I = *interactions_[k];
 		if (!pairOf(I).isKept()) publishSum(I); // else it holds these forces already
 		forces[k] = forceOf(I);

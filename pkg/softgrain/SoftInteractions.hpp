@@ -17,14 +17,12 @@ class SoftGrain;
 /// Made in every step. What a step needs is done in the order in which the functions stand here.
 class SoftInteractions {
 public:
-	/// All real ones, in an order that does not depend on threads. Throws std::runtime_error
-	/// for pairs for which there is no contact treatment.
-	SoftInteractions(Scene& scene, const std::shared_ptr<softgrain::GrainAssembly>& assembly);
+	/// All real ones, in an order that does not depend on threads; grains of the ids `wrapped`
+	/// were shifted by whole periods since the InteractionLoop. Throws std::runtime_error for
+	/// pairs for which there is no contact treatment.
+	SoftInteractions(Scene& scene, const std::shared_ptr<softgrain::GrainAssembly>& assembly,
+			 const std::set<int>& wrapped);
 
-	/// Grains added, erased or changed since the InteractionLoop have other indices now, and
-	/// contacts found there name the old ones; those of `wrapped` grains (ids) have the place
-	/// of another image.
-	void renew(const std::set<int>& wrapped) const;
 	/// Throws for rigid bodies and interfaces that are not admissible, saying which, and for an
 	/// overlap beyond `maxOverlap` (SoftGrainIntegrator.maxOverlap).
 	void check(Real maxOverlap) const;
@@ -32,7 +30,7 @@ public:
 	void moveImages() const;
 	/// Tells the pairs the numbers of their rigid bodies.
 	void numberPartners(RigidPartners& partners) const;
-	std::vector<softgrain::PairContacts*> pairs() const;
+	const std::vector<softgrain::PairContacts*>& pairs() const { return pairs_; }
 	/// To the interactions in parallel, then to O.forces in the order of the interactions.
 	void publish(const RigidPartners& partners, int threads) const;
 
@@ -45,6 +43,8 @@ private:
 		Vector3r onBody2; ///< N
 	};
 
+	void collect();
+	void renew(Interaction& I, const std::set<int>& wrapped) const;
 	const Body& rigidBodyOf(const Interaction& I) const;
 	const SoftGrain& softGrainOf(const Interaction& I) const;
 	void checkRigidBodies() const;
@@ -57,6 +57,7 @@ private:
 	Scene& scene_;
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
 	std::vector<Interaction*> interactions_;
+	std::vector<softgrain::PairContacts*> pairs_; ///< of the interactions
 };
 
 } // namespace yade

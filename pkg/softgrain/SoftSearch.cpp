@@ -17,15 +17,45 @@ using softgrain::Vec3;
 
 namespace {
 
-/// The SoftGeom of the interaction, made if there is none, bound to the assembly.
-shared_ptr<SoftGeom> geometryOf(const Interaction& I,
-				const std::shared_ptr<softgrain::GrainAssembly>& assembly)
+/// The SoftGeom of the interaction, made if there is none, bound to the assembly. (No pointer is
+/// copied: the counter of its owners lies elsewhere in memory, and every pair would wait for it.)
+SoftGeom& geometryOf(Interaction& I, const std::shared_ptr<softgrain::GrainAssembly>& assembly)
 {
-	shared_ptr<SoftGeom> geom =
-		I.geom ? YADE_PTR_CAST<SoftGeom>(I.geom) : shared_ptr<SoftGeom>(new SoftGeom);
-	geom->bind(assembly);
+	if (!I.geom) I.geom = shared_ptr<SoftGeom>(new SoftGeom);
+	auto& geom = static_cast<SoftGeom&>(*I.geom);
+	geom.bind(assembly);
 	return geom;
 }
+
+/// What a search reads for the interaction.
+softgrain::MemoryPieces memoryOf(const Interaction& I)
+{
+	softgrain::MemoryPieces memory;
+	memory.add(I);
+	if (I.phys) memory.add(static_cast<const SoftPhys&>(*I.phys));
+	if (!I.geom) return memory;
+	const auto& geom = static_cast<const SoftGeom&>(*I.geom);
+	memory.add(geom);
+	if (geom.pair) geom.pair->addMemory(memory);
+	return memory;
+}
+
+/// A turn of the InteractionLoop, which would wait for memory at every pair: asks for that of the
+/// turn after the next, and notes what it has read itself, for the next step.
+class LoopTurn {
+public:
+	LoopTurn(softgrain::LoopMemory& memory, const Interaction& I)
+		: memory_(memory)
+		, I_(I)
+	{
+		memory_.fetch(I.linIx + 2);
+	}
+	~LoopTurn() { memory_.note(I_.linIx, memoryOf(I_)); }
+
+private:
+	softgrain::LoopMemory& memory_;
+	const Interaction& I_;
+};
 
 /// Whether the grain is in an assembly; `force` makes it, for interactions that a script creates
 /// before the first step.
@@ -65,11 +95,14 @@ Real searchStep(const Scene& scene, const SoftGrain& grain)
 	return unset ? grain.assembly->criticalTimeStep() : scene.dt;
 }
 
-/// Until there is a force: SoftGrainIntegrator knows better then.
-void describeByCentres(SoftGeom& geom, const Interaction& I, const Vec3& normal, Real radius1,
-		       Real radius2)
+/// SoftGrainIntegrator knows better then what the pair looks like.
+bool bearsForce(const Interaction& I)
 {
-	if (I.phys && static_cast<const SoftPhys&>(*I.phys).activeContacts > 0) return;
+	return I.phys && static_cast<const SoftPhys&>(*I.phys).activeContacts > 0;
+}
+
+void describeByCentres(SoftGeom& geom, const Vec3& normal, Real radius1, Real radius2)
+{
 	geom.normal = normal;
 	geom.refR1 = radius1;
 	geom.refR2 = radius2;
@@ -78,10 +111,9 @@ void describeByCentres(SoftGeom& geom, const Interaction& I, const Vec3& normal,
 /// YADE's rules for Ig2: an interaction stays potential until there is a contact; once real it is
 /// Law2 that ends it. One that stays potential keeps its geometry, which knows the nodes that come
 /// near: most of them are looked at again in the next step.
-bool conclude(const shared_ptr<SoftGeom>& geom, bool force, const shared_ptr<Interaction>& I)
+bool isToBeReal(const SoftGeom& geom, bool force, const Interaction& I)
 {
-	I->geom = geom;
-	return geom->pair->hasContact() || I->isReal() || force;
+	return geom.pair->hasContact() || I.isReal() || force;
 }
 
 /// On which side of a wall a grain lies, along its axis.
@@ -185,16 +217,18 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	    grain1.assembly->isAsleep(grain2.index))
 		return false; // apart when they fell asleep
 	const SearchTimer timer(*this);
+	const LoopTurn turn(grain1.assembly->searchMemory, *I);
 	const auto [first, second] = std::minmax(grain1.index, grain2.index);
 	const auto image = imageOf(*scene, *I, second == grain2.index);
 	const Real dt = searchStep(*scene, grain1);
 	if (!I->isReal() && !force && grain1.assembly->areFarApart(first, second, image, dt))
 		return false;
-	const auto geom = geometryOf(*I, grain1.assembly);
-	grain1.assembly->search(*geom->pair, first, second, image, dt);
-	describeByCentres(*geom, *I, (state2.pos + shift2 - state1.pos).normalized(), grain1.radius,
-			  grain2.radius);
-	return conclude(geom, force, I);
+	SoftGeom& geom = geometryOf(*I, grain1.assembly);
+	grain1.assembly->search(*geom.pair, first, second, image, dt);
+	if (!bearsForce(*I))
+		describeByCentres(geom, (state2.pos + shift2 - state1.pos).normalized(),
+				  grain1.radius, grain2.radius);
+	return isToBeReal(geom, force, *I);
 }
 
 bool Ig2_SoftGrain_SoftGrain_SoftGeom::goReverse(const shared_ptr<Shape>& shape1,
@@ -213,11 +247,13 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
 	if (!isAssembled(grain, *scene, force)) return I->isReal();
 	const SearchTimer timer(*this);
-	const auto geom = geometryOf(*I, grain.assembly);
-	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom->pair);
+	const LoopTurn turn(grain.assembly->searchMemory, *I);
+	SoftGeom& geom = geometryOf(*I, grain.assembly);
+	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom.pair);
 	const auto* ball = dynamic_cast<const Sphere*>(shape1.get());
-	describeByCentres(*geom, *I, normal, ball ? ball->radius : grain.radius, grain.radius);
-	return conclude(geom, force, I);
+	if (!bearsForce(*I))
+		describeByCentres(geom, normal, ball ? ball->radius : grain.radius, grain.radius);
+	return isToBeReal(geom, force, *I);
 }
 
 bool SearchOnRigid::goReverse(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,

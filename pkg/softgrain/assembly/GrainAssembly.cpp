@@ -24,6 +24,7 @@ public:
 		for (auto& described : makeSets<dim>(grains, known, templates_))
 			add(described);
 		publishedAsleep_.assign(system_.grains(), false);
+		movedByHost_.assign(system_.grains(), true);
 		system_.updateSurfaces(1);
 		slowestWave_ = std::numeric_limits<double>::infinity();
 		for (int g = 0; g < system_.grains(); ++g)

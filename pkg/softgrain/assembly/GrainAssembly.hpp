@@ -71,6 +71,13 @@ public:
 	/// awake again.
 	bool isPublishedAsleep(int g) const { return publishedAsleep_[g]; }
 	void setPublishedAsleep(int g, bool asleep) { publishedAsleep_[g] = asleep; }
+	/// For the host, whether its copy of the motion may not be what it published; of a new
+	/// assembly, that is not known.
+	bool isMovedByHost(int g) const { return movedByHost_[g]; }
+	void setMovedByHost(int g, bool moved) { movedByHost_[g] = moved; }
+
+	/// For the host: what its loop of searches reads.
+	LoopMemory searchMemory;
 
 	virtual std::unique_ptr<PairContacts> newPair() const = 0;
 	/// Of the grain `first` and the image of the other.
@@ -133,7 +140,7 @@ public:
 	virtual GrainState state(int g, Vec3& origin) const = 0;
 
 protected:
-	std::vector<char> publishedAsleep_;
+	std::vector<char> publishedAsleep_, movedByHost_;
 };
 
 } // namespace softgrain

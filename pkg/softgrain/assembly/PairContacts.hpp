@@ -1,6 +1,7 @@
 // The contacts of a pair of bodies as YADE sees them, the dimension of the scene hidden.
 #pragma once
 
+#include "Fetch.hpp"
 #include "assembly/SpaceVectors.hpp"
 #include "contact/Contact.hpp"
 #include "contact/Pressure.hpp"
@@ -40,6 +41,8 @@ public:
 	/// The pair is asleep, and its impulses in the last step were those of the step before.
 	virtual bool isKept() const = 0;
 	virtual double deepest() const = 0; ///< largest overlap, in dr
+	/// Adds what a search of the pair reads.
+	virtual void addMemory(MemoryPieces& memory) const = 0;
 	virtual void setFriction(double coefficient) = 0;
 	/// In the coming step, of the image of the second body, beyond its own velocity, m/s.
 	virtual void setImageVelocity(const Vec3& velocity) = 0;
@@ -56,6 +59,7 @@ public:
 	virtual bool hasRigidBody() const = 0;
 	virtual void setPartner(int partner) = 0;
 	virtual int firstGrain() const = 0;
+	virtual bool isOfTwoGrains() const = 0;
 	virtual SumOfImpulses impulse() const = 0;
 	virtual std::vector<ContactRecord> records() const = 0;
 	/// Of the last step, one for each record.

@@ -21,6 +21,13 @@ public:
 	bool hasContact() const override { return !list.contacts.empty() || list.deepest > 0; }
 	bool isKept() const override { return list.isAsleep() && list.rest.kept; }
 	double deepest() const override { return list.deepest; }
+	void addMemory(MemoryPieces& memory) const override
+	{
+		memory.add(*this);
+		if (list.isAsleep()) return;
+		memory.add(list.contacts);
+		memory.add(list.candidates.nodes);
+	}
 	void setFriction(double coefficient) override
 	{
 		if (coefficient != list.friction) list.rest.changed = true;
@@ -100,6 +107,7 @@ public:
 	bool hasRigidBody() const override { return list.rigid.has_value(); }
 	void setPartner(int partner) override { list.rigid->partner = partner; }
 
+	bool isOfTwoGrains() const override { return list.second >= 0; }
 	int firstGrain() const override { return list.first; }
 	SumOfImpulses impulse() const override
 	{

@@ -103,9 +103,11 @@ PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int
 /// Measures the candidates that may be within reach, some at a time.
 class CandidatesInLanes {
 public:
-	CandidatesInLanes(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
-			  ContactList<2>& list)
-		: body_ { &first, &second }
+	/// `lanes` are empty.
+	CandidatesInLanes(NodesInLanes& lanes, const ContactBody<2>& first,
+			  const ContactBody<2>& second, double reach, ContactList<2>& list)
+		: lanes_(lanes)
+		, body_ { &first, &second }
 		, reach_(reach)
 		, list_(list)
 	{
@@ -149,12 +151,12 @@ private:
 		Node& node = *candidate_[lane];
 		node.clearance = lanes_.gap(lane) + list_.candidates.approached;
 		if (lanes_.gap(lane) >= reach_ || isBeforeFold(node, lanes_.gap(lane))) return;
-		Contact<2> contact;
-		lanes_.write(lane, contact);
-		append({ node.side, node.node, -1 }, contact, own(node), other(node), list_);
+		if (auto* contact = append({ node.side, node.node, -1 }, lanes_.gap(lane),
+					   own(node), other(node), list_))
+			lanes_.write(lane, *contact);
 	}
 
-	NodesInLanes lanes_;
+	NodesInLanes& lanes_;
 	std::array<Node*, laneWidth> candidate_;
 	std::array<const ContactBody<2>*, 2> body_;
 	double reach_;
@@ -169,7 +171,8 @@ void findContactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>&
 	followBodies(first, second, list.candidates);
 	renewCandidates(first, second, reach, list);
 	if (list.candidates.nodes.empty()) return;
-	CandidatesInLanes near(first, second, reach, list);
+	thread_local NodesInLanes lanes; // to make them anew for each pair takes a tenth of it
+	CandidatesInLanes near(lanes, first, second, reach, list);
 	for (ContactCandidates<2>::Node& node : list.candidates.nodes)
 		if (node.clearance - list.candidates.approached < reach) near.add(node);
 	near.measure();

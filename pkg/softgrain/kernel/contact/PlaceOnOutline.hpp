@@ -131,15 +131,28 @@ std::vector<int> nodesNear(const ContactBody<dim>& body, const ContactBody<dim>&
 	return found;
 }
 
-/// A contact; what lies deeper is none, but is known by its depth.
+/// Makes room for a contact with this gap; what lies deeper than contacts do is none (null), but is
+/// known by its depth.
 template <int dim>
-void append(const ContactKey& key, Contact<dim>& contact, const ContactBody<dim>& body,
+Contact<dim>* append(const ContactKey& key, double gap, const ContactBody<dim>& body,
+		     const ContactBody<dim>& other, ContactList<dim>& list)
+{
+	list.noteOverlap(gap, 0.5 * (body.pointSpacing + other.pointSpacing));
+	if (gap < -contactDepth(body, other)) return nullptr;
+	Contact<dim>& contact = list.contacts.emplace_back();
+	contact.key = key;
+	return &contact;
+}
+
+/// The same with a contact that is known but for its key.
+template <int dim>
+void append(const ContactKey& key, const Contact<dim>& contact, const ContactBody<dim>& body,
 	    const ContactBody<dim>& other, ContactList<dim>& list)
 {
-	list.noteOverlap(contact.gap, 0.5 * (body.pointSpacing + other.pointSpacing));
-	if (contact.gap < -contactDepth(body, other)) return;
-	contact.key = key;
-	list.contacts.push_back(contact);
+	if (Contact<dim>* room = append(key, contact.gap, body, other, list)) {
+		*room = contact;
+		room->key = key;
+	}
 }
 
 /// The contact of a node with a place on an outline, but for its key.
