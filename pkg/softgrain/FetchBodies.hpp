@@ -1,4 +1,4 @@
-// Passes over all bodies of a scene, most of which have nothing to do: such a pass waits for memory
+// A pass over all bodies of a scene, most of which have nothing to do: it waits for memory
 // at every body unless it asks for it ahead.
 #pragma once
 

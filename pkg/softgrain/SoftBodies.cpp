@@ -89,13 +89,13 @@ void SoftBodies::requireCarried(const NewtonIntegrator& newton) const
 	}
 }
 
-/// (Which grains are moved is known since the scene was assembled: a pass over all bodies waits for
-/// memory.)
+/// (assembleScene, which looks at all bodies in each step, has told which grains may be moved:
+/// another pass would wait for memory again.)
 std::set<int> SoftBodies::applyUserMotions(const NewtonIntegrator& newton) const
 {
 	std::set<int> wrapped;
 	for (int g = 0; g < assembly_.grains(); ++g)
-		if (assembly_.isMovedByHost(g) && applyUserMotion(g, newton))
+		if (assembly_.mayBeMovedByHost(g) && applyUserMotion(g, newton))
 			wrapped.insert(assembly_.idOf(g));
 	return wrapped;
 }

@@ -87,7 +87,7 @@ bool isOfSoftGrains(const Interaction& I, Kinds& kinds, const BodyContainer& bod
 void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
 {
 	constexpr std::size_t interactionAhead = 24, partsAhead = 16, pairAhead = 8;
-	constexpr int pairSize = 640; // of a PairContacts in 2D, bytes
+	constexpr int pairSize = 640; // of a PairContacts in 2D, bytes; in 3D it is longer
 	const std::size_t count = interactions.size();
 	if (k + interactionAhead < count) {
 		const Interaction* I = interactions[k + interactionAhead];

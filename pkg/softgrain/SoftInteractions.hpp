@@ -17,9 +17,10 @@ class SoftGrain;
 /// Made in every step. What a step needs is done in the order in which the functions stand here.
 class SoftInteractions {
 public:
-	/// All real ones, in an order that does not depend on threads; grains of the ids `wrapped`
-	/// were shifted by whole periods since the InteractionLoop. Throws std::runtime_error for
-	/// pairs for which there is no contact treatment.
+	/// All real ones, in an order that does not depend on threads. Those of grains that were
+	/// added or changed since the InteractionLoop, or shifted by whole periods (ids `wrapped`),
+	/// are searched again. Throws std::runtime_error for pairs for which there is no contact
+	/// treatment.
 	SoftInteractions(Scene& scene, const std::shared_ptr<softgrain::GrainAssembly>& assembly,
 			 const std::set<int>& wrapped);
 

@@ -17,27 +17,16 @@ using softgrain::Vec3;
 
 namespace {
 
-/// The SoftGeom of the interaction, made if there is none, bound to the assembly. (No pointer is
-/// copied: the counter of its owners lies elsewhere in memory, and every pair would wait for it.)
+/// The SoftGeom of the interaction, made if there is none, bound to the assembly. An interaction
+/// that stays potential keeps it: it knows the nodes that come near, most of which are looked at
+/// again in the next step. (No pointer is copied: the counter of its owners lies elsewhere in
+/// memory, and every pair would wait for it.)
 SoftGeom& geometryOf(Interaction& I, const std::shared_ptr<softgrain::GrainAssembly>& assembly)
 {
 	if (!I.geom) I.geom = shared_ptr<SoftGeom>(new SoftGeom);
 	auto& geom = static_cast<SoftGeom&>(*I.geom);
 	geom.bind(assembly);
 	return geom;
-}
-
-/// What a search reads for the interaction.
-softgrain::MemoryPieces memoryOf(const Interaction& I)
-{
-	softgrain::MemoryPieces memory;
-	memory.add(I);
-	if (I.phys) memory.add(static_cast<const SoftPhys&>(*I.phys));
-	if (!I.geom) return memory;
-	const auto& geom = static_cast<const SoftGeom&>(*I.geom);
-	memory.add(geom);
-	if (geom.pair) geom.pair->addMemory(memory);
-	return memory;
 }
 
 /// A turn of the InteractionLoop, which would wait for memory at every pair: asks for that of the
@@ -49,12 +38,21 @@ public:
 		, I_(I)
 	{
 		memory_.fetch(I.linIx + 2);
+		read_.add(I);
 	}
-	~LoopTurn() { memory_.note(I_.linIx, memoryOf(I_)); }
+	~LoopTurn() { memory_.note(I_.linIx, read_); }
+	/// After a search.
+	void noteSearch(const SoftGeom& geom)
+	{
+		if (I_.phys) read_.add(static_cast<const SoftPhys&>(*I_.phys));
+		read_.add(geom);
+		geom.pair->addMemory(read_);
+	}
 
 private:
 	softgrain::LoopMemory& memory_;
 	const Interaction& I_;
+	softgrain::MemoryPieces read_;
 };
 
 /// Whether the grain is in an assembly; `force` makes it, for interactions that a script creates
@@ -95,7 +93,7 @@ Real searchStep(const Scene& scene, const SoftGrain& grain)
 	return unset ? grain.assembly->criticalTimeStep() : scene.dt;
 }
 
-/// SoftGrainIntegrator knows better then what the pair looks like.
+/// Whether the last step found a force; SoftGrainIntegrator has described the pair then.
 bool bearsForce(const Interaction& I)
 {
 	return I.phys && static_cast<const SoftPhys&>(*I.phys).activeContacts > 0;
@@ -109,8 +107,7 @@ void describeByCentres(SoftGeom& geom, const Vec3& normal, Real radius1, Real ra
 }
 
 /// YADE's rules for Ig2: an interaction stays potential until there is a contact; once real it is
-/// Law2 that ends it. One that stays potential keeps its geometry, which knows the nodes that come
-/// near: most of them are looked at again in the next step.
+/// Law2 that ends it.
 bool isToBeReal(const SoftGeom& geom, bool force, const Interaction& I)
 {
 	return geom.pair->hasContact() || I.isReal() || force;
@@ -217,7 +214,7 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	    grain1.assembly->isAsleep(grain2.index))
 		return false; // apart when they fell asleep
 	const SearchTimer timer(*this);
-	const LoopTurn turn(grain1.assembly->searchMemory, *I);
+	LoopTurn turn(grain1.assembly->searchMemory, *I);
 	const auto [first, second] = std::minmax(grain1.index, grain2.index);
 	const auto image = imageOf(*scene, *I, second == grain2.index);
 	const Real dt = searchStep(*scene, grain1);
@@ -225,6 +222,7 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 		return false;
 	SoftGeom& geom = geometryOf(*I, grain1.assembly);
 	grain1.assembly->search(*geom.pair, first, second, image, dt);
+	turn.noteSearch(geom);
 	if (!bearsForce(*I))
 		describeByCentres(geom, (state2.pos + shift2 - state1.pos).normalized(),
 				  grain1.radius, grain2.radius);
@@ -247,9 +245,10 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
 	if (!isAssembled(grain, *scene, force)) return I->isReal();
 	const SearchTimer timer(*this);
-	const LoopTurn turn(grain.assembly->searchMemory, *I);
+	LoopTurn turn(grain.assembly->searchMemory, *I);
 	SoftGeom& geom = geometryOf(*I, grain.assembly);
 	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom.pair);
+	turn.noteSearch(geom);
 	const auto* ball = dynamic_cast<const Sphere*>(shape1.get());
 	if (!bearsForce(*I))
 		describeByCentres(geom, normal, ball ? ball->radius : grain.radius, grain.radius);

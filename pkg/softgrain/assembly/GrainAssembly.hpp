@@ -73,7 +73,7 @@ public:
 	void setPublishedAsleep(int g, bool asleep) { publishedAsleep_[g] = asleep; }
 	/// For the host, whether its copy of the motion may not be what it published; of a new
 	/// assembly, that is not known.
-	bool isMovedByHost(int g) const { return movedByHost_[g]; }
+	bool mayBeMovedByHost(int g) const { return movedByHost_[g]; }
 	void setMovedByHost(int g, bool moved) { movedByHost_[g] = moved; }
 
 	/// For the host: what its loop of searches reads.

@@ -3,22 +3,32 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 namespace softgrain {
 
+/// What lies in [from, to).
 inline void fetchBytes(const void* from, const void* to)
 {
-	constexpr int cacheLine = 64; // bytes
-	for (auto at = static_cast<const char*>(from); at < to; at += cacheLine)
-		__builtin_prefetch(at, 1);
+	constexpr std::uintptr_t cacheLine = 64; // bytes
+	const auto end = reinterpret_cast<std::uintptr_t>(to);
+	for (auto at = reinterpret_cast<std::uintptr_t>(from) & ~(cacheLine - 1); at < end;
+	     at += cacheLine)
+		__builtin_prefetch(reinterpret_cast<const void*>(at), 1);
 }
 
 /// Pieces of memory by their addresses alone: asking for one that is no longer there does no harm.
 class MemoryPieces {
 public:
-	void add(const void* from, const void* to) { piece_[count_++] = { from, to }; }
+	static constexpr int most = 6; ///< those of a pair of grains
+
+	/// Those beyond `most` are left out.
+	void add(const void* from, const void* to)
+	{
+		if (count_ < most) piece_[count_++] = { from, to };
+	}
 	template <class T> void add(const T& object) { add(&object, &object + 1); }
 	template <class T> void add(const std::vector<T>& numbers)
 	{
@@ -32,11 +42,11 @@ public:
 
 private:
 	struct Piece {
-		const void *from, *to;
+		const void *from = nullptr, *to = nullptr;
 	};
 
 	int count_ = 0;
-	std::array<Piece, 6> piece_; ///< those of a pair of grains
+	std::array<Piece, most> piece_ {};
 };
 
 /// What the turns of a loop that is run again and again read, as they noted it when it was run

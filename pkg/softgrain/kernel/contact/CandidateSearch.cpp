@@ -103,7 +103,6 @@ PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int
 /// Measures the candidates that may be within reach, some at a time.
 class CandidatesInLanes {
 public:
-	/// `lanes` are empty.
 	CandidatesInLanes(NodesInLanes& lanes, const ContactBody<2>& first,
 			  const ContactBody<2>& second, double reach, ContactList<2>& list)
 		: lanes_(lanes)
@@ -111,6 +110,7 @@ public:
 		, reach_(reach)
 		, list_(list)
 	{
+		lanes_.clear();
 	}
 
 	void add(ContactCandidates<2>::Node& node)
