@@ -1,5 +1,5 @@
-// A pass over all bodies of a scene, most of which have nothing to do: it waits for memory
-// at every body unless it asks for it ahead.
+// A pass over all bodies of a scene, most of which have nothing to do: it waits for memory at every
+// body unless it asks for it ahead.
 #pragma once
 
 #include "Fetch.hpp"

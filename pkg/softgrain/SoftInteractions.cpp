@@ -83,7 +83,8 @@ bool isOfSoftGrains(const Interaction& I, Kinds& kinds, const BodyContainer& bod
 	return I.isReal();
 }
 
-/// In the k-th turn of a pass: of interactions some turns away, what will be read of them.
+/// In the k-th turn of a pass: of interactions some turns away, what will be read of them. (Memory
+/// takes some 100 ns to come, a turn of the shortest pass a tenth of that.)
 void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
 {
 	constexpr std::size_t interactionAhead = 24, partsAhead = 16, pairAhead = 8;
