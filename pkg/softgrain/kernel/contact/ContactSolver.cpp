@@ -27,10 +27,13 @@ constexpr int sweepsEachWay = 2;
 /// problems of a compaction.
 constexpr double changePerResidual = 2;
 
-/// More pairs are not kept in the caches from sweep to sweep: those that come so many and twice so
-/// many after it are asked for while one is solved (10 000 disks: half the time; fewer pairs: in
-/// vain).
-constexpr int pairsInCache = 4000, pairsAhead = 2;
+/// More pairs are not kept in the caches from sweep to sweep.
+constexpr int pairsInCache = 4000;
+
+/// While one pair is worked on, those that come so many and twice so many after it are asked for:
+/// from step to step always, from sweep to sweep where they are not kept in the caches
+/// (doc/decisions/0015-parallel-sweeps.md).
+constexpr int pairsAhead = 2;
 
 /// Sweeps that move rigid bodies out of overlaps. With fewer, what is pushed at one end of a
 /// packing overlaps at the other: after 4 a squeezed packing creeps
@@ -132,7 +135,7 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 	const int work = listed + (count_ - listed) / rigidContactsPerPair;
 	threads_ = threadsFor(work / std::max(plan_.colours(), 1), threads, pairsPerThread);
 	forEachPair(SweepOrder::forwards, [&](int k) {
-		fetchListsAfter(k);
+		fetchForPrepare(k);
 		const auto [kind, index] = slot_[k];
 		const int pair = plan_.pairs[k];
 		if (kind == Kind::rigid)
@@ -187,23 +190,25 @@ void ContactSolver<dim>::forEachConstraint(Visit&& visit) const
 		});
 }
 
+template <int dim> bool ContactSolver<dim>::staysInCache() const { return count_ <= pairsInCache; }
+
 template <int dim>
 void ContactSolver<dim>::fetch(int k, void (PairSolver<dim>::*what)() const) const
 {
-	if (count_ <= pairsInCache || k < 0 || k >= count_) return;
+	if (k < 0 || k >= count_) return;
 	if (slot_[k].kind == Kind::grains) (pairs_[slot_[k].index].*what)();
 }
 
 template <int dim> void ContactSolver<dim>::fetchAfter(int k, SweepOrder order) const
 {
+	if (staysInCache()) return;
 	const int ahead = order == SweepOrder::forwards ? pairsAhead : -pairsAhead;
 	fetch(k + 2 * ahead, &PairSolver<dim>::fetchConstraints);
 	fetch(k + ahead, &PairSolver<dim>::fetchVelocities);
 }
 
-template <int dim> void ContactSolver<dim>::fetchListsAfter(int k) const
+template <int dim> void ContactSolver<dim>::fetchForPrepare(int k) const
 {
-	if (count_ <= pairsInCache) return;
 	auto list = [this](int k) -> const ContactList<dim>* {
 		const bool listed = k < count_ && slot_[k].kind == Kind::grains;
 		return listed ? inContact_[plan_.pairs[k]] : nullptr;
@@ -211,6 +216,8 @@ template <int dim> void ContactSolver<dim>::fetchListsAfter(int k) const
 	if (const auto* later = list(k + 2 * pairsAhead)) fetchBytes(later, later + 1);
 	if (const auto* soon = list(k + pairsAhead))
 		fetchBytes(soon->contacts.data(), soon->contacts.data() + soon->contacts.size());
+	fetch(k + pairsAhead, &PairSolver<dim>::fetchConstraints);
+	fetch(k + pairsAhead, &PairSolver<dim>::fetchVelocities);
 }
 
 template <int dim> double ContactSolver<dim>::sweep(SweepOrder order, int times)
@@ -300,7 +307,7 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	if (report.contacts == 0) return report;
 	sweepToTolerance(report);
 	forEachPair(SweepOrder::forwards, [&](int k) {
-		fetch(k + pairsAhead, &PairSolver<dim>::fetchContacts);
+		if (!staysInCache()) fetch(k + pairsAhead, &PairSolver<dim>::fetchContacts);
 		withPair(k, [](auto& pair) { pair.finish(); });
 	});
 	for (int k = 0; k < count_; ++k)
@@ -323,12 +330,13 @@ template <int dim> void ContactSolver<dim>::separateRigidBodies(double dt)
 			    });
 }
 
+/// (Backwards: the sweep before has left the last pairs in the caches.)
 template <int dim> std::vector<ResidualSum> ContactSolver<dim>::residualsOfPairs() const
 {
 	std::vector<ResidualSum> sums(count_);
 #pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
-	for (int k = 0; k < count_; ++k) {
-		fetchAfter(k, SweepOrder::forwards);
+	for (int k = count_ - 1; k >= 0; --k) {
+		fetchAfter(k, SweepOrder::backwards);
 		sums[k] = withPair(k, [](const auto& pair) { return pair.residual(); });
 	}
 	return sums;

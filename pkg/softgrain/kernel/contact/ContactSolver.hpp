@@ -78,11 +78,15 @@ private:
 	/// a row; `visit` may not throw.
 	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit, int times = 1);
 	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit);
-	/// Of pair k, if there is one, as far as it is worth it.
+	/// Whether what sweeps work on is still there from the sweep before.
+	bool staysInCache() const;
+	/// Of pair k, if there is one.
 	void fetch(int k, void (PairSolver<dim>::*what)() const) const;
 	/// What a pass over the velocities will need after pair k.
 	void fetchAfter(int k, SweepOrder order) const;
-	void fetchListsAfter(int k) const;
+	/// What `prepare` will need after pair k, in part by what the pair of this number was in
+	/// the last step: mostly it is the same one.
+	void fetchForPrepare(int k) const;
 	bool hasGrains() const; ///< pairs of grains, or of a grain and a plane
 	bool movesRigidBodies() const;
 	/// The sweeps of `solve`; adds to the report what they came to.

@@ -21,7 +21,9 @@ public:
 	/// left by the last step, made admissible for the present normals.
 	void prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
 		     const SolverSettings& settings);
-	/// Ask for the memory that `sweep` and `residual` will work on, and `finish`.
+	/// Ask for the memory that `sweep` and `residual` will work on, and `finish`. The first two
+	/// may come before `prepare`: they go by addresses of the last step then, and read nothing
+	/// through them.
 	void fetchConstraints() const;
 	void fetchVelocities() const;
 	void fetchContacts() const;
@@ -105,7 +107,7 @@ private:
 
 	/// Velocities of a body that sweeps read and change.
 	struct Stretch {
-		const Vec<dim>*begin, *end;
+		const Vec<dim>*begin = nullptr, *end = nullptr;
 	};
 	Stretch stretchOf(const ContactBody<dim>& body) const;
 

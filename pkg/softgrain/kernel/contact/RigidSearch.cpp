@@ -67,8 +67,9 @@ public:
 		const double own = (1 - rounding) * distanceTo<dim>(rigid_.surface, before);
 		if (own < lean * distance_) return true;
 		if (!rigid_.others) return false;
-		if (!others_) others_ = rigid_.others();
-		return std::any_of(others_->begin(), others_->end(), [&](const auto& other) {
+		if (!hasAsked_) others_ = rigid_.others();
+		hasAsked_ = true;
+		return std::any_of(others_.begin(), others_.end(), [&](const auto& other) {
 			return distanceTo<dim>(other, before) < own;
 		});
 	}
@@ -76,7 +77,8 @@ public:
 private:
 	const RigidSide<dim>& rigid_;
 	double distance_, depth_; ///< m
-	std::optional<std::vector<RigidSurface<dim>>> others_;
+	std::vector<RigidSurface<dim>> others_;
+	bool hasAsked_ = false; ///< for them
 };
 
 /// Where a contact node touches with a gap below `reach`, past places that are hidden.
