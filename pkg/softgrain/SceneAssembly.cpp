@@ -107,18 +107,18 @@ bool passes(const Body& body, const Scene& scene) noexcept
 }
 
 /// In a pass over all bodies, most of which have nothing to do: it would wait for memory at every
-/// one unless it asks for it ahead.
+/// one unless it asks for it ahead. What the pass reads of a SoftGrain lies in the first
+/// `grainHead` bytes.
 void fetchBodiesAfter(const BodyContainer& bodies, int id)
 {
-	constexpr int bodyAhead = 12, partsAhead = 6;
-	constexpr int grainHead = 384; // what the pass reads lies at the begin of a SoftGrain, bytes
+	constexpr int bodyAhead = 12, partsAhead = 6, grainHead = 384;
 	const int count = static_cast<int>(bodies.size());
 	if (id + bodyAhead < count) {
 		const Body* body = bodies[id + bodyAhead].get();
 		softgrain::fetchBytes(body, body + 1);
 	}
 	const Body* body = id + partsAhead < count ? bodies[id + partsAhead].get() : nullptr;
-	if (!body) return;
+	if (!body || !body->shape) return;
 	const char* shape = reinterpret_cast<const char*>(body->shape.get());
 	softgrain::fetchBytes(shape, shape + grainHead);
 	softgrain::fetchBytes(body->state.get(), body->state.get() + 1);

@@ -105,10 +105,13 @@ def run_case(case, threads, options):
 
 
 def machine_name():
+    """With family and model, since virtual machines may call different processors the same."""
+    fields = {}
     for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return "unknown processor"
+        key, _, value = line.partition(":")
+        fields.setdefault(key.strip(), value.strip())
+    which = [f"{key} {fields[key]}" for key in ("cpu family", "model") if key in fields]
+    return ", ".join([fields.get("model name", "unknown processor"), *which])
 
 
 def limits(threads):

@@ -457,28 +457,3 @@ TEST_CASE("Sleep: free grains that do not move, whether damped or not", "[sleep]
 	CHECK(scene.whole(2).velocity[0] > 0.01);
 	CHECK(std::abs(scene.momentum()[0] / scene.whole(1).mass - 1) < 1e-12);
 }
-
-TEMPLATE_TEST_CASE_SIG("Sleep: a support lies still only if nothing of it moves", "[sleep]",
-		       ((int dim), dim), 2, 3)
-{
-	ContactList<dim> onGrain;
-	onGrain.second = 0;
-	CHECK_FALSE(onGrain.hasStillSupport());
-
-	ContactList<dim> onPlane;
-	CHECK(onPlane.hasStillSupport());
-	onPlane.plane.velocity[0] = 1e-9;
-	CHECK_FALSE(onPlane.hasStillSupport());
-
-	auto restsOn = [](const RigidSide<dim>& side, const Vec<dim>& ofImage = Vec<dim>::Zero()) {
-		ContactList<dim> list;
-		list.rigid = side;
-		list.image.velocity = ofImage;
-		return list.hasStillSupport();
-	};
-	CHECK(restsOn({}));
-	CHECK_FALSE(restsOn({ .speed = 1e-9 }));
-	CHECK_FALSE(restsOn({ .moves = true }));
-	CHECK_FALSE(restsOn({ .hasVelocity = true }));
-	CHECK_FALSE(restsOn({}, Vec<dim>::Unit(dim - 1)));
-}

@@ -31,7 +31,7 @@ constexpr double changePerResidual = 2;
 constexpr int pairsInCache = 4000;
 
 /// While one pair is worked on, those that come so many and twice so many after it are asked for:
-/// from step to step always, from sweep to sweep where they are not kept in the caches
+/// by `prepare` always, by sweeps where pairs do not stay in the caches
 /// (doc/decisions/0015-parallel-sweeps.md).
 constexpr int pairsAhead = 2;
 
@@ -119,12 +119,14 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 	const int listed = static_cast<int>(inContact_.size());
 	int used[3] = { 0, 0, 0 };
 	slot_.clear();
-	for (int k : plan_.pairs) {
-		const Kind kind = k >= listed            ? Kind::rigid
-				  : inContact_[k]->rigid ? Kind::grainOnRigid
-							 : Kind::grains;
-		slot_.push_back({ kind, used[static_cast<int>(kind)]++ });
-	}
+	for (int task = 0; task < plan_.tasks(); ++task)
+		while (static_cast<int>(slot_.size()) < plan_.taskEnd[task]) {
+			const int pair = plan_.pairs[slot_.size()];
+			const Kind kind = pair >= listed            ? Kind::rigid
+					  : inContact_[pair]->rigid ? Kind::grainOnRigid
+								    : Kind::grains;
+			slot_.push_back({ kind, used[static_cast<int>(kind)]++, task });
+		}
 	auto holdAtLeast = [](auto& solvers, int count) {
 		if (solvers.size() < static_cast<std::size_t>(count)) solvers.resize(count);
 	};
@@ -136,7 +138,8 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 	threads_ = threadsFor(work / std::max(plan_.colours(), 1), threads, pairsPerThread);
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		fetchForPrepare(k);
-		const auto [kind, index] = slot_[k];
+		const Kind kind = slot_[k].kind;
+		const int index = slot_[k].index;
 		const int pair = plan_.pairs[k];
 		if (kind == Kind::rigid)
 			rigidContacts_[index].prepare((*rigidContacts)[pair - listed], *partners,
@@ -209,15 +212,18 @@ template <int dim> void ContactSolver<dim>::fetchAfter(int k, SweepOrder order) 
 
 template <int dim> void ContactSolver<dim>::fetchForPrepare(int k) const
 {
-	auto list = [this](int k) -> const ContactList<dim>* {
-		const bool listed = k < count_ && slot_[k].kind == Kind::grains;
-		return listed ? inContact_[plan_.pairs[k]] : nullptr;
+	auto listOf = [this](int pair) -> const ContactList<dim>* {
+		const bool listed = pair < count_ && slot_[pair].kind == Kind::grains;
+		return listed ? inContact_[plan_.pairs[pair]] : nullptr;
 	};
-	if (const auto* later = list(k + 2 * pairsAhead)) fetchBytes(later, later + 1);
-	if (const auto* soon = list(k + pairsAhead))
-		fetchBytes(soon->contacts.data(), soon->contacts.data() + soon->contacts.size());
-	fetch(k + pairsAhead, &PairSolver<dim>::fetchConstraints);
-	fetch(k + pairsAhead, &PairSolver<dim>::fetchVelocities);
+	const int next = k + pairsAhead;
+	if (const auto* list = listOf(next + pairsAhead)) fetchBytes(list, list + 1);
+	if (const auto* list = listOf(next))
+		fetchBytes(list->contacts.data(), list->contacts.data() + list->contacts.size());
+	// a pair of another task may be changed by another thread while it is looked at
+	if (threads_ > 1 && next < count_ && slot_[next].task != slot_[k].task) return;
+	fetch(next, &PairSolver<dim>::fetchConstraints);
+	fetch(next, &PairSolver<dim>::fetchVelocities);
 }
 
 template <int dim> double ContactSolver<dim>::sweep(SweepOrder order, int times)
@@ -330,13 +336,12 @@ template <int dim> void ContactSolver<dim>::separateRigidBodies(double dt)
 			    });
 }
 
-/// (Backwards: the sweep before has left the last pairs in the caches.)
 template <int dim> std::vector<ResidualSum> ContactSolver<dim>::residualsOfPairs() const
 {
 	std::vector<ResidualSum> sums(count_);
 #pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
-	for (int k = count_ - 1; k >= 0; --k) {
-		fetchAfter(k, SweepOrder::backwards);
+	for (int k = 0; k < count_; ++k) {
+		fetchAfter(k, SweepOrder::forwards);
 		sums[k] = withPair(k, [](const auto& pair) { return pair.residual(); });
 	}
 	return sums;

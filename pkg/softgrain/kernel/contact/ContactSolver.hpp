@@ -84,8 +84,8 @@ private:
 	void fetch(int k, void (PairSolver<dim>::*what)() const) const;
 	/// What a pass over the velocities will need after pair k.
 	void fetchAfter(int k, SweepOrder order) const;
-	/// What `prepare` will need after pair k, in part by what the pair of this number was in
-	/// the last step: mostly it is the same one.
+	/// What `prepare` will need after pair k. What is not yet known of a pair goes by what the
+	/// pair of this number was in the last step: mostly it is the same one.
 	void fetchForPrepare(int k) const;
 	bool hasGrains() const; ///< pairs of grains, or of a grain and a plane
 	bool movesRigidBodies() const;
@@ -132,6 +132,7 @@ private:
 	struct Slot {
 		Kind kind;
 		int index;
+		int task; ///< of the plan
 	};
 	SweepPlan plan_;
 	std::vector<ContactList<dim>*> inContact_; ///< lists with contacts

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace softgrain {
@@ -67,8 +68,7 @@ public:
 		const double own = (1 - rounding) * distanceTo<dim>(rigid_.surface, before);
 		if (own < lean * distance_) return true;
 		if (!rigid_.others) return false;
-		if (!hasAsked_) others_ = rigid_.others();
-		hasAsked_ = true;
+		if (!std::exchange(hasAsked_, true)) others_ = rigid_.others();
 		return std::any_of(others_.begin(), others_.end(), [&](const auto& other) {
 			return distanceTo<dim>(other, before) < own;
 		});
@@ -78,7 +78,7 @@ private:
 	const RigidSide<dim>& rigid_;
 	double distance_, depth_; ///< m
 	std::vector<RigidSurface<dim>> others_;
-	bool hasAsked_ = false; ///< for them
+	bool hasAsked_ = false; ///< for them (of an optional GCC warns wrongly)
 };
 
 /// Where a contact node touches with a gap below `reach`, past places that are hidden.

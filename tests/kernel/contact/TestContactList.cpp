@@ -1,0 +1,31 @@
+#include "contact/Contact.hpp"
+
+#include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
+
+using namespace softgrain;
+
+TEMPLATE_TEST_CASE_SIG("Contact list: a support lies still only if nothing of it moves",
+		       "[contact]", ((int dim), dim), 2, 3)
+{
+	ContactList<dim> onGrain;
+	onGrain.second = 0;
+	CHECK_FALSE(onGrain.hasStillSupport());
+
+	ContactList<dim> onPlane;
+	CHECK(onPlane.hasStillSupport());
+	onPlane.plane.velocity[0] = 1e-9;
+	CHECK_FALSE(onPlane.hasStillSupport());
+
+	auto restsOn = [](const RigidSide<dim>& side, const Vec<dim>& ofImage = Vec<dim>::Zero()) {
+		ContactList<dim> list;
+		list.rigid = side;
+		list.image.velocity = ofImage;
+		return list.hasStillSupport();
+	};
+	CHECK(restsOn({}));
+	CHECK_FALSE(restsOn({ .speed = 1e-9 }));
+	CHECK_FALSE(restsOn({ .moves = true }));
+	CHECK_FALSE(restsOn({ .hasVelocity = true }));
+	CHECK_FALSE(restsOn({}, Vec<dim>::Unit(dim - 1)));
+}
