@@ -25,9 +25,8 @@ public:
 	/// Throws std::runtime_error naming a grain whose State the engine leaves out.
 	void requireCarried(const NewtonIntegrator& newton) const;
 	/// Changes of State since it was written, as assembleScene has found them in this step, are
-	/// the user's: they act as rigid motions. Returns
-	/// the ids of the grains that were shifted by whole periods. Throws std::runtime_error for
-	/// values that are no motion.
+	/// the user's: they act as rigid motions. Returns the ids of the grains that were shifted
+	/// by whole periods. Throws std::runtime_error for values that are no motion.
 	std::set<int> applyUserMotions(const NewtonIntegrator& newton) const;
 	/// Gravity, O.forces and the flow of a periodic cell as body loads.
 	void applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const;

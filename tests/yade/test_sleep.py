@@ -10,75 +10,27 @@ from periodic_scenes import set_cell
 from scenes import (
     RADIUS,
     add_disk,
-    add_wall,
     assert_same_bits,
     present_state,
     ready,
     run,
     soft_material,
 )
-from yade import FrictMat, Matrix3, NewtonIntegrator, O, Quaternion, Vector3, utils
+from sleep_scenes import (
+    FLOORS,
+    GRAVITY,
+    asleep,
+    box_below,
+    forces,
+    heap,
+    newton,
+    on_all_floors,
+    rest,
+    rough,
+)
+from yade import Matrix3, O, Quaternion, Vector3, utils
 
 import softgrain as sg
-
-GRAVITY = 1000.0  # m/s^2: weight over modulus 0.02, so that grains come to rest soon
-
-
-def newton():
-    return next(engine for engine in O.engines if isinstance(engine, NewtonIntegrator))
-
-
-def wall_below():
-    add_wall(-RADIUS, 1, friction=0.3)
-
-
-def rough():
-    return FrictMat(frictionAngle=math.atan(0.3))
-
-
-def box_below():
-    center, half = (RADIUS, -2 * RADIUS, 0), (5 * RADIUS, RADIUS, RADIUS)
-    O.bodies.append(utils.box(center, half, fixed=True, material=rough()))
-
-
-def facet_below():
-    low = (-9 * RADIUS, -RADIUS, -9 * RADIUS)
-    corners = (low, (30 * RADIUS, *low[1:]), (*low[:2], 30 * RADIUS))
-    O.bodies.append(utils.facet(corners, material=rough()))
-
-
-FLOORS = (wall_below, box_below, facet_below)
-on_all_floors = pytest.mark.parametrize("floor", FLOORS, ids=lambda floor: floor.__name__)
-
-
-def heap(damping=4000.0, floor=wall_below, **engine):
-    """Two disks on a floor (body #3) between walls and a third upon them; returns the disks."""
-    O.reset()
-    material = soft_material(massDamping=damping, frictionAngle=math.atan(0.3))
-    places = ((0, 0, 0), (2.1 * RADIUS, 0, 0), (1.05 * RADIUS, 1.8 * RADIUS, 0))
-    disks = [add_disk(place, material=material) for place in places]
-    floor()
-    add_wall(-1.05 * RADIUS, 0, friction=0.3)
-    add_wall(3.15 * RADIUS, 0, friction=0.3)
-    ready(gravity=(0, -GRAVITY, 0), **engine)
-    O.trackEnergy = True
-    return disks
-
-
-def asleep():
-    return [body.shape.isAsleep() for body in sg.soft_bodies()]
-
-
-def rest():
-    """Run until all sleep."""
-    while not all(asleep()):
-        run(1)
-        assert O.iter < 30000
-
-
-def forces():
-    """And torques over the radius, on all bodies, as YADE shows them after a step."""
-    return np.array([[*O.forces.f(b.id), *(O.forces.t(b.id) / RADIUS)] for b in O.bodies])
 
 
 @on_all_floors
@@ -275,28 +227,6 @@ def test_moved_by_hand_while_asleep(steps):
     np.testing.assert_allclose(disk.state.pos, (0.5 * RADIUS, 0, 0), atol=1e-15)
 
 
-@on_all_floors
-@pytest.mark.parametrize("awake", (False, True), ids=("", "awake"))
-@pytest.mark.parametrize("going", ("erased", "moved"))
-def test_a_floor_that_goes(floor, awake, going):
-    """Grains at rest fall when it goes; those that it kept awake by moving a little, too: in a step
-    in which it is looked who may sleep, before anything has moved."""
-    disks = heap(floor=floor)
-    if awake:
-        O.bodies[3].state.vel = (0, 1e-12, 0)
-    run(8000)
-    assert sg.quasi_static()["kinetic_over_elastic"] < 1e-10
-    assert asleep() == [not awake] * 3
-    heights = [disk.state.pos[1] for disk in disks]
-    if going == "erased":
-        O.bodies.erase(3)
-    else:
-        O.bodies[3].state.vel = (0, 0, 0)
-        O.bodies[3].state.pos -= Vector3(0, 5 * RADIUS, 0)
-    run(200)
-    assert all(disk.state.pos[1] < y - 0.1 * RADIUS for disk, y in zip(disks, heights))
-
-
 def test_undamped_grains_do_not_sleep():
     """And are not changed by the switch."""
     states = []
@@ -367,24 +297,6 @@ def test_saved_otherwise_is_refused(least, most, tmp_path):
         O.step()
 
 
-def turn_the_floor():
-    O.bodies[3].state.ori = Quaternion((0, 0, 1), 1e-6)
-
-
-def let_the_floor_go():
-    O.bodies[3].state.mass, O.bodies[3].state.inertia = 1, Vector3(1, 1, 1)
-    O.bodies[3].state.blockedDOFs = "zXY"
-
-
-@pytest.mark.parametrize("change", (turn_the_floor, let_the_floor_go))
-def test_woken_by_a_floor(change):
-    heap(floor=box_below)
-    rest()
-    change()
-    run(1)
-    assert not any(asleep())
-
-
 def test_woken_by_a_period_that_changes():
     """Disks in a row that presses on itself across the border, on a box in a periodic cell."""
     set_cell(7.98 * RADIUS, 30 * RADIUS)
@@ -399,108 +311,3 @@ def test_woken_by_a_period_that_changes():
     O.cell.hSize = Matrix3(7.9 * RADIUS, 0, 0, 0, 30 * RADIUS, 0, 0, 0, 1)
     run(1)
     assert not any(asleep())
-
-
-def test_forces_on_a_floor_while_asleep():
-    """The same whatever the step: impulses of old are forces over the kick they had."""
-    heap(floor=box_below)
-    rest()
-    before = forces()
-    weight = GRAVITY * sum(b.state.mass for b in sg.soft_bodies())
-    assert 0.5 * weight < -before[3, 1] < weight  # walls bear the rest by friction
-    assert before[3, 5] != 0
-    for step in (0.5, 0.3):
-        O.dt *= step
-        run(3)
-        assert all(asleep())
-        np.testing.assert_allclose(forces(), before, rtol=1e-12)
-
-
-def test_free_rigid_bodies_keep_grains_awake():
-    """They are carried by contact dynamics, and their own rest is not watched."""
-    O.reset()
-    material = soft_material(massDamping=4000.0, frictionAngle=math.atan(0.3))
-    add_disk((0, 0, 0), material=material)
-    sphere = utils.sphere((0, 1.99 * RADIUS, 0), RADIUS, material=rough())
-    O.bodies.append(sphere)
-    sphere.state.blockedDOFs = "xzXYZ"
-    add_wall(-RADIUS, 1, friction=0.3)
-    ready(gravity=(0, -GRAVITY, 0))
-    newton().damping = 0
-    run(6000)
-    assert abs(sphere.state.vel[1]) < 1e-9
-    assert asleep() == [False]
-
-
-def test_walls_that_move_keep_grains_awake():
-    heap()
-    O.bodies[5].state.vel = (1e-7, 0, 0)
-    run(10000)
-    assert not any(asleep())
-    O.bodies[5].state.vel = (0, 0, 0)
-    rest()
-
-
-def clump_below():
-    """Held spheres in a row, as large as the disks; the clump comes after its members."""
-    places = ((2 * k - 1) * RADIUS for k in range(3))
-    row = [utils.sphere((x, -2 * RADIUS, 0), RADIUS, material=rough()) for x in places]
-    O.bodies.appendClumped(row)
-    the_clump().state.blockedDOFs = "xyzXYZ"
-
-
-def the_clump():
-    return next(body for body in O.bodies if body.isClump)
-
-
-def shift_the_clump():
-    the_clump().state.pos += Vector3(0, -1e-6 * RADIUS, 0)
-
-
-def let_the_clump_go():
-    the_clump().state.blockedDOFs = "zXY"
-
-
-def test_same_results_without_on_a_clump():
-    """As on other floors, but on spheres disks come to rest more slowly: after 9000 steps nodes
-    differ by 2e-5 R."""
-    states = []
-    for sleep in (False, True):
-        heap(sleep=sleep, floor=clump_below)
-        run(9000)
-        assert all(asleep()) == sleep
-        states.append((present_state()["nodes"], forces()))
-    (nodes, pushed), (nodes_asleep, pushed_asleep) = states
-    np.testing.assert_allclose(nodes_asleep, nodes, atol=1e-4 * RADIUS)
-    weight = sum(body.state.mass for body in sg.soft_bodies()) * GRAVITY
-    np.testing.assert_allclose(pushed_asleep, pushed, atol=1e-4 * weight)
-
-
-@pytest.mark.parametrize("change", (shift_the_clump, let_the_clump_go))
-def test_woken_by_a_clump(change):
-    heap(floor=clump_below)
-    rest()
-    change()
-    run(2)  # YADE moves the members of a clump behind the clump, at the end of a step
-    assert not any(asleep())
-
-
-def test_a_floor_that_moves_along_itself_keeps_grains_awake():
-    """A conveyor, set back in each step, without friction: only its velocity tells that it moves.
-    When it stops the disk falls asleep, within fewer steps than it was watched."""
-    watched = 300
-    add_disk((0, 0, 0), material=soft_material(massDamping=4000.0))
-    facet_below()
-    belt = O.bodies[1]
-    start = belt.state.pos
-    ready(gravity=(0, -GRAVITY, 0))
-    rest()
-    belt.state.vel = (0.05, 0, 0)
-    for _ in range(watched):
-        run(1)
-        belt.state.pos = start
-        assert asleep() == [False]
-    belt.state.vel = (0, 0, 0)
-    began = O.iter
-    rest()
-    assert O.iter - began < watched
