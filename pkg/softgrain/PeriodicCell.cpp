@@ -56,15 +56,18 @@ void chooseNearestImage(const Scene& scene, const Vector3r& grain, Interaction& 
 			I.cellDist[axis] = -static_cast<int>(std::lround(apart[axis]));
 }
 
-bool followWrap(const Scene& scene, const Body& grain, const Vector3r& shift, Real tolerance)
+std::optional<Vector3r> followWrap(const Scene& scene, const Body& grain, const Vector3r& shift,
+				   Real tolerance)
 {
-	if (!scene.isPeriodic) return false;
-	const Vector3r periods = (scene.cell->hSize.inverse() * shift).array().round();
-	if (periods.isZero(0) || (scene.cell->hSize * periods - shift).norm() > tolerance)
-		return false;
+	if (!scene.isPeriodic) return std::nullopt;
+	const Cell& cell = *scene.cell;
+	const Vector3r now = shift + scene.dt * (cell.velGrad * shift);
+	const Vector3r periods = (cell.hSize.inverse() * now).array().round();
+	const Vector3r image = cell.hSize * periods;
+	if (periods.isZero(0) || (image - now).norm() > tolerance) return std::nullopt;
 	for (const auto& [other, I] : grain.intrs)
 		I->cellDist += (I->getId1() == grain.getId() ? 1 : -1) * periods.cast<int>();
-	return true;
+	return image;
 }
 
 Vector3r CellFlow::before(const Vector3r& position, const Vector3r& after, Real dt) const

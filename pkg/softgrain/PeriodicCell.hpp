@@ -5,6 +5,8 @@
 #include "Yade.hpp"
 #include "assembly/GrainAssembly.hpp"
 
+#include <optional>
+
 namespace yade {
 
 /// Cell.velGrad as NewtonIntegrator will set it in the step at hand; zero where nothing is
@@ -25,9 +27,11 @@ Vector3r shiftTowards(const Scene& scene, const Vector3r& place, const Vector3r&
 /// goes on like it). Body #1 of the interaction is the rigid one.
 void chooseNearestImage(const Scene& scene, const Vector3r& grain, Interaction& I);
 
-/// After a soft grain was shifted by hand: whether by whole periods, as by Cell.wrap. Its
-/// interactions then name other images, those that are where the former ones were.
-bool followWrap(const Scene& scene, const Body& grain, const Vector3r& shift, Real tolerance);
+/// After a soft grain was shifted by hand between two steps, before the cell moved for the step at
+/// hand. If by whole periods, as by Cell.wrap, its interactions then name other images, those that
+/// are where the former ones were; returns these periods as they are now, m.
+std::optional<Vector3r> followWrap(const Scene& scene, const Body& grain, const Vector3r& shift,
+				   Real tolerance);
 
 /// What NewtonIntegrator does to every body in the step at hand for the flow of the cell
 /// (Cell.homoDeform): v += dt convection v + change x, spin += spinChange.

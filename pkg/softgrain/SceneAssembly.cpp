@@ -73,20 +73,35 @@ void checkPeriodic(const Body& body, const Scene& scene)
 					    "O.cell.velGrad diagonal");
 }
 
-/// Whether the material of a grain in an assembly is still what it was assembled with.
-bool isAsAssembled(const SoftGrain& grain, const SoftMat& material)
+const SoftMat& softMaterial(const Body& body)
 {
-	return grain.assembledConstants == material.constants() &&
-	       grain.assembledDamping == material.damping() && grain.assembledLaw == material.law &&
-	       grain.assembledCondition == material.condition;
+	return static_cast<const SoftMat&>(*body.material);
 }
 
+/// Whether materials are still what their grains were assembled with. Many grains share one, which
+/// is looked at once for those that follow each other.
+class MaterialCheck {
+public:
+	bool passes(const SoftMat& material, const AssembledMaterial& assembled)
+	{
+		if (&material == material_ && &assembled == assembled_) return passed_;
+		material_ = &material;
+		assembled_ = &assembled;
+		return passed_ = material.isAs(assembled);
+	}
+
+private:
+	const SoftMat* material_ = nullptr;
+	const AssembledMaterial* assembled_ = nullptr;
+	bool passed_ = false;
+};
+
 /// Whether a grain is in an assembly, and as it was when it went there.
-bool isInAssembly(const Body& body)
+bool isInAssembly(const Body& body, MaterialCheck& materials)
 {
 	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
 	return grain.assembly && grain.assembly->idOf(grain.index) == body.getId() &&
-	       isAsAssembled(grain, static_cast<const SoftMat&>(*body.material));
+	       materials.passes(softMaterial(body), *grain.assembledMaterial);
 }
 
 void check(const Body& body, const Scene& scene)
@@ -111,7 +126,7 @@ bool passes(const Body& body, const Scene& scene) noexcept
 /// `grainHead` bytes.
 void fetchBodiesAfter(const BodyContainer& bodies, int id)
 {
-	constexpr int bodyAhead = 12, partsAhead = 6, grainHead = 384;
+	constexpr int bodyAhead = 12, partsAhead = 6, grainHead = 296;
 	const int count = static_cast<int>(bodies.size());
 	if (id + bodyAhead < count) {
 		const Body* body = bodies[id + bodyAhead].get();
@@ -121,7 +136,9 @@ void fetchBodiesAfter(const BodyContainer& bodies, int id)
 	if (!body || !body->shape) return;
 	const char* shape = reinterpret_cast<const char*>(body->shape.get());
 	softgrain::fetchBytes(shape, shape + grainHead);
-	softgrain::fetchBytes(body->state.get(), body->state.get() + 1);
+	const State* state = body->state.get();
+	softgrain::fetchBytes(&state->se3, &state->angVel + 1);
+	softgrain::fetchBytes(&state->blockedDOFs, &state->blockedDOFs + 1);
 }
 
 /// The soft grains of a scene.
@@ -140,8 +157,9 @@ SoftScene softScene(const Scene& scene, int threads)
 	const int count = static_cast<int>(bodies.size());
 	int faulty = count, first = count, grains = 0, inAssembly = 0;
 	std::uintptr_t lowest = UINTPTR_MAX, highest = 0; // of the assemblies: are they one?
+	MaterialCheck materials;
 #pragma omp parallel for schedule(static) reduction(min : faulty, first, lowest)                   \
-	reduction(max : highest) reduction(+ : grains, inAssembly)                                 \
+	reduction(max : highest) reduction(+ : grains, inAssembly) firstprivate(materials)         \
 	num_threads(softgrain::threadsFor(count, threads, bodiesPerThread))
 	for (int id = 0; id < count; ++id) {
 		if (faulty < id) continue; // one is enough
@@ -159,7 +177,7 @@ SoftScene softScene(const Scene& scene, int threads)
 		lowest = std::min(lowest, assembly);
 		highest = std::max(highest, assembly);
 		++grains;
-		if (!isInAssembly(*body)) continue;
+		if (!isInAssembly(*body, materials)) continue;
 		++inAssembly;
 		grain.assembly->setMovedByHost(grain.index, !isAsWritten(*body));
 	}
@@ -183,8 +201,7 @@ std::vector<Body*> softBodies(const Scene& scene)
 softgrain::GrainDescription describePresent(const Body& body)
 {
 	SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
-	const bool changed = grain.assembly &&
-			     !isAsAssembled(grain, static_cast<const SoftMat&>(*body.material));
+	const bool changed = grain.assembly && !softMaterial(body).isAs(*grain.assembledMaterial);
 	grain.fetchState();
 	if (grain.assembly) grain.savedForces.clear(); // materials may have changed
 	softgrain::GrainDescription description = grain.describe(body);
@@ -195,18 +212,22 @@ softgrain::GrainDescription describePresent(const Body& body)
 	return description;
 }
 
-/// Tells a grain its place in the assembly, and with what it went there.
-void join(const Body& body, const std::shared_ptr<softgrain::GrainAssembly>& assembly, int index)
+/// Tells the grains of a scene their places in the assembly, and with what they went there.
+void join(const Scene& scene, const std::shared_ptr<softgrain::GrainAssembly>& assembly)
 {
-	SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
-	const SoftMat& material = static_cast<const SoftMat&>(*body.material);
-	grain.assembly = assembly;
-	grain.index = index;
-	grain.assembledConstants = material.constants();
-	grain.assembledLaw = material.law;
-	grain.assembledCondition = material.condition;
-	grain.assembledDamping = material.damping();
-	grain.written = assembly->motion(index);
+	std::map<const SoftMat*, std::shared_ptr<const AssembledMaterial>> assembled;
+	for (int g = 0; g < assembly->grains(); ++g) {
+		const int id = assembly->idOf(g);
+		SoftGrain& grain = grainOf(scene, id);
+		const SoftMat& material = materialOf(scene, id);
+		auto& shared = assembled[&material];
+		if (!shared)
+			shared = std::make_shared<const AssembledMaterial>(material.assembled());
+		grain.assembly = assembly;
+		grain.index = g;
+		grain.assembledMaterial = shared;
+		grain.written = assembly->motion(g);
+	}
 }
 
 /// A SoftGrain holds the state of one grain; rigid shapes may stand for many.
@@ -242,8 +263,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 	assembly->continueFrom(last ? last->continuation() : softgrain::Continuation());
 	if (const auto* integrator = softGrainIntegratorOf(scene))
 		assembly->setInterfaceRange(integrator->interfaceRange);
-	for (int g = 0; g < assembly->grains(); ++g)
-		join(*(*scene.bodies)[assembly->idOf(g)], assembly, g);
+	join(scene, assembly);
 	return assembly;
 }
 

@@ -104,13 +104,13 @@ std::set<int> SoftBodies::applyUserMotions(const NewtonIntegrator& newton) const
 bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 {
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
-	const State& state = *body.state;
-	SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+	State& state = *body.state;
+	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
 	const softgrain::GrainMotion& written = grain.written;
 	const Real radius = grain.radius;
 	requireMotion(body);
 	assembly_.setPublishedAsleep(g, false); // whatever becomes of it, State is written next
-	const Vec3 shift = state.pos - written.position;
+	Vec3 shift = state.pos - written.position;
 	Rotation turn = state.ori * written.orientation.conjugate();
 	requireInPlane(body, turn);
 	const bool turned = turn.vec().norm() > angleRounding;
@@ -120,8 +120,15 @@ bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 	const Vec3 spin = state.angVel - turn * written.angularVelocity;
 	const bool moved =
 		shift.norm() > lengthRounding * radius + placeRounding * state.pos.norm();
-	const bool wrapped = moved && followWrap(scene_, body, shift, wrapTolerance * radius);
-	if (wrapped) velocity += newton.prevVelGrad * shift; // its image has it
+	const auto image =
+		moved ? followWrap(scene_, body, shift, wrapTolerance * radius) : std::nullopt;
+	if (image) { // it takes the place and the velocity that its image has in this step
+		const Vec3 faster = newton.prevVelGrad * shift;
+		velocity += faster;
+		state.vel += faster;
+		state.pos += *image - shift;
+		shift = *image;
+	}
 	const bool pushed = velocity.norm() > speedRounding * state.vel.norm();
 	const bool spun = spin.norm() > spinRounding * state.angVel.norm() &&
 			  spin.norm() * radius > speedRounding * state.vel.norm();
@@ -129,7 +136,7 @@ bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 		assembly_.moveRigidly(g, turn, moved ? shift : Vec3(Vec3::Zero()),
 				      pushed ? velocity : Vec3(Vec3::Zero()),
 				      spun ? spin : Vec3(Vec3::Zero()));
-	return wrapped;
+	return image.has_value();
 }
 
 void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const
@@ -143,7 +150,8 @@ softgrain::GrainLoad SoftBodies::loadOf(int g, const NewtonIntegrator& newton,
 					const CellFlow& flow) const
 {
 	const int id = assembly_.idOf(g);
-	const Vector3r force = scene_.forces.getForce(id), torque = scene_.forces.getTorque(id);
+	const Vector3r& force = scene_.forces.getForce(id);
+	const Vector3r& torque = scene_.forces.getTorque(id);
 	softgrain::GrainLoad load;
 	if (!newton.gravity.isZero(0))
 		load.acceleration = newton.gravity / materialOf(scene_, id).massScaling;
@@ -193,11 +201,11 @@ void SoftBodies::publishMotion(int g, const CellFlow& flow) const
 	state.ori = turn * written.orientation;
 }
 
+/// (A grain that sleeps is where it was.)
 bool SoftBodies::needCollider(Real reach) const
 {
 	for (int g = 0; g < assembly_.grains(); ++g)
-		if (!assembly_.isAsleep(g) && !isInItsBox(g, reach))
-			return true; // asleep: as before
+		if (!assembly_.isPublishedAsleep(g) && !isInItsBox(g, reach)) return true;
 	return false;
 }
 

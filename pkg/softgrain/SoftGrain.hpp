@@ -8,6 +8,7 @@
 namespace yade {
 
 class SoftMat;
+struct AssembledMaterial;
 
 class SoftGrain : public Shape {
 public:
@@ -15,10 +16,9 @@ public:
 	/// assembled.
 	std::shared_ptr<softgrain::GrainAssembly> assembly;
 	int index = -1;
-	/// What the assembly was built with, to notice changes of the material.
-	softgrain::ElasticConstants assembledConstants;
-	softgrain::Damping assembledDamping;
-	string assembledLaw, assembledCondition;
+	/// What the assembly was built with, to notice changes of the material; shared by the
+	/// grains of a material.
+	std::shared_ptr<const AssembledMaterial> assembledMaterial;
 	/// Motion of the whole grain as last written to State, to notice what the user changes.
 	softgrain::GrainMotion written;
 	Vector3r boundCell = Vector3r::Zero(); ///< Cell.size when the bound was made, m

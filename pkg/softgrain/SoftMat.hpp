@@ -6,8 +6,22 @@
 
 namespace yade {
 
+/// What an assembly takes of a SoftMat.
+struct AssembledMaterial {
+	softgrain::ElasticConstants constants;
+	softgrain::Damping damping;
+	string law, condition;
+};
+
 class SoftMat : public Material {
 public:
+	AssembledMaterial assembled() const { return { constants(), damping(), law, condition }; }
+	/// Whether nothing of that has changed.
+	bool isAs(const AssembledMaterial& before) const
+	{
+		return before.constants == constants() && before.damping == damping() &&
+		       before.law == law && before.condition == condition;
+	}
 	/// With the density that inertia sees.
 	softgrain::ElasticConstants constants() const
 	{

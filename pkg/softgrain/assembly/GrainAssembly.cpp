@@ -35,7 +35,6 @@ public:
 
 	int grains() const override { return system_.grains(); }
 	int templates() const override { return static_cast<int>(templates_.size()); }
-	int idOf(int g) const override { return id_[g]; }
 	double criticalTimeStep() const override { return system_.criticalTimeStep(); }
 	double presentCriticalTimeStep() override { return system_.presentCriticalTimeStep(); }
 	void setMultirate(bool on) override { system_.setMultirate(on); }
@@ -410,8 +409,7 @@ private:
 	Templates<dim> templates_;
 	/// Where the impulses of the system's rigid contacts go, in the step at hand.
 	std::vector<RigidContactDescription*> solvedContacts_;
-	std::vector<int> id_; ///< of the YADE body by index in the system
-	double slowestWave_;  ///< m/s
+	double slowestWave_; ///< m/s
 	double z_;
 };
 

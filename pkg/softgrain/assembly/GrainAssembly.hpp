@@ -51,8 +51,8 @@ public:
 	static std::shared_ptr<GrainAssembly> createWithoutGrains();
 
 	virtual int grains() const = 0;
-	virtual int templates() const = 0; ///< that the grains share
-	virtual int idOf(int g) const = 0;
+	virtual int templates() const = 0;            ///< that the grains share
+	int idOf(int g) const { return id_[g]; }      ///< of the body of the host
 	virtual double criticalTimeStep() const = 0;  ///< of the undeformed grains, s
 	virtual double presentCriticalTimeStep() = 0; ///< as deformed now, s
 	/// System::setMultirate and System::rate.
@@ -140,6 +140,7 @@ public:
 	virtual GrainState state(int g, Vec3& origin) const = 0;
 
 protected:
+	std::vector<int> id_;
 	std::vector<char> publishedAsleep_, movedByHost_;
 };
 

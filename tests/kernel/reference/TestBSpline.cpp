@@ -1,6 +1,8 @@
 #include "Helpers.hpp"
 #include "reference/BSpline.hpp"
 
+#include <algorithm>
+#include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 
@@ -94,4 +96,25 @@ TEST_CASE("B-splines: values at a node and support", "[reference]")
 				CHECK(std::abs(spline(order, knot - 1e-12, i) -
 					       spline(order, knot + 1e-12, i)) < 1e-11);
 	}
+}
+
+TEMPLATE_TEST_CASE_SIG("B-splines: coefficients of the polynomials", "[reference]",
+		       ((int order), order), 1, 2, 3)
+{
+	double worst = 0;
+	for (double x : coordinates()) {
+		const SplineStencil s = splineStencil(order, x);
+		for (int j = 0; j < rowWidth; ++j) {
+			double value = 0, gradient = 0;
+			for (int k = order; k >= 0; --k) {
+				value = value * s.t + splineCoefficients<order>[k][j];
+				if (k > 0)
+					gradient = gradient * s.t +
+						   k * splineCoefficients<order>[k][j];
+			}
+			worst = std::max({ worst, std::abs(value - s.value[j]),
+					   std::abs(gradient - s.gradient[j]) });
+		}
+	}
+	CHECK(worst < 1e-15);
 }

@@ -10,6 +10,16 @@ using namespace softgrain::testing;
 
 namespace {
 
+/// Whether the table of a point is what its place along the line gives.
+template <int dim, int order> bool agrees(const PointLines<dim>& lines, int i)
+{
+	SplineFactors value, slope;
+	splineFactors<order>(lines.point[i].t, value, slope);
+	for (double& number : slope)
+		number /= lines.spacing;
+	return value == lines.along[i].value && slope == lines.along[i].slope;
+}
+
 /// G_I(Xp) of all nodes with unknowns from the lines: products of B-splines over the box, ties
 /// resolved.
 template <int dim>
@@ -17,17 +27,17 @@ std::vector<Vec<dim>> gradients(const PointLines<dim>& lines, int order, int lin
 {
 	const int width = order + 1, nodes = dim == 2 ? width : width * width;
 	const double* across = &lines.across[static_cast<std::size_t>(line) * dim * nodes];
-	const auto& point = lines.point[i];
+	const auto& along = lines.along[i];
 	std::vector<Vec<dim>> box(lines.places, Vec<dim>::Zero());
 	for (int k = 0; k < nodes; ++k)
 		for (int j = 0; j < width; ++j) {
 			const int step = dim == 2 ? k * lines.stride[0]
 						  : k / width * lines.stride[0] +
 							    k % width * lines.stride[1];
-			Vec<dim>& G = box[lines.line[line].place + step + point.row + j];
+			Vec<dim>& G = box[lines.line[line].place + step + lines.point[i].row + j];
 			for (int b = 0; b < dim - 1; ++b)
-				G[b] = across[(b + 1) * nodes + k] * point.value[j];
-			G[dim - 1] = across[k] * point.slope[j];
+				G[b] = across[(b + 1) * nodes + k] * along.value[j];
+			G[dim - 1] = across[k] * along.slope[j];
 		}
 	std::vector<Vec<dim>> own;
 	for (int place : lines.nodePlace)
@@ -57,6 +67,7 @@ TEMPLATE_TEST_CASE_SIG("Point lines: the shape functions of every point", "[refe
 				const int p = lines.point[i].number;
 				++met[p];
 				CHECK(lines.point[i].volume == grain->pointVolume[p]);
+				CHECK(agrees<dim, order>(lines, i));
 				auto G = gradients<dim>(lines, order, n, i);
 				const auto& shapes = grain->pointShapes;
 				for (int k = shapes.begin(p); k < shapes.end(p); ++k)

@@ -102,8 +102,8 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherGrains(const PointLines<dim>& line
 						 window.row[j]);
 		int next = width; // row after the window
 		for (int i = line.begin; i < line.end; ++i, tensor += dim * dim * laneWidth) {
-			const auto& point = in.point[i];
-			for (; next < point.row + width; ++next) {
+			const auto& along = in.along[i];
+			for (; next < in.point[i].row + width; ++next) {
 				window.shift();
 				sumRow<dim, order, Part>(in, across, first + next * dim * laneWidth,
 							 window.row[order]);
@@ -113,8 +113,8 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherGrains(const PointLines<dim>& line
 				for (int a = 0; a < dim; ++a) {
 					for (int q = 1; q < dim; ++q)
 						F[a][q - 1] +=
-							point.value[j] * window.row[j].at[q][a];
-					F[a][dim - 1] += point.slope[j] * window.row[j].at[0][a];
+							along.value[j] * window.row[j].at[q][a];
+					F[a][dim - 1] += along.slope[j] * window.row[j].at[0][a];
 				}
 			for (int a = 0; a < dim; ++a)
 				for (int b = 0; b < dim; ++b)
@@ -139,8 +139,8 @@ scatterGrains(const PointLines<dim>& lines, const Strip<dim>& strip, int begin, 
 		Window<dim, order, Part> window = {};
 		int row = 0; // first of the window
 		for (int i = line.begin; i < line.end; ++i, tensor += dim * dim * laneWidth) {
-			const auto& point = in.point[i];
-			for (; row < point.row; ++row) {
+			const auto& along = in.along[i];
+			for (; row < in.point[i].row; ++row) {
 				spreadRow<dim, order, Part>(in, across, window.row[0],
 							    first + row * dim * laneWidth);
 				window.shift();
@@ -150,10 +150,10 @@ scatterGrains(const PointLines<dim>& lines, const Strip<dim>& strip, int begin, 
 				for (int a = 0; a < dim; ++a) {
 					for (int q = 1; q < dim; ++q)
 						window.row[j].at[q][a] +=
-							point.value[j] *
+							along.value[j] *
 							lanesAt<Part, dim>(tensor, a, q - 1);
 					window.row[j].at[0][a] +=
-						point.slope[j] *
+						along.slope[j] *
 						lanesAt<Part, dim>(tensor, a, dim - 1);
 				}
 		}

@@ -27,6 +27,33 @@ inline Row sums(const Row& x, const Row& y, const Row& z, const Row& w)
 	       __builtin_shuffle(xy, zw, FourPlaces { 2, 3, 6, 7 });
 }
 
+/// PointLines::along as polynomials.
+template <int order> class SplinesAlong {
+public:
+	explicit SplinesAlong(double spacing)
+	{
+		for (int k = 0; k <= order; ++k)
+			value_[k] = fourAt(splineCoefficients<order>[k].data());
+		for (int k = 0; k < order; ++k)
+			slope_[k] = (k + 1) / spacing * value_[k + 1];
+	}
+	Row value(double t) const { return polynomial(value_, t); }
+	Row slope(double t) const { return polynomial(slope_, t); }
+
+private:
+	template <std::size_t terms>
+	static Row polynomial(const std::array<Row, terms>& coefficient, double t)
+	{
+		Row sum = coefficient.back();
+		for (int k = static_cast<int>(terms) - 2; k >= 0; --k)
+			sum = sum * t + coefficient[k];
+		return sum;
+	}
+
+	std::array<Row, order + 1> value_;
+	std::array<Row, order> slope_;
+};
+
 /// Sums over the nodes across a line: component `a` with the products `q` of PointLines::across.
 template <int dim> using AcrossSums = Row[dim][dim];
 
@@ -48,6 +75,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& line
 {
 	constexpr int nodes = nodesAcross<dim, order>;
 	const LinesInLoop<dim, order> in(lines);
+	const SplinesAlong<order> along(lines.spacing);
 	const int stripBegin = strip.pointsBegin(lines), end = runsBegin(lines, strip.lines.end);
 	for (int r = runsBegin(lines, strip.lines.begin); r < end; ++r) {
 		const auto run = in.run[r];
@@ -60,8 +88,8 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void gatherPoints(const PointLines<dim>& line
 					sum[q][a] += across[q * nodes + k] * value;
 			}
 		for (int i = run.begin; i < run.end; ++i) {
-			const Row value = fourAt(in.point[i].value),
-				  slope = fourAt(in.point[i].slope);
+			const Row value = along.value(in.point[i].t),
+				  slope = along.slope(in.point[i].t);
 			Row part[dim * dim + 3] = {}; // of F, component by component
 			for (int a = 0; a < dim; ++a) {
 				for (int q = 1; q < dim; ++q)
@@ -86,14 +114,15 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void scatterPoints(const PointLines<dim>& lin
 {
 	constexpr int nodes = nodesAcross<dim, order>;
 	const LinesInLoop<dim, order> in(lines);
+	const SplinesAlong<order> along(lines.spacing);
 	const int stripBegin = strip.pointsBegin(lines), end = runsBegin(lines, strip.lines.end);
 	for (int r = runsBegin(lines, strip.lines.begin); r < end; ++r) {
 		const auto run = in.run[r];
 		const double* across = in.acrossLine(run.line);
 		AcrossSums<dim> sum = {};
 		for (int i = run.begin; i < run.end; ++i) {
-			const Row value = fourAt(in.point[i].value),
-				  slope = fourAt(in.point[i].slope);
+			const Row value = along.value(in.point[i].t),
+				  slope = along.slope(in.point[i].t);
 			const double* P = firstNumber(strip, i - stripBegin);
 			for (int a = 0; a < dim; ++a) {
 				for (int q = 1; q < dim; ++q)

@@ -58,6 +58,7 @@ template <int dim, int order> struct LinesInLoop {
 	const typename PointLines<dim>::Line* line;
 	const typename PointLines<dim>::Run* run;
 	const typename PointLines<dim>::Point* point;
+	const typename PointLines<dim>::Factors* along;
 	const double* across;
 	int step[nodesAcross<dim, order>]; ///< in the box to the k-th node across
 
@@ -65,6 +66,7 @@ template <int dim, int order> struct LinesInLoop {
 		: line(lines.line.data())
 		, run(lines.run.data())
 		, point(lines.point.data())
+		, along(lines.along.data())
 		, across(lines.across.data())
 	{
 		for (int k = 0; k < nodesAcross<dim, order>; ++k)

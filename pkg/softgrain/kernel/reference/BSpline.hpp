@@ -14,6 +14,7 @@ constexpr int rowWidth = maxSplineOrder + 1;
 /// The `order + 1` B-splines that do not vanish at one coordinate.
 struct SplineStencil {
 	int first = 0;                            ///< grid index of the first of them
+	double t = 0;                             ///< x as `splineFactors` takes it
 	std::array<double, rowWidth> value {};    ///< N(x - i), dimensionless
 	std::array<double, rowWidth> gradient {}; ///< dN/dx, in 1/(grid step)
 };
@@ -46,6 +47,23 @@ template <int order> void splineFactors(double t, SplineFactors& value, SplineFa
 	}
 }
 
+/// The same values as polynomials: their coefficients of 1, t, t^2 ...
+template <int order> constexpr std::array<SplineFactors, order + 1> splineCoefficients;
+template <>
+inline constexpr std::array<SplineFactors, 2> splineCoefficients<1> { { { 1, 0, 0, 0 },
+									{ -1, 1, 0, 0 } } };
+template <>
+inline constexpr std::array<SplineFactors, 3> splineCoefficients<2> {
+	{ { 1. / 8, 3. / 4, 1. / 8, 0 }, { -1. / 2, 0, 1. / 2, 0 }, { 1. / 2, -1, 1. / 2, 0 } }
+};
+template <>
+inline constexpr std::array<SplineFactors, 4> splineCoefficients<3> {
+	{ { 1. / 6, 2. / 3, 1. / 6, 0 },
+	  { -1. / 2, 0, 1. / 2, 0 },
+	  { 1. / 2, -1, 1. / 2, 0 },
+	  { -1. / 6, 1. / 2, -1. / 2, 1. / 6 } }
+};
+
 /// B-splines of `order` centred on the integers, at `x` in grid steps. They sum to 1 and reproduce
 /// linear functions: sum_i i N(x - i) = x.
 template <int order> SplineStencil splineStencil(double x)
@@ -53,7 +71,8 @@ template <int order> SplineStencil splineStencil(double x)
 	SplineStencil s;
 	const double first = firstSpline<order>(x);
 	s.first = static_cast<int>(first);
-	splineFactors<order>(x - (s.first + (order > 1)), s.value, s.gradient);
+	s.t = x - (s.first + (order > 1));
+	splineFactors<order>(s.t, s.value, s.gradient);
 	return s;
 }
 

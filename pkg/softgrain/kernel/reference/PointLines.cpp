@@ -154,13 +154,11 @@ void appendLine(const std::vector<int>& points, const std::vector<Stencil<dim>>&
 	lines.line.push_back({ begin, begin, static_cast<int>(lines.run.size()), place, 0 });
 	for (int p : points) {
 		const SplineStencil& along = stencils[p][dim - 1];
-		typename PointLines<dim>::Point point {
-			p, along.first - first[dim - 1], quadrature.weight[p], {}, {}
-		};
-		for (int j = 0; j < width; ++j) {
-			point.value[j] = along.value[j];
-			point.slope[j] = along.gradient[j] / grid.spacing()[dim - 1];
-		}
+		const typename PointLines<dim>::Point point { p, along.first - first[dim - 1],
+							      quadrature.weight[p], along.t };
+		lines.along.push_back({ along.value, along.gradient });
+		for (double& slope : lines.along.back().slope)
+			slope /= lines.spacing;
 		int& end = lines.line.back().end;
 		if (end == begin || point.row != lines.point.back().row)
 			lines.run.push_back({ end, end, place + point.row, line });
@@ -180,6 +178,7 @@ PointLines<dim> makePointLines(const BackgroundGrid<dim>& grid, const Quadrature
 	for (const Vec<dim>& X : quadrature.point)
 		stencils.push_back(stencilAt(grid, X));
 	PointLines<dim> lines;
+	lines.spacing = grid.spacing()[dim - 1];
 	Index<dim> low;
 	layBox<dim>(stencils, grid.order() + 1, low, lines);
 	numberNodes<dim>(grid, quadrature, low, lines);
@@ -199,7 +198,7 @@ template <int dim> PointLines<dim> makePointTable(int nodes, const Quadrature<di
 		lines.line.push_back(
 			{ begin, std::min(begin + PointLines<dim>::maxPoints, points), 0, 0, 0 });
 	for (int p = 0; p < points; ++p)
-		lines.point.push_back({ p, 0, quadrature.weight[p], {}, {} });
+		lines.point.push_back({ p, 0, quadrature.weight[p], 0 });
 	return lines;
 }
 

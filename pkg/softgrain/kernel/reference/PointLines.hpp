@@ -31,11 +31,14 @@ template <int dim> struct PointLines {
 		int line;
 	};
 	struct Point {
-		int number;             ///< as in GrainTemplate::pointPosition
-		int row;                ///< first one that it meets
-		double volume;          ///< Vp0, in radii^dim
-		double value[rowWidth]; ///< B-splines along the line
-		double slope[rowWidth]; ///< their derivatives, 1/radius
+		int number;    ///< as in GrainTemplate::pointPosition
+		int row;       ///< first one that it meets
+		double volume; ///< Vp0, in radii^dim
+		double t;      ///< place along the line, as `splineFactors` takes it
+	};
+	/// B-splines along the line at a point, and their derivatives, 1/radius.
+	struct Factors {
+		SplineFactors value, slope;
 	};
 
 	std::array<int, dim> size {};   ///< of the box, in nodes
@@ -63,6 +66,10 @@ template <int dim> struct PointLines {
 	std::vector<Line> line;
 	std::vector<Run> run;
 	std::vector<Point> point;
+	/// Of every point. A table for grains that share it: where each grain has lines of its own,
+	/// memory is slower than the polynomials (doc/decisions/0013-bulk-pass.md).
+	std::vector<Factors> along;
+	double spacing = 1; ///< of the grid along the lines, in radii
 	/// For each line the products of the B-splines across it, at every node of a row: first of
 	/// their values, then with the derivative along axis 0, 1 ... instead. The axis before the
 	/// last runs fastest.
