@@ -222,6 +222,7 @@ template <int dim> void ContactSolver<dim>::fetchForPrepare(int k) const
 		fetchBytes(list->contacts.data(), list->contacts.data() + list->contacts.size());
 	// a pair of another task may be changed by another thread while it is looked at
 	if (threads_ > 1 && next < count_ && slot_[next].task != slot_[k].task) return;
+	fetch(next, &PairSolver<dim>::fetchBodies);
 	fetch(next, &PairSolver<dim>::fetchConstraints);
 	fetch(next, &PairSolver<dim>::fetchVelocities);
 }

@@ -34,6 +34,8 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	drift_[0] = -drift_[1];
 	friction_ = list.friction;
 	interface_ = list.interface ? &*list.interface : nullptr;
+	firstSide_ = sideOf(first_);
+	secondSide_ = sideOf(second_);
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
@@ -57,16 +59,14 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
 	}
-	stretch_[0] = stretchOf(*first_);
-	if (second_) stretch_[1] = stretchOf(*second_);
+	findStretch(firstSide_, true);
+	if (second_) findStretch(secondSide_, false);
 	if (interface_)
 		interface_->engage(
 			constraints_, list.contacts,
 			contactAreas<dim>(*first_, second_, list.contacts), !second_,
 			[this](const Constraint& c, const Vec<dim>& p) { applyImpulse(c, p); },
-			[this](const Constraint& c) {
-				return relativeVelocity(c, &ContactBody<dim>::velocityBefore);
-			});
+			[this](const Constraint& c) { return velocityBefore(c); });
 }
 
 /// The partner's share of W.
@@ -82,12 +82,10 @@ template <int dim> double PairSolver<dim>::partnerMobility(const Constraint& c) 
 	return W;
 }
 
-template <int dim>
-Vec<dim> PairSolver<dim>::relativeVelocity(const Constraint& c,
-					   std::vector<Vec<dim>> ContactBody<dim>::* field) const
+template <int dim> Vec<dim> PairSolver<dim>::velocityBefore(const Constraint& c) const
 {
-	return relativeVelocity(c, (own(c)->*field).data(),
-				c.partners > 0 ? (other(c)->*field).data() : nullptr,
+	return relativeVelocity(c, own(c)->velocityBefore.data(),
+				c.partners > 0 ? other(c)->velocityBefore.data() : nullptr,
 				drift_[c.onFirst]);
 }
 
@@ -104,56 +102,60 @@ Vec<dim> PairSolver<dim>::relativeVelocity(const Constraint& c, const Vec<dim>* 
 template <int dim>
 Vec<dim> PairSolver<dim>::solvedImpulse(const Constraint& c, double friction) const
 {
-	return solvedContact<dim>(c.impulse, relativeVelocity(c, &ContactBody<dim>::velocity),
-				  c.normal, c.bias, c.inverseW, friction);
+	return solvedContact<dim>(c.impulse, velocity(c), c.normal, c.bias, c.inverseW, friction);
 }
 
 template <int dim> void PairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
-	push(c, J, own(c)->velocity.data(), c.partners > 0 ? other(c)->velocity.data() : nullptr);
+	push(c, J, ownSide(c).velocity, otherSide(c).velocity);
 }
 
 template <int dim>
 void PairSolver<dim>::push(const Constraint& c, const Vec<dim>& J, Vec<dim>* ownVelocity,
 			   Vec<dim>* otherVelocity) const
 {
-	const ContactBody<dim>& body = *own(c);
-	const Vec<dim> scaled = body.delassusScale * J;
-	if (body.surfaceMobility)
-		body.surfaceMobility->push(ownVelocity, c.node, scaled);
+	const Side& side = ownSide(c);
+	const Vec<dim> scaled = side.scale * J;
+	if (side.mobility)
+		side.mobility->push(ownVelocity, c.node, scaled);
 	else
-		pushRow<dim>(body, c.node, 1, scaled, ownVelocity);
+		pushRow<dim>(*side.body, c.node, 1, scaled, ownVelocity);
 	if (c.partners > 0) pushPartner(c, J, otherVelocity);
 }
 
 template <int dim>
 void PairSolver<dim>::pushPartner(const Constraint& c, const Vec<dim>& J, Vec<dim>* velocity) const
 {
-	const ContactBody<dim>& body = *other(c);
-	const Vec<dim> scaled = -body.delassusScale * J;
-	if (body.surfaceMobility)
-		body.surfaceMobility->push(velocity, c.facet, c.weight, scaled);
+	const Side& side = otherSide(c);
+	const Vec<dim> scaled = -side.scale * J;
+	if (side.mobility)
+		side.mobility->push(velocity, c.facet, c.weight, scaled);
 	else
 		for (int i = 0; i < c.partners; ++i)
-			pushRow<dim>(body, c.partner[i], c.weight[i], scaled, velocity);
+			pushRow<dim>(*side.body, c.partner[i], c.weight[i], scaled, velocity);
+}
+
+template <int dim> typename PairSolver<dim>::Side PairSolver<dim>::sideOf(ContactBody<dim>* body)
+{
+	if (!body) return {};
+	return { body, body->velocity.data(), body->surfaceMobility, body->delassusScale };
 }
 
 /// From the first to the last node in contact and those beside them (2D: where the outline closes
 /// in between, it is all of them). It is fetched ahead of its use: of nodes that feel the contacts
 /// farther off only time is lost.
-template <int dim>
-typename PairSolver<dim>::Stretch PairSolver<dim>::stretchOf(const ContactBody<dim>& body) const
+template <int dim> void PairSolver<dim>::findStretch(Side& side, bool ofFirst) const
 {
 	constexpr int nodesAside = 8;
-	const int last = static_cast<int>(body.velocity.size());
+	const int last = static_cast<int>(side.body->velocity.size());
 	int low = last, high = 0;
 	for (const Constraint& c : constraints_) {
-		const int node = own(c) == &body ? c.node : c.partner[0];
+		const int node = c.onFirst == ofFirst ? c.node : c.partner[0];
 		low = std::min(low, node - nodesAside);
 		high = std::max(high, node + nodesAside);
 	}
-	return { body.velocity.data() + std::max(low, 0),
-		 body.velocity.data() + std::min(high, last) };
+	side.begin = side.velocity + std::max(low, 0);
+	side.end = side.velocity + std::min(high, last);
 }
 
 template <int dim> void PairSolver<dim>::fetchConstraints() const
@@ -161,14 +163,16 @@ template <int dim> void PairSolver<dim>::fetchConstraints() const
 	fetchBytes(constraints_.data(), constraints_.data() + constraints_.size());
 }
 
+template <int dim> void PairSolver<dim>::fetchBodies() const
+{
+	for (const ContactBody<dim>* body : { first_, second_ })
+		if (body) fetchBytes(body, &body->velocityBefore);
+}
+
 template <int dim> void PairSolver<dim>::fetchVelocities() const
 {
-	for (const ContactBody<dim>* body : { first_, second_ }) {
-		if (!body) continue;
-		fetchBytes(body, &body->velocityBefore);
-		const Stretch& stretch = stretch_[body == second_];
-		fetchBytes(stretch.begin, stretch.end);
-	}
+	for (const Side* side : { &firstSide_, &secondSide_ })
+		fetchBytes(side->begin, side->end);
 }
 
 template <int dim> void PairSolver<dim>::fetchContacts() const
@@ -288,8 +292,8 @@ template <int dim> ContactWork PairSolver<dim>::work() const
 					      : Vec<dim>(Vec<dim>::Zero());
 		if (r.isZero(0) && p.isZero(0)) continue;
 		const Vec<dim> normal = r.dot(c.normal) * c.normal;
-		const Vec<dim> before = relativeVelocity(c, &ContactBody<dim>::velocityBefore);
-		const Vec<dim> after = relativeVelocity(c, &ContactBody<dim>::velocity);
+		const Vec<dim> before = velocityBefore(c);
+		const Vec<dim> after = velocity(c);
 		work.impact.before -= 0.5 * normal.dot(before);
 		work.impact.after -= 0.5 * normal.dot(after);
 		work.friction.before -= 0.5 * (r - normal).dot(before);

@@ -21,9 +21,10 @@ public:
 	/// left by the last step, made admissible for the present normals.
 	void prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
 		     const SolverSettings& settings);
-	/// Ask for the memory that `sweep` and `residual` will work on, and `finish`. The first two
-	/// may come before `prepare`: they go by addresses of the last step then, and read nothing
-	/// through them.
+	/// Ask for the memory that `prepare` will work on, `sweep` and `residual` (without bodies),
+	/// and `finish` (contacts). The first three may come before `prepare`: they go by addresses
+	/// of the last step then, and read nothing through them.
+	void fetchBodies() const;
 	void fetchConstraints() const;
 	void fetchVelocities() const;
 	void fetchContacts() const;
@@ -69,7 +70,8 @@ public:
 	/// u with the present impulses.
 	Vec<dim> velocity(const Constraint& c) const
 	{
-		return relativeVelocity(c, &ContactBody<dim>::velocity);
+		return relativeVelocity(c, ownSide(c).velocity, otherSide(c).velocity,
+					drift_[c.onFirst]);
 	}
 	/// Calls with each body, node and share of the node in the contact's relative velocity.
 	template <class Visit> void forEachShare(const Constraint& c, Visit&& visit) const
@@ -83,8 +85,7 @@ public:
 private:
 	ContactBody<dim>* own(const Constraint& c) const { return c.onFirst ? first_ : second_; }
 	ContactBody<dim>* other(const Constraint& c) const { return c.onFirst ? second_ : first_; }
-	Vec<dim> relativeVelocity(const Constraint& c,
-				  std::vector<Vec<dim>> ContactBody<dim>::* field) const;
+	Vec<dim> velocityBefore(const Constraint& c) const;
 	/// From velocities of the nodes of the body on which the impulse acts, and of the other.
 	Vec<dim> relativeVelocity(const Constraint& c, const Vec<dim>* own, const Vec<dim>* other,
 				  const Vec<dim>& drift) const;
@@ -105,11 +106,26 @@ private:
 	double partnerMobility(const Constraint& c) const;
 	void describe(PairProblem<dim>& problem) const;
 
-	/// Velocities of a body that sweeps read and change.
-	struct Stretch {
+	/// What sweeps need of a body: beside the contacts, and not in the body, which would be
+	/// five more cache lines for each of the two.
+	struct Side {
+		const ContactBody<dim>* body = nullptr; ///< null for a plane
+		Vec<dim>* velocity = nullptr;           ///< of its nodes
+		const SurfaceMobility<dim>* mobility = nullptr;
+		double scale = 0; ///< ContactBody::delassusScale
+		/// Where velocities are read and changed.
 		const Vec<dim>*begin = nullptr, *end = nullptr;
 	};
-	Stretch stretchOf(const ContactBody<dim>& body) const;
+	static Side sideOf(ContactBody<dim>* body);
+	void findStretch(Side& side, bool ofFirst) const;
+	const Side& ownSide(const Constraint& c) const
+	{
+		return c.onFirst ? firstSide_ : secondSide_;
+	}
+	const Side& otherSide(const Constraint& c) const
+	{
+		return c.onFirst ? secondSide_ : firstSide_;
+	}
 
 	ContactBody<dim>* first_ = nullptr;
 	ContactBody<dim>* second_ = nullptr; ///< null for a plane
@@ -119,7 +135,7 @@ private:
 	std::array<Vec<dim>, 2> drift_;
 	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
 	double friction_ = 0;
-	std::array<Stretch, 2> stretch_; ///< of both bodies
+	Side firstSide_, secondSide_;
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;
 };
