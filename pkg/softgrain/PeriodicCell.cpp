@@ -56,18 +56,28 @@ void chooseNearestImage(const Scene& scene, const Vector3r& grain, Interaction& 
 			I.cellDist[axis] = -static_cast<int>(std::lround(apart[axis]));
 }
 
+namespace {
+
+/// How many periods a shift is; zero if it is none, or not a whole number of them.
+Vector3r wholePeriods(const Matrix3r& cell, const Vector3r& shift, Real tolerance)
+{
+	const Vector3r periods = (cell.inverse() * shift).array().round();
+	return (cell * periods - shift).norm() <= tolerance ? periods : Vector3r(Vector3r::Zero());
+}
+
+} // namespace
+
 std::optional<Vector3r> followWrap(const Scene& scene, const Body& grain, const Vector3r& shift,
 				   Real tolerance)
 {
 	if (!scene.isPeriodic) return std::nullopt;
 	const Cell& cell = *scene.cell;
-	const Vector3r now = shift + scene.dt * (cell.velGrad * shift);
-	const Vector3r periods = (cell.hSize.inverse() * now).array().round();
-	const Vector3r image = cell.hSize * periods;
-	if (periods.isZero(0) || (image - now).norm() > tolerance) return std::nullopt;
+	Vector3r periods = wholePeriods(cell.hSize, shift, tolerance);
+	if (periods.isZero(0)) periods = wholePeriods(cell.prevHSize, shift, tolerance);
+	if (periods.isZero(0)) return std::nullopt;
 	for (const auto& [other, I] : grain.intrs)
 		I->cellDist += (I->getId1() == grain.getId() ? 1 : -1) * periods.cast<int>();
-	return image;
+	return cell.hSize * periods;
 }
 
 Vector3r CellFlow::before(const Vector3r& position, const Vector3r& after, Real dt) const

@@ -27,9 +27,9 @@ Vector3r shiftTowards(const Scene& scene, const Vector3r& place, const Vector3r&
 /// goes on like it). Body #1 of the interaction is the rigid one.
 void chooseNearestImage(const Scene& scene, const Vector3r& grain, Interaction& I);
 
-/// After a soft grain was shifted by hand between two steps, before the cell moved for the step at
-/// hand. If by whole periods, as by Cell.wrap, its interactions then name other images, those that
-/// are where the former ones were; returns these periods as they are now, m.
+/// After a soft grain was shifted by hand. If by whole periods, as by Cell.wrap, be it in the step
+/// at hand or before the cell moved for it, its interactions then name other images, those that are
+/// where the former ones were; returns these periods as they are now, m.
 std::optional<Vector3r> followWrap(const Scene& scene, const Body& grain, const Vector3r& shift,
 				   Real tolerance);
 

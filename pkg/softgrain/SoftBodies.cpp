@@ -91,17 +91,17 @@ void SoftBodies::requireCarried(const NewtonIntegrator& newton) const
 
 /// (assembleScene, which looks at all bodies in each step, has told which grains may be moved:
 /// another pass would wait for memory again.)
-std::set<int> SoftBodies::applyUserMotions(const NewtonIntegrator& newton) const
+std::set<int> SoftBodies::applyUserMotions(const CellFlow& flow) const
 {
 	std::set<int> wrapped;
 	for (int g = 0; g < assembly_.grains(); ++g)
-		if (assembly_.mayBeMovedByHost(g) && applyUserMotion(g, newton))
+		if (assembly_.mayBeMovedByHost(g) && applyUserMotion(g, flow))
 			wrapped.insert(assembly_.idOf(g));
 	return wrapped;
 }
 
 /// Whether the grain was shifted by whole periods.
-bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
+bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 {
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
 	State& state = *body.state;
@@ -122,8 +122,8 @@ bool SoftBodies::applyUserMotion(int g, const NewtonIntegrator& newton) const
 		shift.norm() > lengthRounding * radius + placeRounding * state.pos.norm();
 	const auto image =
 		moved ? followWrap(scene_, body, shift, wrapTolerance * radius) : std::nullopt;
-	if (image) { // it takes the place and the velocity that its image has in this step
-		const Vec3 faster = newton.prevVelGrad * shift;
+	if (image) { // and so that the flow does to it in this step what it does to its image
+		const Vec3 faster = flow.before(*image, comingVelGrad(scene_) * *image, scene_.dt);
 		velocity += faster;
 		state.vel += faster;
 		state.pos += *image - shift;

@@ -25,20 +25,22 @@ public:
 	/// Throws std::runtime_error naming a grain whose State the engine leaves out.
 	void requireCarried(const NewtonIntegrator& newton) const;
 	/// Changes of State since it was written, as assembleScene has found them in this step, are
-	/// the user's: they act as rigid motions. Returns the ids of the grains that were shifted
-	/// by whole periods. Throws std::runtime_error for values that are no motion.
-	std::set<int> applyUserMotions(const NewtonIntegrator& newton) const;
+	/// the user's: they act as rigid motions. A grain shifted by whole periods of the cell goes
+	/// on as its image, and its State with it; returns the ids of these. Throws
+	/// std::runtime_error for values that are no motion.
+	std::set<int> applyUserMotions(const CellFlow& flow) const;
 	/// Gravity, O.forces and the flow of a periodic cell as body loads.
 	void applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const;
 	/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt
 	/// to pos, and turns ori by angVel dt; it lands on the grain.
 	void publishMotions(const CellFlow& flow, int threads) const;
-	/// Whether an outline is about to leave the box that the collider knows, which watches
-	/// State.pos only. `reach`: gap at which contact may start beyond the usual, m.
+	/// After `publishMotions`: whether an outline is about to leave the box that the collider
+	/// knows, which watches State.pos only. `reach`: gap at which contact may start beyond the
+	/// usual, m.
 	bool needCollider(Real reach) const;
 
 private:
-	bool applyUserMotion(int g, const NewtonIntegrator& newton) const;
+	bool applyUserMotion(int g, const CellFlow& flow) const;
 	softgrain::GrainLoad loadOf(int g, const NewtonIntegrator& newton,
 				    const CellFlow& flow) const;
 	void publishMotion(int g, const CellFlow& flow) const;

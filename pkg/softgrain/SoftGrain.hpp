@@ -16,8 +16,8 @@ public:
 	/// assembled.
 	std::shared_ptr<softgrain::GrainAssembly> assembly;
 	int index = -1;
-	/// What the assembly was built with, to notice changes of the material; shared by the
-	/// grains of a material.
+	/// What the assembly was built with, to notice changes of the material; shared by grains
+	/// of one material that were assembled together.
 	std::shared_ptr<const AssembledMaterial> assembledMaterial;
 	/// Motion of the whole grain as last written to State, to notice what the user changes.
 	softgrain::GrainMotion written;

@@ -97,7 +97,8 @@ void SoftGrainIntegrator::advance()
 	clock_.end("assembleScene");
 	const NewtonIntegrator& newton = *newtonIntegratorOf(*scene);
 	const SoftBodies bodies(*scene, *assembly_);
-	const auto wrapped = bodies.applyUserMotions(newton);
+	const CellFlow flow = cellFlow(*scene, newton);
+	const auto wrapped = bodies.applyUserMotions(flow);
 	clock_.end("applyUserMotions");
 	assembly_->updateForces(threads());
 	clock_.end("updateForces");
@@ -107,7 +108,6 @@ void SoftGrainIntegrator::advance()
 	interactions.check(maxOverlap);
 	interactions.moveImages();
 	clock_.end("softInteractions");
-	const CellFlow flow = cellFlow(*scene, newton);
 	bodies.applyLoads(newton, flow, threads());
 	partners_.begin(*scene, newton, flow);
 	interactions.numberPartners(partners_);

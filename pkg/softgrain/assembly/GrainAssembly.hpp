@@ -140,7 +140,7 @@ public:
 	virtual GrainState state(int g, Vec3& origin) const = 0;
 
 protected:
-	std::vector<int> id_;
+	std::vector<int> id_; ///< of the body of the host, by index in the system
 	std::vector<char> publishedAsleep_, movedByHost_;
 };
 

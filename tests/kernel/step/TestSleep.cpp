@@ -226,6 +226,18 @@ TEST_CASE("Sleep: the balance of energy sees nothing of falling asleep and wakin
 	CHECK(std::abs(total(scene) - asleep) < 1e-12 * scene.system.energy().elastic);
 }
 
+TEST_CASE("Sleep: the contact problem of the step in which an island falls asleep", "[sleep]")
+{
+	Scene<2> tracked = heap(), untracked = heap();
+	untracked.settings.trackEnergy = false;
+	REQUIRE(rest(tracked, 3) == rest(untracked, 3));
+	const ContactProblem<2> one = tracked.system.contactProblem(),
+				other = untracked.system.contactProblem();
+	CHECK(one.contacts() > 0);
+	CHECK(one.impulse == other.impulse);
+	CHECK(one.freeVelocity == other.freeVelocity);
+}
+
 TEST_CASE("Sleep: woken without any change, nothing jumps", "[sleep]")
 {
 	Scene<2> scene = heap();

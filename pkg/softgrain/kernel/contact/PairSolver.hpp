@@ -21,13 +21,12 @@ public:
 	/// left by the last step, made admissible for the present normals.
 	void prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
 		     const SolverSettings& settings);
-	/// Ask for the memory that `prepare` will work on, `sweep` and `residual` (without bodies),
-	/// and `finish` (contacts). The first three may come before `prepare`: they go by addresses
-	/// of the last step then, and read nothing through them.
-	void fetchBodies() const;
-	void fetchConstraints() const;
-	void fetchVelocities() const;
-	void fetchContacts() const;
+	/// Ask for memory that will be worked on. All but the last may come before `prepare`: they
+	/// go by addresses of the last step then, and read nothing through them.
+	void fetchBodies() const;      ///< `prepare`
+	void fetchConstraints() const; ///< `prepare`, `sweep`, `residual`
+	void fetchVelocities() const;  ///< the same
+	void fetchContacts() const;    ///< `finish`
 	/// Solves each contact once, the others held.
 	SweepChange sweep(SweepOrder order);
 	/// Solves all contacts together, those of other pairs held, until the violation (that of
@@ -106,8 +105,8 @@ private:
 	double partnerMobility(const Constraint& c) const;
 	void describe(PairProblem<dim>& problem) const;
 
-	/// What sweeps need of a body: beside the contacts, and not in the body, which would be
-	/// five more cache lines for each of the two.
+	/// What sweeps need of a body, until the next `prepare`: beside the contacts, and not in
+	/// the body, which would be three or four more cache lines for each of the two.
 	struct Side {
 		const ContactBody<dim>* body = nullptr; ///< null for a plane
 		Vec<dim>* velocity = nullptr;           ///< of its nodes

@@ -66,8 +66,9 @@ template <int dim> struct PointLines {
 	std::vector<Line> line;
 	std::vector<Run> run;
 	std::vector<Point> point;
-	/// Of every point. A table for grains that share it: where each grain has lines of its own,
-	/// memory is slower than the polynomials (doc/decisions/0013-bulk-pass.md).
+	/// Of every point; empty where the lines are a table. For grains that share it: where each
+	/// grain has lines of its own, memory is slower than the polynomials
+	/// (doc/decisions/0013-bulk-pass.md).
 	std::vector<Factors> along;
 	double spacing = 1; ///< of the grid along the lines, in radii
 	/// For each line the products of the B-splines across it, at every node of a row: first of

@@ -183,7 +183,7 @@ void System<dim>::findRestedGrains(const std::vector<ContactList<dim>*>& lists,
 }
 
 /// The velocities after the step are zero in grains that fall asleep; outside of here they remain
-/// what was solved (contactProblem).
+/// what was solved, and where the solver knows them to be (contactProblem).
 template <int dim> ContactWork System<dim>::workOfContacts()
 {
 	std::vector<std::vector<Vec<dim>>> solved;
@@ -194,7 +194,7 @@ template <int dim> ContactWork System<dim>::workOfContacts()
 	}
 	const ContactWork work = solver_.work();
 	for (std::size_t i = 0; i < rested_.size(); ++i)
-		bodies_[rested_[i]].velocity = std::move(solved[i]);
+		std::copy(solved[i].begin(), solved[i].end(), bodies_[rested_[i]].velocity.begin());
 	return work;
 }
 
