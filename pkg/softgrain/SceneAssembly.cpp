@@ -122,8 +122,8 @@ bool passes(const Body& body, const Scene& scene) noexcept
 }
 
 /// In a pass over all bodies, most of which have nothing to do: it would wait for memory at every
-/// one unless it asks for it ahead. What the pass reads of a SoftGrain lies in the first
-/// `grainHead` bytes.
+/// one unless it asks for it ahead. What the pass reads of a SoftGrain lies in its first
+/// `grainHead` bytes: all up to `radius`.
 void fetchBodiesAfter(const BodyContainer& bodies, int id)
 {
 	constexpr int bodyAhead = 12, partsAhead = 6, grainHead = 296;

@@ -122,7 +122,7 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 		shift.norm() > lengthRounding * radius + placeRounding * state.pos.norm();
 	const auto image =
 		moved ? followWrap(scene_, body, shift, wrapTolerance * radius) : std::nullopt;
-	if (image) { // and so that the flow does to it in this step what it does to its image
+	if (image) { // State too: the flow's share in the load of this step is taken from it
 		const Vec3 faster = flow.before(*image, comingVelGrad(scene_) * *image, scene_.dt);
 		velocity += faster;
 		state.vel += faster;

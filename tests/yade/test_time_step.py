@@ -132,3 +132,18 @@ def test_advance():
     with pytest.raises(RuntimeError, match="not finite"):
         sg.advance(5)
     assert O.iter < 9
+
+
+@pytest.mark.parametrize("changed", [0, 1])
+def test_follows_each_of_two_materials_in_turn(changed):
+    """Grains of two materials one after the other; the stiffer one limits the step."""
+    materials = [soft_material(), soft_material()]
+    for k in range(6):
+        add_disk((3 * k * RADIUS, 0, 0), RADIUS, materials[k % 2])
+    ready()
+    O.step()
+    before = sg.critical_time_step()
+    materials[changed].young *= 4
+    assert sg.critical_time_step() == pytest.approx(before / 2, rel=1e-9)
+    materials[changed].young /= 4
+    assert sg.critical_time_step() == pytest.approx(before, rel=1e-9)
