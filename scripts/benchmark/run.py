@@ -58,6 +58,7 @@ def cases():
         Case("bulk, 3D quadratic", "bulk", fewer_balls, **balls, order=2),
         Case("bulk, 3D cubic", "bulk", fewer_balls, **balls, order=3),
         Case("dense", "dense", small, **packing),
+        Case("dense, weight and damping", "dense", small, **packing, damped=True),
         Case("rigid", "rigid", {"grains": 100}, **{**packing, "steps": 2000}),
         Case("compaction", "paper", loose, grains=400),
         Case("compaction, h = 2 dr", "paper", loose, grains=400, node_spacing=2),
@@ -211,6 +212,7 @@ def compare(columns):
     for threads in sorted({threads for _, threads in columns}):
         step, each = "a step, ms", "us a grain and step"
         ratio("soft over rigid, a grain and step", each, "dense", "rigid", threads)
+        ratio("weight and damping over none", step, "dense, weight and damping", "dense", threads)
         simulated = "s a simulated second and grain"
         ratio("soft over rigid, a simulated second", simulated, "dense", "rigid", threads)
         point = "all phases, ns a point"

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 from yade import (
     FrictMat,
+    NewtonIntegrator,
     O,
     utils,
 )
@@ -40,6 +41,8 @@ SIZES_STRAIN, SIZES_WINDOW = 0.12, 0.005  # sizes: strain before, and while the 
 SETTLING_STEPS = 200  # at that speed, before measuring
 MOST_SETTLING_STEPS = 50000  # of grains that come to rest
 DAMPING = 4000.0  # 1/s, of these: a few times the speed of shear waves over the radius
+STIFFNESS_DAMPING = 1e-6  # s, a twentieth of the critical time step
+GRAVITY = 9.81  # m/s²
 #: Attributes of SoftGrainIntegrator that skip grains at rest or in free flight, where it has them.
 SKIPPING = ("rigidMotion", "sleep")
 COUNTS = ("totalSweeps", "pointsUpdated", "pairsSearched", "candidatesTested", "contactsSwept")
@@ -225,8 +228,15 @@ def dense_scene(options):
 
 
 def dense(options):
-    """Contact and search: the dense frictional packing."""
+    """Contact and search: the dense frictional packing; with ``--damped`` its grains have weight and
+    damping of both kinds."""
     dense_scene(options)
+    if options.damped:
+        newton = next(e for e in O.engines if isinstance(e, NewtonIntegrator))
+        newton.gravity = (0, -GRAVITY, 0)
+        soft = sg.soft_bodies()[0].material
+        soft.massDamping, soft.stiffnessDamping = DAMPING, STIFFNESS_DAMPING
+        sg.advance(1)
     return {**soft_figures(options), "dt": O.dt}
 
 
@@ -414,6 +424,7 @@ def parse_options():
         default=0.98,
         help="paper: packing fraction to stop at [-]",
     )
+    add("--damped", action="store_true", help="dense: with weight and damping")
     add("--skip", action="store_true", help="sleeping, resting: let the integrator skip grains")
     add("--multirate", action="store_true", help="sizes: let grains take steps of their own")
     add("--scene", type=Path, help="scene: file to load")

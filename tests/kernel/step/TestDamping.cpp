@@ -1,7 +1,9 @@
 #include "step/Formulations.hpp"
 #include "step/Scene.hpp"
 
+#include "grain/BulkPass.hpp"
 #include "grain/CriticalTimeStep.hpp"
+#include "grain/Damper.hpp"
 #include "grain/Vibrations.hpp"
 
 #include <algorithm>
@@ -276,6 +278,63 @@ TEST_CASE("Damping: grains with and without in one set do not disturb each other
 	CHECK(run({ {}, both }, 0) == run({ {} }, 0));
 	CHECK(run({ {}, both }, 1) == run({ both }, 0));
 	CHECK(run({ both }, 0) != run({ {} }, 0));
+}
+
+TEMPLATE_TEST_CASE_SIG("Damping: grains side by side have the forces that each has alone",
+		       "[damping]", ((int dim), dim), 2, 3)
+{
+	constexpr int count = fullBlock + 1;
+	std::vector<TemplateRecipe> recipes { projectedRecipe(dim == 2 ? 0.25 : 0.4) };
+	for (int order : { 1, 2, 3 })
+		recipes.push_back(recipe(dim == 2 ? 0.25 : 0.4, order));
+	recipes.push_back(recipes.back());
+	recipes.back().basis = Basis::triangles;
+	if (dim == 3) recipes.pop_back();
+	for (const TemplateRecipe& r : recipes) {
+		Random random(1);
+		std::vector<GrainParameters<dim>> grains;
+		std::vector<Batch<dim>> alone;
+		for (int g = 0; g < count; ++g) {
+			grains.push_back(
+				dampedGrain<dim>({ 0, g == 1 ? 0 : 1e-6 * (1 + g) }, 0.1 * g));
+			grains.back().radius *= 1 + 0.1 * g;
+			alone.push_back(singleGrain<dim>(r, grains[g]));
+			makeNoisy(alone[g], random);
+		}
+		Batch<dim> all(alone[0].reference, Law::neoHookean, usualCondition<dim>, grains);
+		const int nodes = all.reference->nodes();
+		for (int g = 0; g < count; ++g)
+			for (int I = 0; I < nodes; ++I) {
+				all.x.set(g, I, alone[g].x.get(0, I));
+				all.v.set(g, I, alone[g].v.get(0, I));
+			}
+		auto numbersOf = [](const Batch<dim>& batch, int g) {
+			Damper<dim> damper(batch);
+			damper.updateForces(batch, 1);
+			std::vector<double> numbers;
+			damper.append(g, numbers);
+			return numbers;
+		};
+		for (int g = 0; g < count; ++g) {
+			const std::vector<double> own = numbersOf(alone[g], 0),
+						  among = numbersOf(all, g);
+			double size = 0, largest = 0, power = 0;
+			for (std::size_t k = 1; k < own.size(); ++k) {
+				size = std::max(size, std::abs(own[k]));
+				largest = std::max(largest, std::abs(among[k] - own[k]));
+				power += own[k] * all.v.of(g)[(k - 1) / dim][(k - 1) % dim];
+			}
+			CAPTURE(r.order, g, size);
+			CHECK(largest <= 1e-12 * size);
+			if (g == 1) {
+				CHECK(size == 0);
+				continue;
+			}
+			CHECK(power < 0);
+			if (g == 0) CHECK(own[0] > 1); // largest squared stretch
+			CHECK(std::abs(among[0] / own[0] - 1) < 1e-12);
+		}
+	}
 }
 
 TEST_CASE("Damping: inadmissible values and formulations are named", "[damping]")

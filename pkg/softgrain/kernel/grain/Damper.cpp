@@ -1,5 +1,5 @@
 #include "grain/Damper.hpp"
-#include "grain/BlockField.hpp"
+#include "grain/BulkPass.hpp"
 #include "grain/Observables.hpp"
 #include "material/NeoHookean.hpp"
 
@@ -10,163 +10,146 @@ namespace softgrain {
 
 namespace {
 
-/// What differs from lane to lane: beta times the small-strain stiffness, and scales.
-struct ViscousLanes {
-	Lanes lambda, mu; ///< Pa s
-	Lanes inverseRadius, volumeOverRadius;
+/// beta times the small-strain stiffness, lane by lane; 0 in lanes without a grain.
+struct Viscosity {
+	Lanes lambda = {}, mu = {}; ///< Pa s
 };
 
-template <int dim> ViscousLanes viscousLanes(const Batch<dim>& batch, int block)
+template <int dim, class Side> Viscosity viscosityOf(const Batch<dim>& batch, const Side& side)
 {
-	ViscousLanes lanes;
-	for (int l = 0; l < laneWidth; ++l) {
-		const int g = batch.grainInLane(block, l);
+	Viscosity viscosity;
+	side.forEachGrain(batch, [&](int g, int begin, int end) {
 		const GrainParameters<dim>& grain = batch.grain[g];
-		lanes.lambda[l] =
-			grain.damping.stiffness * grain.constants.effectiveLambda(batch.condition);
-		lanes.mu[l] = grain.damping.stiffness * grain.constants.mu();
-		lanes.inverseRadius[l] = 1 / grain.radius;
-		lanes.volumeOverRadius[l] = batch.pointScale[g] / grain.radius;
-	}
-	return lanes;
+		const double beta = grain.damping.stiffness;
+		for (int l = begin; l < end; ++l) {
+			viscosity.lambda[l] =
+				beta * grain.constants.effectiveLambda(batch.condition);
+			viscosity.mu[l] = beta * grain.constants.mu();
+		}
+	});
+	return viscosity;
 }
 
 template <int dim> bool isViscous(const Batch<dim>& batch, int block)
 {
-	for (int l = 0; l < laneWidth; ++l)
+	for (int l = 0; l < batch.grainsInBlock(block); ++l)
 		if (batch.grain[batch.grainInLane(block, l)].damping.stiffness > 0) return true;
 	return false;
 }
 
-/// sum_I field_I (x) G_I at a point.
-template <int dim>
-void gather(const GrainTemplate<dim>& reference, const BlockField<dim>& field, int p,
-	    const Lanes& inverseRadius, Lanes (&gradient)[dim][dim])
+/// tr(E')
+template <int dim> Lanes traceOf(const Lanes (&F)[dim][dim], const Lanes (&rate)[dim][dim])
 {
-	Lanes sum[dim][dim] = {};
-	const auto& shapes = reference.pointShapes;
-	for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-		for (int a = 0; a < dim; ++a)
-			for (int b = 0; b < dim; ++b)
-				sum[a][b] += field.at(shapes.column[k], a) * shapes.value[k].G[b];
+	Lanes sum = {};
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
-			gradient[a][b] = sum[a][b] * inverseRadius;
+			sum += F[a][b] * rate[a][b];
+	return sum;
 }
 
-/// Strain and strain rate of a point.
-template <int dim> struct Rate {
-	Lanes F[dim][dim], velocity[dim][dim];
-
-	Lanes trace() const
-	{
-		Lanes sum = {};
-		for (int a = 0; a < dim; ++a)
+/// F becomes V F S, with `trace` in the place of tr(E').
+template <int dim>
+void becomeStress(Lanes (&F)[dim][dim], const Lanes (&rate)[dim][dim], const Viscosity& viscosity,
+		  const Lanes& trace, const Lanes& V)
+{
+	Lanes S[dim][dim];
+	for (int b = 0; b < dim; ++b)
+		for (int c = b; c < dim; ++c) {
+			Lanes twice = {};
+			for (int a = 0; a < dim; ++a)
+				twice += F[a][b] * rate[a][c] + F[a][c] * rate[a][b];
+			S[b][c] = V * (viscosity.mu * twice);
+			if (b == c) S[b][c] += V * (viscosity.lambda * trace);
+			S[c][b] = S[b][c];
+		}
+	for (int a = 0; a < dim; ++a) {
+		Lanes P[dim] = {};
+		for (int c = 0; c < dim; ++c)
 			for (int b = 0; b < dim; ++b)
-				sum += F[a][b] * velocity[a][b];
-		return sum;
+				P[c] += F[a][b] * S[b][c];
+		for (int c = 0; c < dim; ++c)
+			F[a][c] = P[c];
 	}
-	/// P = F S, with `trace` in the place of tr(E').
-	void stress(const ViscousLanes& lanes, const Lanes& trace, Lanes (&P)[dim][dim]) const
-	{
-		Lanes S[dim][dim];
-		for (int b = 0; b < dim; ++b)
-			for (int c = 0; c < dim; ++c) {
-				Lanes twice = {};
-				for (int a = 0; a < dim; ++a)
-					twice +=
-						F[a][b] * velocity[a][c] + F[a][c] * velocity[a][b];
-				S[b][c] = lanes.mu * twice;
-				if (b == c) S[b][c] += lanes.lambda * trace;
-			}
-		for (int a = 0; a < dim; ++a)
-			for (int c = 0; c < dim; ++c) {
-				P[a][c] = Lanes {};
-				for (int b = 0; b < dim; ++b)
-					P[a][c] += F[a][b] * S[b][c];
-			}
-	}
-};
+}
 
-template <int dim> class ViscousBlock {
+/// The second term for what a side has in its lanes.
+template <int dim, class Side> class ViscousPass {
 public:
-	ViscousBlock(const Batch<dim>& batch, int block)
-		: reference_(*batch.reference)
-		, lanes_(viscousLanes(batch, block))
-		, x_(reference_.nodes())
-		, v_(reference_.nodes())
+	ViscousPass(const Batch<dim>& batch, Side positions, Side velocities)
+		: batch_(batch)
+		, reference_(*batch.reference)
+		, positions_(std::move(positions))
+		, velocities_(std::move(velocities))
+		, viscosity_(viscosityOf(batch, positions_))
 	{
-		x_.load(batch.x, batch, block);
-		v_.load(batch.v, batch, block);
 	}
 
-	/// Raises `stretch` to the largest squared stretch.
-	void addForces(BlockField<dim>& force, Lanes& stretch)
+	/// Tells the largest squared stretch of each grain besides.
+	void computeForces(NodalField<dim>& to, std::vector<double>& largestStretch)
 	{
 		const bool projected = !reference_.pressureSpace.empty();
 		if (projected) projectTraces();
-		Rate<dim> rate;
-		for (int p = 0; p < reference_.points(); ++p) {
-			gatherRate(p, rate);
-			Lanes P[dim][dim];
-			rate.stress(lanes_,
-				    projected ? loadLanes(&trace_[p * laneWidth]) : rate.trace(),
-				    P);
-			stretch = larger(detail::largestSquaredStretch(rate.F), stretch);
-			scatter(p, P, force);
-		}
+		Lanes stretch = Lanes {} + 1;
+		forEachStripOfBoth([&] {
+			for (int group = 0; group < F_.groups; ++group)
+				evaluate(group, projected, stretch);
+			positions_.scatter(F_);
+		});
+		positions_.storeForces(batch_, to);
+		positions_.forEachGrain(batch_, [&](int g, int begin, int end) {
+			largestStretch[g] = 1;
+			for (int l = begin; l < end; ++l)
+				largestStretch[g] = std::max(largestStretch[g], stretch[l]);
+		});
 	}
 
 private:
-	void gatherRate(int p, Rate<dim>& rate) const
+	template <class Use> void forEachStripOfBoth(Use&& use)
 	{
-		gather(reference_, x_, p, lanes_.inverseRadius, rate.F);
-		gather(reference_, v_, p, lanes_.inverseRadius, rate.velocity);
+		forEachStrip(positions_, reference_.pointLines, F_, [&] {
+			rate_.lines = F_.lines;
+			velocities_.gather(rate_);
+			use();
+		});
+	}
+	SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void evaluate(int group, bool projected, Lanes& stretch)
+	{
+		auto &F = F_.tensor[group], &rate = rate_.tensor[group];
+		stretch = larger(detail::largestSquaredStretch(F), stretch);
+		const Lanes trace = projected ? projectedTrace(group) : traceOf<dim>(F, rate);
+		becomeStress<dim>(F, rate, viscosity_, trace, positions_.volume(F_, group));
 	}
 	/// As the volumetric strain of the law: else this term would lock, and damp stiffer modes
 	/// than there are.
 	void projectTraces()
 	{
-		trace_.resize(static_cast<std::size_t>(reference_.points()) * laneWidth);
-		Rate<dim> rate;
-		for (int p = 0; p < reference_.points(); ++p) {
-			gatherRate(p, rate);
-			storeLanes(&trace_[p * laneWidth], rate.trace());
-		}
-		project<laneWidth>(reference_.pressureSpace, reference_.pointVolume, trace_.data());
-	}
-	/// f_I -= Vp0 P G_I
-	void scatter(int p, const Lanes (&P)[dim][dim], BlockField<dim>& force) const
-	{
-		const Lanes weight = reference_.pointVolume[p] * lanes_.volumeOverRadius;
-		const auto& shapes = reference_.pointShapes;
-		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
-			for (int a = 0; a < dim; ++a) {
-				Lanes sum = {};
-				for (int b = 0; b < dim; ++b)
-					sum += P[a][b] * shapes.value[k].G[b];
-				force.at(shapes.column[k], a) -= weight * sum;
+		trace_.resize(static_cast<std::size_t>(reference_.points()) * Side::fieldWidth);
+		forEachStripOfBoth([&] {
+			for (int group = 0; group < F_.groups; ++group) {
+				const Lanes trace =
+					traceOf<dim>(F_.tensor[group], rate_.tensor[group]);
+				for (int l = 0; l < laneWidth; ++l)
+					trace_[positions_.place(F_, group, l)] = trace[l];
 			}
+		});
+		project<Side::fieldWidth>(reference_.pressureSpace, reference_.pointVolume,
+					  trace_.data());
+	}
+	Lanes projectedTrace(int group) const
+	{
+		Lanes trace;
+		for (int l = 0; l < laneWidth; ++l)
+			trace[l] = trace_[positions_.place(F_, group, l)];
+		return trace;
 	}
 
+	const Batch<dim>& batch_;
 	const GrainTemplate<dim>& reference_;
-	ViscousLanes lanes_;
-	BlockField<dim> x_, v_;
-	std::vector<double> trace_; ///< projected, [point][lane]
+	Side positions_, velocities_;
+	Viscosity viscosity_;
+	Strip<dim> F_, rate_;
+	std::vector<double> trace_; ///< projected; see `place` of the side
 };
-
-template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void forceOfBlock(const Batch<dim>& batch, int block,
-						     NodalField<dim>& to,
-						     std::vector<double>& rateStiffening)
-{
-	BlockField<dim> force(batch.reference->nodes());
-	Lanes stretch = Lanes {} + 1;
-	ViscousBlock<dim>(batch, block).addForces(force, stretch);
-	force.store(to, batch, block);
-	for (int l = 0; l < laneWidth && batch.hasGrain(block, l); ++l)
-		rateStiffening[batch.grainInLane(block, l)] = stretch[l];
-}
 
 } // namespace
 
@@ -176,7 +159,6 @@ Damper<dim>::Damper(const Batch<dim>& batch)
 	, rateStiffening_(batch.grains(), 1.)
 {
 	force_.resize(batch.grains(), nodes_);
-	impulse_.resize(batch.grains(), nodes_);
 }
 
 template <int dim> bool Damper<dim>::isNeeded(const Batch<dim>& batch)
@@ -190,7 +172,11 @@ template <int dim> void Damper<dim>::updateForces(const Batch<dim>& batch, int t
 	const int blocks = batch.activeBlocks();
 #pragma omp parallel for schedule(static) num_threads(threads)
 	for (int b = 0; b < blocks; ++b) {
-		if (isViscous(batch, b)) forceOfBlock(batch, b, force_, rateStiffening_);
+		if (!isViscous(batch, b)) continue;
+		forEachSide(batch, b, [&](auto&& sideOf) {
+			ViscousPass pass(batch, sideOf(batch.x), sideOf(batch.v));
+			pass.computeForces(force_, rateStiffening_);
+		});
 	}
 }
 
@@ -217,39 +203,60 @@ template <int dim> void Damper<dim>::restore(int g, const double* numbers)
 	setField(force_, g, nodes_, numbers);
 }
 
-template <int dim> void Damper<dim>::addMassDamping(const Batch<dim>& batch, int g, double kick)
-{
-	const double share = -std::expm1(-batch.grain[g].damping.mass * kick);
-	const WholeGrain<dim> whole = wholeGrain(batch, g);
-	const Mat<dim> spin = spinMatrix<dim>(whole.angularVelocity);
-	const Vec<dim>*x = batch.x.of(g), *v = batch.v.of(g);
-	Vec<dim>* impulse = impulse_.of(g);
-	for (int I = 0; I < nodes_; ++I) {
-		const Vec<dim> rigid = whole.velocity + spin * (x[I] - whole.centre);
-		impulse[I] -= share * batch.nodeMass(g, I) * (v[I] - rigid);
+namespace {
+
+/// The first term: velocities come nearer to those of the grain's rigid motion by a share.
+template <int dim> struct Drag {
+	double share;
+	RigidVelocities<dim> rigid;
+
+	Drag(const Batch<dim>& batch, int g, double kick)
+		: share(-std::expm1(-batch.grain[g].damping.mass * kick))
+	{
+		if (share > 0) rigid = wholeGrain(batch, g).rigidVelocities();
 	}
+	/// Of the velocity of a node at x.
+	Vec<dim> change(const Vec<dim>& x, const Vec<dim>& v) const
+	{
+		return share * (rigid.at(x) - v);
+	}
+};
+
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void addDrag(Batch<dim>& batch, int g, const Drag<dim>& drag)
+{
+	const Vec<dim>*x = batch.x.of(g), *v = batch.v.of(g);
+	Vec<dim>* vNext = batch.vNext.of(g);
+	for (int I = 0, nodes = batch.reference->nodes(); I < nodes; ++I)
+		vNext[I] += drag.change(x[I], v[I]);
 }
 
-template <int dim> void Damper<dim>::addImpulses(Batch<dim>& batch, int g, double kick)
+} // namespace
+
+template <int dim> void Damper<dim>::addImpulses(Batch<dim>& batch, int g, double kick) const
 {
+	const Drag<dim> drag(batch, g, kick);
+	if (drag.share > 0) addDrag(batch, g, drag);
+	if (batch.grain[g].damping.stiffness == 0) return;
+	const double scale = kick / batch.massScale[g];
 	const Vec<dim>* force = force_.of(g);
-	Vec<dim>*impulse = impulse_.of(g), *vNext = batch.vNext.of(g);
+	Vec<dim>* vNext = batch.vNext.of(g);
 	for (int I = 0; I < nodes_; ++I)
-		impulse[I] = kick * force[I];
-	if (batch.grain[g].damping.mass > 0) addMassDamping(batch, g, kick);
-	const double inverseScale = 1 / batch.massScale[g];
-	for (int I = 0; I < nodes_; ++I)
-		addScaled<dim>(vNext[I], inverseScale * batch.reference->inverseNodeMass[I],
-			       impulse[I]);
+		addScaled<dim>(vNext[I], scale * batch.reference->inverseNodeMass[I], force[I]);
 }
 
 template <int dim>
-void Damper<dim>::addLoss(const Batch<dim>& batch, int g, double& before, double& after) const
+void Damper<dim>::addLoss(const Batch<dim>& batch, int g, double kick, double& before,
+			  double& after) const
 {
-	const Vec<dim>*impulse = impulse_.of(g), *v = batch.v.of(g), *vNext = batch.vNext.of(g);
+	const Drag<dim> drag(batch, g, kick);
+	const Vec<dim>*force = force_.of(g), *x = batch.x.of(g), *v = batch.v.of(g),
+	      *vNext = batch.vNext.of(g);
 	for (int I = 0; I < nodes_; ++I) {
-		before -= 0.5 * impulse[I].dot(v[I]);
-		after -= 0.5 * impulse[I].dot(vNext[I]);
+		const Vec<dim> impulse =
+			kick * force[I] + batch.nodeMass(g, I) * drag.change(x[I], v[I]);
+		before -= 0.5 * impulse.dot(v[I]);
+		after -= 0.5 * impulse.dot(vNext[I]);
 	}
 }
 

@@ -36,16 +36,15 @@ public:
 	void restore(int g, const double* numbers);
 
 	/// Adds j_I/m_I to `batch.vNext`.
-	void addImpulses(Batch<dim>& batch, int g, double kick);
+	void addImpulses(Batch<dim>& batch, int g, double kick) const;
 	/// Adds what these impulses dissipate, the halves with the velocities before and after t_n.
-	void addLoss(const Batch<dim>& batch, int g, double& before, double& after) const;
+	/// Before the grain moves.
+	void addLoss(const Batch<dim>& batch, int g, double kick, double& before,
+		     double& after) const;
 
 private:
-	void addMassDamping(const Batch<dim>& batch, int g, double kick);
-
 	int nodes_;
-	NodalField<dim> force_;   ///< of the second term, N (2D: N/m)
-	NodalField<dim> impulse_; ///< j_I, N s
+	NodalField<dim> force_; ///< of the second term, N (2D: N/m)
 	std::vector<double> rateStiffening_;
 };
 

@@ -147,7 +147,10 @@ public:
 	virtual void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 				 double& after) const = 0;
 	/// Adds what damping dissipates, in the same halves.
-	virtual void addDampingLoss(int, double& /*before*/, double& /*after*/) const {}
+	virtual void addDampingLoss(int, double /*kick*/, double& /*before*/,
+				    double& /*after*/) const
+	{
+	}
 	/// What has to be done for several grains together before they move. Parallel.
 	virtual void prepareMove(int /*threads*/) {}
 	/// The new velocities become the present ones, and the grain moves by dt.
@@ -190,6 +193,15 @@ public:
 	virtual void setState(int g, const GrainState& state) = 0;
 
 protected:
+	/// What a load adds to the velocities of a grain in the time `kick`. (The centre of mass is
+	/// a sum over the grain: only a load that turns it asks for it.)
+	RigidVelocities<dim> kickOf(int g, const BodyLoad<dim>& load, double kick) const
+	{
+		RigidVelocities<dim> added { kick * load.acceleration, kick * load.angular };
+		if (!load.angular.isZero(0)) added.centre = whole(g).centre;
+		return added;
+	}
+
 	long changesOfActivity_ = 0;
 };
 

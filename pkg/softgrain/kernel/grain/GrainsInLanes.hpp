@@ -229,14 +229,15 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void handToFollowed(const PointLines<dim>& li
 
 } // namespace detail
 
-/// One block of a batch: every lane is a grain; lanes without one repeat the first.
+/// A nodal field of one block of a batch: every lane is a grain; lanes without one repeat the
+/// first.
 template <int dim> class GrainsInLanes {
 public:
 	static constexpr int stripPoints = Strip<dim>::maxGroups;
 	/// Numbers side by side in a field of one number for each point; see `place`.
 	static constexpr int fieldWidth = laneWidth;
 
-	GrainsInLanes(const Batch<dim>& batch, int block)
+	GrainsInLanes(const Batch<dim>& batch, int block, const NodalField<dim>& field)
 		: lines_(batch.reference->pointLines)
 		, shapes_(batch.reference->pointShapes)
 		, order_(batch.reference->recipe.order)
@@ -250,13 +251,19 @@ public:
 			inverseRadius_[l] = 1 / batch.grain[g].radius;
 			volume_[l] = batch.pointScale[g];
 		}
-		x_.load(batch.x, batch, block, lines_.nodePlace, inverseRadius_);
+		x_.load(field, batch, block, lines_.nodePlace, inverseRadius_);
 		detail::followTies(lines_, x_);
 	}
 
 	const LameConstants& lame() const { return lame_; }
+	/// Calls `use(grain, its first lane, the lane after its last)` for all grains.
+	template <class Use> void forEachGrain(const Batch<dim>& batch, Use&& use) const
+	{
+		for (int l = 0; l < laneWidth && batch.hasGrain(block_, l); ++l)
+			use(batch.grainInLane(block_, l), l, l + 1);
+	}
 
-	/// F at the points of the strip's lines.
+	/// Gradients, of positions F, at the points of the strip's lines.
 	void gather(Strip<dim>& strip) const
 	{
 		strip.groups = strip.pointsEnd(lines_) - strip.pointsBegin(lines_);
@@ -299,14 +306,11 @@ public:
 				});
 		});
 	}
-	void finish(const BulkSums& sums, Batch<dim>& batch)
+	/// The sum of all that was scattered.
+	void storeForces(const Batch<dim>& batch, NodalField<dim>& to)
 	{
 		detail::handToFollowed(lines_, force_);
-		force_.store(batch.force, batch, block_, lines_.nodePlace,
-			     volume_ * inverseRadius_);
-		for (int l = 0; l < laneWidth && batch.hasGrain(block_, l); ++l)
-			batch.report[batch.grainInLane(block_, l)] =
-				sums.report(l, l + 1, volume_[l]);
+		force_.store(to, batch, block_, lines_.nodePlace, volume_ * inverseRadius_);
 	}
 
 private:
@@ -315,7 +319,7 @@ private:
 	int order_, block_;
 	const LameConstants& lame_;
 	Lanes inverseRadius_, volume_; ///< volume_: R^dim
-	BlockField<dim> x_, force_;    ///< in the box; x in radii
+	BlockField<dim> x_, force_;    ///< in the box; the field over the radius
 };
 
 } // namespace softgrain

@@ -1,6 +1,5 @@
 #include "grain/InternalForce.hpp"
-#include "grain/GrainsInLanes.hpp"
-#include "grain/PointsInLanes.hpp"
+#include "grain/BulkPass.hpp"
 #include "material/Dispatch.hpp"
 
 #include <algorithm>
@@ -11,25 +10,6 @@
 namespace softgrain {
 
 namespace {
-
-template <int dim> void copy(const Lanes (&from)[dim][dim], Lanes (&to)[dim][dim])
-{
-	for (int a = 0; a < dim; ++a)
-		for (int b = 0; b < dim; ++b)
-			to[a][b] = from[a][b];
-}
-
-/// Gathers strip after strip and calls `use` after each.
-template <int dim, class Side, class Use>
-void forEachStrip(const Side& side, const PointLines<dim>& lines, Strip<dim>& strip, Use&& use)
-{
-	const int count = static_cast<int>(lines.line.size());
-	for (int begin = 0; begin < count; begin = strip.lines.end) {
-		strip.lines = nextStrip(lines, begin, Side::stripPoints);
-		side.gather(strip);
-		use();
-	}
-}
 
 /// Stress from F, every point on its own.
 template <int dim, class LawEvaluator> struct PointwiseLaw {
@@ -127,10 +107,6 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void stressesOfStrip(const VolumetricLaw& law
 	sums = all;
 }
 
-/// Grains in a block from which on they are computed side by side; in a block of fewer, each on its
-/// own with its points side by side (doc/decisions/0013-bulk-pass.md).
-constexpr int fullBlock = 4;
-
 template <int dim, class VolumetricLaw, class Side> void forceOf(Batch<dim>& batch, Side side)
 {
 	VolumetricLaw law;
@@ -141,14 +117,17 @@ template <int dim, class VolumetricLaw, class Side> void forceOf(Batch<dim>& bat
 		stressesOfStrip(law, side, strip, sums);
 		side.scatter(strip);
 	});
-	side.finish(sums, batch);
+	side.storeForces(batch, batch.force);
+	side.forEachGrain(batch, [&](int g, int begin, int end) {
+		batch.report[g] = sums.report(begin, end, batch.pointScale[g]);
+	});
 }
 
 /// Calls `use(number of the point, response in lanes, its lane, theta)` for the points of a grain.
 template <int dim, class Use> void visitPoints(const Batch<dim>& batch, int g, Use&& use)
 {
 	withVolumetricLaw(batch, [&]<class VolumetricLaw>(std::type_identity<VolumetricLaw>) {
-		const PointsInLanes<dim> side(batch, g);
+		const PointsInLanes<dim> side(batch, g, batch.x);
 		VolumetricLaw law;
 		law.prepare(side, *batch.reference);
 		Strip<dim> strip;
@@ -182,14 +161,9 @@ template <int dim> int invertedPoint(const Batch<dim>& batch, int g)
 
 template <int dim, class VolumetricLaw> void forceOfBlock(Batch<dim>& batch, int block)
 {
-	const int grains = batch.grainsInBlock(block);
-	if (grains >= fullBlock)
-		forceOf<dim, VolumetricLaw>(batch, GrainsInLanes<dim>(batch, block));
-	else
-		for (int l = 0; l < grains; ++l)
-			forceOf<dim, VolumetricLaw>(
-				batch, PointsInLanes<dim>(batch, batch.grainInLane(block, l)));
-	for (int l = 0; l < grains; ++l) {
+	forEachSide(batch, block,
+		    [&](auto&& sideOf) { forceOf<dim, VolumetricLaw>(batch, sideOf(batch.x)); });
+	for (int l = 0; l < batch.grainsInBlock(block); ++l) {
 		const int g = batch.grainInLane(block, l);
 		if (!std::isfinite(batch.report[g].elasticEnergy)) // ln J is no number
 			batch.report[g].invertedPoint = invertedPoint(batch, g);

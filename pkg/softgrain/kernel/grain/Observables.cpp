@@ -133,6 +133,25 @@ double sumOfProducts(const std::vector<double>& mass, const Vec<3>* v, const Vec
 	return sum;
 }
 
+/// sum m v
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS Vec<2> weightedSum(const std::vector<double>& mass,
+						      const Vec<2>* v)
+{
+	const int count = static_cast<int>(mass.size());
+	BlockVectors sum;
+	for (int k = 0; k < count; k += nodesPerBlock)
+		sum.add(fourOf(mass.data(), k, count), vectorsOf(v, k, count));
+	return sum.sum();
+}
+
+Vec<3> weightedSum(const std::vector<double>& mass, const Vec<3>* v)
+{
+	Vec<3> sum = Vec<3>::Zero();
+	for (std::size_t I = 0; I < mass.size(); ++I)
+		sum += mass[I] * v[I];
+	return sum;
+}
+
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double largestNormOf(const Vec<2>* v, int count)
 {
 	FourNumbers squared = {};
@@ -165,6 +184,11 @@ double kineticEnergy(const Batch<dim>& batch, const NodalField<dim>& v, const No
 	       sumOfProducts(batch.reference->nodeMass, v.of(g), w.of(g));
 }
 
+template <int dim> Vec<dim> momentum(const Batch<dim>& batch, const NodalField<dim>& v, int g)
+{
+	return batch.massScale[g] * weightedSum(batch.reference->nodeMass, v.of(g));
+}
+
 template <int dim> double fastestNode(const Batch<dim>& batch, int g)
 {
 	return largestNormOf(batch.v.of(g), batch.reference->nodes());
@@ -178,6 +202,7 @@ template <int dim> bool isFinite(const NodalField<dim>& field, int g, int nodes)
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template double kineticEnergy<dim>(const Batch<dim>&, const NodalField<dim>&,              \
 					   const NodalField<dim>&, int);                           \
+	template Vec<dim> momentum<dim>(const Batch<dim>&, const NodalField<dim>&, int);           \
 	template double fastestNode<dim>(const Batch<dim>&, int);                                  \
 	template bool isFinite<dim>(const NodalField<dim>&, int, int);
 SOFTGRAIN_INSTANTIATE(2)

@@ -7,6 +7,15 @@
 
 namespace softgrain {
 
+/// Velocities of a rigid motion.
+template <int dim> struct RigidVelocities {
+	Vec<dim> velocity = Vec<dim>::Zero(); ///< at `centre`, m/s
+	Mat<dim> spin = Mat<dim>::Zero();     ///< skew, 1/s
+	Vec<dim> centre = Vec<dim>::Zero();   ///< m
+
+	Vec<dim> at(const Vec<dim>& x) const { return velocity + spin * (x - centre); }
+};
+
 /// Momenta and mean motion of one grain. Angular quantities are vectors in 3D; in 2D they are
 /// stored in the one out-of-plane component.
 template <int dim> struct WholeGrain {
@@ -20,6 +29,9 @@ template <int dim> struct WholeGrain {
 		inertia;                           ///< present
 	Angular angularVelocity = Angular::Zero(); ///< inertia^-1 angularMomentum, 1/s
 	Mat<dim> rotation = Mat<dim>::Identity();  ///< mean rotation: nearest to the motion X -> x
+
+	/// Of a rigid body with these momenta.
+	RigidVelocities<dim> rigidVelocities() const;
 };
 
 /// A part of a grain with mass: background node or material point.
@@ -44,6 +56,9 @@ template <int dim>
 double kineticEnergy(const Batch<dim>& batch, const NodalField<dim>& v, const NodalField<dim>& w,
 		     int g);
 
+/// sum_I mI v_I, N s (2D: N s/m).
+template <int dim> Vec<dim> momentum(const Batch<dim>& batch, const NodalField<dim>& v, int g);
+
 /// Largest speed of a background node, m/s.
 template <int dim> double fastestNode(const Batch<dim>& batch, int g);
 
@@ -52,8 +67,15 @@ template <int dim> bool isFinite(const NodalField<dim>& field, int g, int nodes)
 
 /// Skew matrix of a rotation rate: spin(omega) r = omega x r.
 template <int dim> Mat<dim> spinMatrix(const typename WholeGrain<dim>::Angular& omega);
+template <> Mat<2> spinMatrix<2>(const Eigen::Matrix<double, 1, 1>& omega);
+template <> Mat<3> spinMatrix<3>(const Vec<3>& omega);
 
 // --- implementation -----------------------------------------------------------------------------
+
+template <int dim> RigidVelocities<dim> WholeGrain<dim>::rigidVelocities() const
+{
+	return { velocity, spinMatrix<dim>(angularVelocity), centre };
+}
 
 namespace detail {
 

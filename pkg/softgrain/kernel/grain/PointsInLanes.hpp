@@ -175,14 +175,14 @@ void scatterPoints(const SparseRows<ShapeFunction<dim>>& shapes, const Strip<dim
 
 } // namespace detail
 
-/// One grain of a batch; lanes of the last group of a strip that have no point repeat the last one,
-/// without volume.
+/// A nodal field of one grain of a batch; lanes of the last group of a strip that have no point
+/// repeat the last one, without volume.
 template <int dim> class PointsInLanes {
 public:
 	static constexpr int stripPoints = 64;
 	static constexpr int fieldWidth = 1;
 
-	PointsInLanes(const Batch<dim>& batch, int g)
+	PointsInLanes(const Batch<dim>& batch, int g, const NodalField<dim>& field)
 		: lines_(batch.reference->pointLines)
 		, shapes_(batch.reference->pointShapes)
 		, order_(batch.reference->recipe.order)
@@ -193,7 +193,7 @@ public:
 		x_.resize(padded() * dim);
 		force_.resize(padded() * dim);
 		const double inverseRadius = 1 / batch.grain[g].radius;
-		const Vec<dim>* own = batch.x.of(g);
+		const Vec<dim>* own = field.of(g);
 		const auto x = components<double>(x_);
 		for (int I = 0; I < lines_.nodes(); ++I)
 			for (int a = 0; a < dim; ++a)
@@ -203,6 +203,10 @@ public:
 	}
 
 	const LameConstants& lame() const { return lame_; }
+	template <class Use> void forEachGrain(const Batch<dim>&, Use&& use) const
+	{
+		use(grain_, 0, laneWidth);
+	}
 
 	int points(const Strip<dim>& strip) const
 	{
@@ -250,17 +254,16 @@ public:
 				detail::scatterPoints<dim, order>(lines_, strip, force);
 			});
 	}
-	void finish(const BulkSums& sums, Batch<dim>& batch)
+	void storeForces(const Batch<dim>& batch, NodalField<dim>& to)
 	{
 		const auto force = components<double>(force_);
 		handToFollowed<double>(
 			lines_, [&](int place, int a) -> double& { return force[a][place]; });
 		const double scale = batch.pointScale[grain_] / batch.grain[grain_].radius;
-		Vec<dim>* own = batch.force.of(grain_);
+		Vec<dim>* own = to.of(grain_);
 		for (int I = 0; I < lines_.nodes(); ++I)
 			for (int a = 0; a < dim; ++a)
 				own[I][a] = scale * force[a][lines_.nodePlace[I]];
-		batch.report[grain_] = sums.report(0, laneWidth, batch.pointScale[grain_]);
 	}
 
 private:
@@ -278,7 +281,8 @@ private:
 	const SparseRows<ShapeFunction<dim>>& shapes_;
 	int order_, grain_;
 	LameConstants lame_;
-	std::vector<double> x_, force_; ///< in the box, component after component; x in radii
+	std::vector<double> x_,
+		force_; ///< in the box, component after component; the field over the radius
 };
 
 } // namespace softgrain

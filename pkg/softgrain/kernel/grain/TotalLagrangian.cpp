@@ -170,6 +170,26 @@ template <int dim> WholeGrain<dim> TotalLagrangian<dim>::wholeOfParticles(int g)
 	});
 }
 
+namespace {
+
+/// To the new velocities of the nodes.
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void addVelocities(Batch<dim>& batch, int g,
+						      const RigidVelocities<dim>& added)
+{
+	const int nodes = batch.reference->nodes();
+	const Vec<dim>* x = batch.x.of(g);
+	Vec<dim>* vNext = batch.vNext.of(g);
+	if (added.spin.isZero(0))
+		for (int I = 0; I < nodes; ++I)
+			addScaled<dim>(vNext[I], 1, added.velocity);
+	else
+		for (int I = 0; I < nodes; ++I)
+			vNext[I] += added.at(x[I]);
+}
+
+} // namespace
+
 template <int dim>
 void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<dim>& load)
 {
@@ -177,8 +197,6 @@ void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<
 		rigid_[g].accelerate(kick, load.acceleration, load.angular, shape_[g]);
 		return;
 	}
-	const bool loaded = !load.isZero();
-	const Vec<dim> centre = loaded ? whole(g).centre : Vec<dim>(Vec<dim>::Zero());
 	const std::vector<double>& inverseMass = batch_.reference->inverseNodeMass;
 	const double scale = kick / batch_.massScale[g];
 	const Vec<dim>*v = batch_.v.of(g), *force = batch_.force.of(g);
@@ -186,10 +204,7 @@ void TotalLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoad<
 	for (int I = 0, count = nodes(); I < count; ++I)
 		setToSum<dim>(vNext[I], v[I], scale * inverseMass[I], force[I]);
 	if (damper_ && damper_->acts(batch_, g)) damper_->addImpulses(batch_, g, kick);
-	if (!loaded) return;
-	for (int I = 0; I < nodes(); ++I)
-		vNext[I] +=
-			kick * (load.acceleration + load.angular * (batch_.x.get(g, I) - centre));
+	if (!load.isZero()) addVelocities(batch_, g, this->kickOf(g, load, kick));
 }
 
 namespace {
@@ -264,21 +279,23 @@ void TotalLagrangian<dim>::addLoadWork(int g, double kick, const BodyLoad<dim>& 
 					      load.acceleration, load.angular);
 		return;
 	}
-	const Vec<dim> centre = whole(g).centre;
+	before += 0.5 * kick * load.acceleration.dot(momentum(batch_, batch_.v, g));
+	after += 0.5 * kick * load.acceleration.dot(momentum(batch_, batch_.vNext, g));
+	if (load.angular.isZero(0)) return;
+	const RigidVelocities<dim> added =
+		this->kickOf(g, { Vec<dim>::Zero(), load.angular }, kick);
 	for (int I = 0; I < nodes(); ++I) {
-		const Vec<dim> impulse =
-			kick * batch_.nodeMass(g, I) *
-			(load.acceleration + load.angular * (batch_.x.get(g, I) - centre));
+		const Vec<dim> impulse = batch_.nodeMass(g, I) * added.at(batch_.x.get(g, I));
 		before += 0.5 * impulse.dot(batch_.v.get(g, I));
 		after += 0.5 * impulse.dot(batch_.vNext.get(g, I));
 	}
 }
 
 template <int dim>
-void TotalLagrangian<dim>::addDampingLoss(int g, double& before, double& after) const
+void TotalLagrangian<dim>::addDampingLoss(int g, double kick, double& before, double& after) const
 {
 	if (damper_ && !isRigid_[g] && damper_->acts(batch_, g))
-		damper_->addLoss(batch_, g, before, after);
+		damper_->addLoss(batch_, g, kick, before, after);
 }
 
 template <int dim> void TotalLagrangian<dim>::prepareMove(int threads)
@@ -299,7 +316,8 @@ template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
 {
 	holder_.followMove(batch_, g, dt);
 	const Vec<dim>* vNext = batch_.vNext.of(g);
-	Vec<dim>*x = batch_.x.of(g), *v = batch_.v.of(g);
+	Vec<dim>* x = batch_.x.of(g);
+	Vec<dim>* v = batch_.v.of(g);
 	const bool copies = !pointVelocities_;
 	for (int I = 0, count = nodes(); I < count; ++I) {
 		addScaled<dim>(x[I], dt, vNext[I]);

@@ -76,7 +76,7 @@ public:
 	double kineticEnergy(int g) const override;
 	void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 			 double& after) const override;
-	void addDampingLoss(int g, double& before, double& after) const override;
+	void addDampingLoss(int g, double kick, double& before, double& after) const override;
 	void prepareMove(int threads) override;
 	void move(int g, double dt) override;
 	VelocityRange<dim> contactVelocityRange(int g) const override;

@@ -9,10 +9,10 @@ namespace softgrain {
 template <int dim>
 double TotalLagrangian<dim>::vibrationEnergy(int g, const WholeGrain<dim>& whole) const
 {
-	const Mat<dim> spin = spinMatrix<dim>(whole.angularVelocity);
+	const RigidVelocities<dim> rigid = whole.rigidVelocities();
 	double sum = 0;
 	auto add = [&](double mass, const Vec<dim>& x, const Vec<dim>& v) {
-		sum += 0.5 * mass * (v - whole.velocity - spin * (x - whole.centre)).squaredNorm();
+		sum += 0.5 * mass * (v - rigid.at(x)).squaredNorm();
 	};
 	if (pointVelocities_)
 		for (int p = 0; p < batch_.reference->points(); ++p)
@@ -103,7 +103,6 @@ template <int dim> Vec<dim> TotalLagrangian<dim>::fallAsleep(int g)
 	for (int I = 0; I < nodes(); ++I)
 		momentum += batch_.nodeMass(g, I) * batch_.vNext.get(g, I);
 	std::fill_n(batch_.vNext.of(g), nodes(), Vec<dim>::Zero());
-	if (damper_) damper_->stop(g);
 	return momentum;
 }
 
@@ -111,6 +110,7 @@ template <int dim> void TotalLagrangian<dim>::wake(int g)
 {
 	rest_[g].wake();
 	++this->changesOfActivity_;
+	if (damper_) damper_->stop(g); // the balance of the step of falling asleep needed them
 }
 
 template <int dim> RigidBounds<dim> TotalLagrangian<dim>::rigidBounds(int g) const
@@ -132,12 +132,12 @@ template <int dim> void TotalLagrangian<dim>::writeNodes(int g) const
 	nodesWritten_[g] = 1;
 	const RigidMotion<dim>& motion = rigid_[g];
 	const double R = batch_.grain[g].radius;
-	const Mat<dim> spin = spinMatrix<dim>(motion.angularVelocity(shape_[g]));
+	const RigidVelocities<dim> velocities = motion.whole(shape_[g]).rigidVelocities();
 	for (int I = 0; I < nodes(); ++I) {
 		const Vec<dim> x =
 			motion.positionOf(R * batch_.reference->nodePosition[I], shape_[g]);
 		batch_.x.set(g, I, x);
-		batch_.v.set(g, I, motion.velocity + spin * (x - motion.centre));
+		batch_.v.set(g, I, velocities.at(x));
 	}
 	if (!pointVelocities_) return;
 	pointVelocities_->takeFromNodes(batch_, g);

@@ -141,10 +141,9 @@ void UpdatedLagrangian<dim>::predictVelocities(int g, double kick, const BodyLoa
 			grid.velocityNext[a][I] =
 				grid.velocity[a][I] + kick * (grid.force[a][I] / grid.mass[I]);
 	if (load.isZero()) return;
-	const Vec<dim> centre = whole(g).centre;
+	const RigidVelocities<dim> added = this->kickOf(g, load, kick);
 	for (int I : grid.carrying()) {
-		const Vec<dim> change =
-			kick * (load.acceleration + load.angular * (nodeAt(g, I) - centre));
+		const Vec<dim> change = added.at(nodeAt(g, I));
 		for (int a = 0; a < dim; ++a)
 			grid.velocityNext[a][I] += change[a];
 	}
@@ -222,11 +221,9 @@ void UpdatedLagrangian<dim>::addLoadWork(int g, double kick, const BodyLoad<dim>
 					 double& before, double& after) const
 {
 	const SpatialGrid<dim>& grid = grain_[g].grid;
-	const Vec<dim> centre = whole(g).centre;
+	const RigidVelocities<dim> added = this->kickOf(g, load, kick);
 	for (int I : grid.carrying()) {
-		const Vec<dim> impulse =
-			kick * grid.mass[I] *
-			(load.acceleration + load.angular * (nodeAt(g, I) - centre));
+		const Vec<dim> impulse = grid.mass[I] * added.at(nodeAt(g, I));
 		for (int a = 0; a < dim; ++a) {
 			before += 0.5 * impulse[a] * grid.velocity[a][I];
 			after += 0.5 * impulse[a] * grid.velocityNext[a][I];

@@ -148,7 +148,7 @@ void System<dim>::findRestedGrains(const std::vector<ContactList<dim>*>& lists,
 {
 	rested_.clear();
 	const bool isDue = continuation_.steps % watchInterval == 0;
-	if (!settings.sleep || damped_.empty() || !isDue) return;
+	if (!settings.sleep || !damped_ || !isDue) return;
 	std::vector<double> periods(grains(), 0); // for which a grain has been calm
 	bool none = true;
 	for (int g : active_) {

@@ -14,7 +14,7 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 	const GrainTemplate<dim>& reference = set->reference();
 	for (int k = 0; k < set->grains(); ++k) {
 		place_.push_back({ static_cast<int>(sets_.size()), k });
-		if (set->parameters(k).damping.acts()) damped_.push_back(grains() - 1);
+		damped_ |= set->parameters(k).damping.acts();
 		const double radius = set->parameters(k).radius;
 		ContactBody<dim> body;
 		body.mesh = &reference.contactMesh;
@@ -290,24 +290,29 @@ void System<dim>::correctVelocities(const std::vector<char>& touched, const Step
 		if (!finite_[g]) throw StepError(g, -1, "a nodal velocity is not finite");
 }
 
+/// What does work on grains besides contact, one after the other whoever computed it.
 template <int dim>
-void System<dim>::balanceEnergy(const ContactWork& work, double kick, double dropped)
+void System<dim>::balanceEnergy(const ContactWork& work, const StepSettings& settings,
+				double dropped)
 {
+	const double kick = kickTime(settings.dt);
 	energy_ = continuation_.sums;
 	energy_.kinetic = energy_.elastic = 0;
-	ContactWork::Halves loads, damping;
-	for (int g = 0; g < grains(); ++g) {
-		const GrainSet<dim>& set = setOf(g);
-		const int k = indexInSet(g);
-		energy_.elastic += set.report(k).elasticEnergy;
-		if (listed_[g] == asleep) continue;
-		energy_.kinetic += kinetic_[g];
+	for (int g = 0; g < grains(); ++g)
+		energy_.elastic += setOf(g).report(indexInSet(g)).elasticEnergy;
+	std::vector<GrainWork> works(grains());
+	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+		ContactWork::Halves &loads = works[g].loads, &damping = works[g].damping;
 		if (!loads_[g].isZero())
 			set.addLoadWork(k, kick, loads_[g], loads.before, loads.after);
+		set.addDampingLoss(k, kick, damping.before, damping.after);
+	});
+	ContactWork::Halves loads, damping;
+	for (int g : awake_) {
+		energy_.kinetic += kinetic_[g];
+		loads += works[g].loads;
+		damping += works[g].damping;
 	}
-	for (int g : damped_)
-		if (listed_[g] != asleep)
-			setOf(g).addDampingLoss(indexInSet(g), damping.before, damping.after);
 	auto book = [this](double EnergyBalance::* sum, const ContactWork::Halves& halves) {
 		energy_.*sum += halves.before; // the first half is done when t_n is reached
 		continuation_.sums.*sum += halves.before + halves.after;
@@ -413,7 +418,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	clock.end("correctVelocities");
 	fallAsleep(lists, report);
 	if (settings.trackEnergy) {
-		balanceEnergy(workOfContacts(), kickTime(settings.dt), report.droppedEnergy);
+		balanceEnergy(workOfContacts(), settings, report.droppedEnergy);
 		if (settings.trackRigidBodies) balanceRigidBodies();
 		clock.end("balanceEnergy");
 	}

@@ -221,6 +221,10 @@ private:
 	struct Place {
 		int set, index;
 	};
+	/// Done on a grain in a step besides contact.
+	struct GrainWork {
+		ContactWork::Halves loads, damping;
+	};
 	/// A ball about a grain's outline.
 	struct Ball {
 		Vec<dim> centre;
@@ -270,7 +274,7 @@ private:
 	void predictVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void gatherContacts(int g, bool trackEnergy);
 	void correctVelocities(const std::vector<char>& touched, const StepSettings& settings);
-	void balanceEnergy(const ContactWork& work, double kick, double dropped);
+	void balanceEnergy(const ContactWork& work, const StepSettings& settings, double dropped);
 	void balanceRigidBodies();
 
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
@@ -295,7 +299,6 @@ private:
 	std::vector<RigidContact<dim>> rigidContacts_;
 	std::vector<int> rate_; ///< by grain
 	bool multirate_ = false, ratesChosen_ = false;
-	std::vector<int> damped_; ///< grains with damping
 	ContactSolver<dim> solver_;
 	std::vector<char> finite_;    ///< by grain, of the step at hand
 	std::vector<double> kinetic_; ///< by grain, J; only where energies are tracked
@@ -304,6 +307,7 @@ private:
 	double lastKick_ = 0;
 	double gridSpacing_ = 0; ///< ContactGeometry::nodes: the largest h of all grains, m
 	double interfaceRange_ = 0;
+	bool damped_ = false; ///< a grain has damping
 	bool bondsAsleep_ = false;
 	bool rebounds_ = false; ///< a pair of the step at hand has a restitution
 	bool forcesFresh_ = false;

@@ -1,0 +1,51 @@
+// Passes over the material points of a block of grains: what lies side by side, and strip after
+// strip. A side gathers the gradients of a nodal field at the points of a strip, and scatters
+// stresses to nodal forces.
+#pragma once
+
+#include "grain/GrainsInLanes.hpp"
+#include "grain/PointsInLanes.hpp"
+
+namespace softgrain {
+
+/// Grains in a block from which on they are computed side by side; in a block of fewer, each on its
+/// own with its points side by side (doc/decisions/0013-bulk-pass.md).
+constexpr int fullBlock = 4;
+
+/// Calls `use(sideOf)` for all grains of a block or, one after the other, for each of them, where
+/// `sideOf(field)` is the side of a nodal field of the batch.
+template <int dim, class Use> void forEachSide(const Batch<dim>& batch, int block, Use&& use)
+{
+	const int grains = batch.grainsInBlock(block);
+	if (grains >= fullBlock)
+		use([&](const NodalField<dim>& field) {
+			return GrainsInLanes<dim>(batch, block, field);
+		});
+	else
+		for (int l = 0; l < grains; ++l)
+			use([&](const NodalField<dim>& field) {
+				return PointsInLanes<dim>(batch, batch.grainInLane(block, l),
+							  field);
+			});
+}
+
+/// Gathers strip after strip and calls `use` after each.
+template <int dim, class Side, class Use>
+void forEachStrip(const Side& side, const PointLines<dim>& lines, Strip<dim>& strip, Use&& use)
+{
+	const int count = static_cast<int>(lines.line.size());
+	for (int begin = 0; begin < count; begin = strip.lines.end) {
+		strip.lines = nextStrip(lines, begin, Side::stripPoints);
+		side.gather(strip);
+		use();
+	}
+}
+
+template <int dim> void copy(const Lanes (&from)[dim][dim], Lanes (&to)[dim][dim])
+{
+	for (int a = 0; a < dim; ++a)
+		for (int b = 0; b < dim; ++b)
+			to[a][b] = from[a][b];
+}
+
+} // namespace softgrain
