@@ -7,6 +7,7 @@
 #include "SoftInteractions.hpp"
 #include "Timing.hpp"
 
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -225,11 +226,18 @@ bool SoftGrainIntegrator::hasTimeStepper() const
 
 void SoftGrainIntegrator::followDeformation(Real undeformed)
 {
-	const Real limit = timeStepFraction * criticalDt;
 	if (dtSet == 0 || (dtSet != scene->dt && !hasTimeStepper()))
 		dtSet = std::min(timeStepFraction * undeformed, criticalDt);
-	if (dtSet > limit * (1 + timeStepRounding) || dtSet < lowestTimeStep * limit)
-		dtSet = newTimeStep * limit;
+	const bool tooShort = dtSet < lowestTimeStep * timeStepFraction * criticalDt;
+	if (tooShort) measureCriticalStep(std::numeric_limits<Real>::infinity());
+	const Real limit = timeStepFraction * criticalDt;
+	if (tooShort || dtSet > limit * (1 + timeStepRounding)) dtSet = newTimeStep * limit;
+}
+
+/// (To measure grains takes time: what matters is whether a step is stable.)
+void SoftGrainIntegrator::measureCriticalStep(Real enough)
+{
+	criticalDt = assembly_->presentCriticalTimeStep(enough, threads());
 }
 
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
@@ -246,10 +254,10 @@ void SoftGrainIntegrator::chooseTimeStep()
 		return;
 	}
 	const Real undeformed = assembly_->criticalTimeStep();
-	criticalDt = assembly_->presentCriticalTimeStep();
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
 	const bool automatic = scene->dt == dtSet || scene->dt == defaultTimeStep() ||
 			       std::abs(scene->dt - own) <= sameTimeStep * own;
+	measureCriticalStep(automatic || hasTimeStepper() ? own / timeStepFraction : scene->dt);
 	if (hasTimeStepper()) {
 		const Real ofRigidBodies = scene->dt;
 		followDeformation(undeformed);

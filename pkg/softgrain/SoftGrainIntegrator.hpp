@@ -33,7 +33,7 @@ public:
 		((bool, multirate, false, , "Whether small or stiff grains take steps of their own: O.dt is that of the grain with the shortest critical step, contacts and motion go by it, and stresses and internal forces of a grain whose critical step, undeformed, is n times as long are computed every n-th step and act until the next time (*rates*). Momentum is kept to rounding, angular momentum over n steps; energies ripple as in a scene of slow grains alone with a time step of their own. Grains with formulation 'updated' or velocityUpdate 'flip' are computed in every step; a scene whose critical steps differ by less than a factor of two runs as without. O.dt should change seldom, as it does by itself. See doc/decisions/0018-multirate.md."))
 		((bool, sleep, true, , "Whether damped grains (:yref:`SoftMat.massDamping`, :yref:`SoftMat.stiffnessDamping`) that came to rest sleep: nodes, stress and contact forces stay as they are, and nothing is searched, solved or moved for them. All grains connected by contact points within reach fall asleep together, once the kinetic energy of each has been below 1e-8 of its elastic energy for four periods of its slowest vibration times the number of grains across, if they lie on a Wall or a rigid body that is held, none of these moves, and all are damped. They are woken together, with their impulses, by anything within reach that is not asleep, by a Wall or rigid body that moves, was moved or let go, and by a change of load, State, friction or material, or when a partner is erased. What they still had of kinetic energy and momentum is dropped and counted. Undeformed grains that touch nothing, do not move and bear no load sleep as well, damped or not. See doc/decisions/0014-inactive-grains.md."))
 		((Real, interfaceRange, 0, Attr::triggerPostLoad, "Largest gap across which an interface acts (:yref:`SoftInterface.cohesionRange`, the final opening of a bond), ≥ 0 [m]: surfaces are searched that far for each other, and a pair with a larger range is refused. sg.engines(interface=) sets it."))
-		((Real, criticalDt, 0, Attr::readonly, "Critical time step of the grains as deformed now, and of the bonds between them [s]. |yupdate|"))
+		((Real, criticalDt, 0, Attr::readonly, "Critical time step of the grains as deformed now, and of the bonds between them [s]: measured where it limits O.dt, else a lower bound. |yupdate|"))
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
 		((int, activeContacts, 0, Attr::readonly, "Contact points that carry force. |yupdate|"))
 		((Real, sweeps, 0, Attr::readonly, "Sweeps of the last step: visits of contact points over their number, since a pair may be swept more often than the others. |yupdate|"))
@@ -79,6 +79,7 @@ private:
 	void saveContinuation();
 	void chooseTimeStep();
 	void followDeformation(Real undeformed);
+	void measureCriticalStep(Real enough);
 	bool hasTimeStepper() const;
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();

@@ -76,6 +76,7 @@ def cases():
             **{**packing, "grains": 25},
             skip=True,
         ),
+        Case("balls", "balls", {"grains": 27}, **{**balls, "grains": 125}),
         Case("mixed", "mixed", small, **packing),
         Case(ONE_STEP, "sizes", pressed, grains=100, zeta=0.15, steps=100),
         Case(OWN_STEPS, "sizes", pressed, grains=100, zeta=0.15, steps=100, multirate=True),

@@ -38,6 +38,7 @@ DENSE_PHI = 0.87  # of the dense packing, undeformed areas: jammed, at a stress 
 PRESSING_SPEED = 2.0  # m/s, of the soft grains up to there; then that of the paper
 SIZES_GAP = 0.02  # sizes: between the big disks at the start, over their diameter
 SIZES_STRAIN, SIZES_WINDOW = 0.12, 0.005  # sizes: strain before, and while the force is measured
+BALLS_STRAIN = 0.06  # balls: of the box in each direction, before measuring
 SETTLING_STEPS = 200  # at that speed, before measuring
 MOST_SETTLING_STEPS = 50000  # of grains that come to rest
 DAMPING = 4000.0  # 1/s, of these: a few times the speed of shear waves over the radius
@@ -228,8 +229,8 @@ def dense_scene(options):
 
 
 def dense(options):
-    """Contact and search: the dense frictional packing; with ``--damped`` its grains have weight and
-    damping of both kinds."""
+    """Contact and search: the dense frictional packing; with ``--damped`` its grains have weight
+    and damping of both kinds."""
     dense_scene(options)
     if options.damped:
         newton = next(e for e in O.engines if isinstance(e, NewtonIntegrator))
@@ -317,6 +318,27 @@ def resting(options):
     return {**soft_figures(options), "skipping": able}
 
 
+def balls(options):
+    """Contact and search in 3D: balls in a cubic lattice, between six walls that close in on
+    them."""
+    options.dim = 3
+    centers = lattice(options.grains, 2 * RADIUS, dim=3)
+    fill(centers, np.full(options.grains, RADIUS), options)
+    rough, high = FrictMat(frictionAngle=math.atan(0.3)), centers.max() + RADIUS
+    ids = []
+    for axis, velocity in enumerate(PRESSING_SPEED / 4 * np.eye(3)):
+        for place, sense in ((-RADIUS, 1), (high, -1)):
+            wall = utils.wall(place, axis, sense=sense, material=rough)
+            wall.state.vel = tuple(sense * velocity)
+            ids.append(O.bodies.append(wall))
+    start()
+    skip(False)
+    low, width = O.bodies[ids[0]], high + RADIUS
+    while low.state.pos[0] + RADIUS < 0.5 * BALLS_STRAIN * width:
+        sg.advance(1)
+    return {**soft_figures(options), "dt": O.dt}
+
+
 def mixed(options):
     """Soft grains beside as many rigid spheres, each kind in a square lattice of its own."""
     centers = lattice(options.grains, 2 * RADIUS * (1 - 1e-3))
@@ -396,7 +418,7 @@ def scene(options):
     return {**soft_figures(options), "dt": O.dt}
 
 
-CASES = (bulk, dense, rigid, paper, scale, sleeping, resting, mixed, sizes, saving, scene)
+CASES = (bulk, dense, rigid, paper, scale, sleeping, resting, balls, mixed, sizes, saving, scene)
 
 
 def parse_options():

@@ -36,7 +36,10 @@ public:
 	int grains() const override { return system_.grains(); }
 	int templates() const override { return static_cast<int>(templates_.size()); }
 	double criticalTimeStep() const override { return system_.criticalTimeStep(); }
-	double presentCriticalTimeStep() override { return system_.presentCriticalTimeStep(); }
+	double presentCriticalTimeStep(double enough, int threads) override
+	{
+		return system_.presentCriticalTimeStep(enough, threads);
+	}
 	void setMultirate(bool on) override { system_.setMultirate(on); }
 	int rate(int g) const override { return system_.rate(g); }
 	double pointSpacing(int g) const override

@@ -51,10 +51,11 @@ public:
 	static std::shared_ptr<GrainAssembly> createWithoutGrains();
 
 	virtual int grains() const = 0;
-	virtual int templates() const = 0;            ///< that the grains share
-	int idOf(int g) const { return id_[g]; }      ///< of the body of the host
-	virtual double criticalTimeStep() const = 0;  ///< of the undeformed grains, s
-	virtual double presentCriticalTimeStep() = 0; ///< as deformed now, s
+	virtual int templates() const = 0;           ///< that the grains share
+	int idOf(int g) const { return id_[g]; }     ///< of the body of the host
+	virtual double criticalTimeStep() const = 0; ///< of the undeformed grains, s
+	/// As deformed now, s; found out as far as it is shorter than `enough`.
+	virtual double presentCriticalTimeStep(double enough, int threads) = 0;
 	/// System::setMultirate and System::rate.
 	virtual void setMultirate(bool on) = 0;
 	virtual int rate(int g) const = 0;

@@ -1,5 +1,6 @@
 #include "contact/Balls.hpp"
 #include "contact/Search.hpp"
+#include "grain/Observables.hpp"
 
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
@@ -199,36 +200,43 @@ TEMPLATE_TEST_CASE_SIG("Search: impulses follow their contacts", "[contact]", ((
 	CHECK(kept < static_cast<int>(before.size()));
 }
 
-TEST_CASE("Search: candidates are kept while they hold, and miss nothing", "[contact]")
+TEMPLATE_TEST_CASE_SIG("Search: candidates are kept while they hold, and miss nothing", "[contact]",
+		       ((int dim), dim), 2, 3)
 {
-	auto balls = twoBalls<2>(-0.03, 0.1, 6);
-	ContactBody<2>&first = balls.body[0], &second = balls.body[1];
-	auto kept = pairList<2>();
+	auto balls = twoBalls<dim>(-0.03, dim == 2 ? 0.1 : 0.25, 6);
+	ContactBody<dim>&first = balls.body[0], &second = balls.body[1];
+	auto kept = pairList<dim>();
 	Random random(2);
 	int testedKept = 0, testedFresh = 0, most = 0;
+	Vec<dim> flight = Vec<dim>::Constant(0.1);
+	flight[0] = 0.2;
+	typename WholeGrain<dim>::Angular rate;
+	rate.setConstant(0.004);
 	for (int step = 0; step < 400; ++step) {
-		// Both fly; one rolls round the other and shakes.
-		const Vec<2> flight(0.1, 0.2);
-		for (Vec<2>& x : first.position)
+		// Both fly; one rolls round the other, shakes, and its nodes tremble.
+		for (Vec<dim>& x : first.position)
 			x += flight;
 		first.updateGeometry();
 		first.carried += flight;
-		const Vec<2> about = first.box.centre();
-		const Mat<2> turn = Eigen::Rotation2Dd(0.004).toRotationMatrix();
-		const Vec<2> shake = random.vector<2>(0.002);
+		const Vec<dim> about = first.box.centre();
+		const Vec<dim> shake = random.vector<dim>(0.002);
 		const auto from = second.position;
-		const Vec<2> centre = second.box.centre();
-		for (Vec<2>& x : second.position)
-			x = about + turn * (x + flight - about) + shake;
+		const Vec<dim> centre = second.box.centre();
+		for (Vec<dim>& x : second.position) {
+			const Vec<dim> arm = x + flight - about;
+			const Vec<dim> turned = arm + spinMatrix<dim>(rate) * arm;
+			x = about + arm.norm() * turned.normalized() + shake +
+			    random.vector<dim>(2e-4);
+		}
 		second.updateGeometry();
-		const Vec<2> together = second.box.centre() - centre;
+		const Vec<dim> together = second.box.centre() - centre;
 		double farthest = 0;
 		for (std::size_t s = 0; s < from.size(); ++s)
 			farthest = std::max(farthest,
 					    (second.position[s] - from[s] - together).norm());
 		second.carried += together;
 		second.travelled += farthest;
-		auto fresh = pairList<2>();
+		auto fresh = pairList<dim>();
 		findContacts(first, second, 0.01, kept);
 		findContacts(first, second, 0.01, fresh);
 		testedKept += kept.tested;
@@ -241,7 +249,8 @@ TEST_CASE("Search: candidates are kept while they hold, and miss nothing", "[con
 			CHECK(kept.contacts[k].gap == fresh.contacts[k].gap);
 		}
 	}
-	CHECK(most >= 8);
+	CAPTURE(testedKept, testedFresh, most);
+	CHECK(most >= 7);
 	CHECK(testedKept < 0.8 * testedFresh);
 }
 
@@ -341,6 +350,7 @@ TEMPLATE_TEST_CASE_SIG("Search: too deep is reported and not pushed out", "[cont
 	CHECK(!list.contacts.empty());
 	for (const Contact<dim>& c : list.contacts)
 		CHECK(c.gap >= -0.15);
-	findContacts(balls.body[0], balls.body[2], 0.02, list);
-	CHECK(std::isinf(list.deepest));
+	auto inner = pairList<dim>();
+	findContacts(balls.body[0], balls.body[2], 0.02, inner);
+	CHECK(std::isinf(inner.deepest));
 }

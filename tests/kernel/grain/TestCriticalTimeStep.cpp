@@ -122,6 +122,41 @@ TEMPLATE_TEST_CASE("Critical time step: highest frequency of a deformed grain", 
 		}
 }
 
+TEMPLATE_TEST_CASE("Critical time step: what few iterations find is on the safe side", "[grain]",
+		   PlaneStrain, PlaneStress, Solid)
+{
+	constexpr int dim = TestType::dim;
+	Random random(3);
+	for (double zeta : { dim == 2 ? 0.2 : 0.4, dim == 2 ? 0.08 : 0.15 })
+		for (double nodeSpacing : { 1.25, 2. })
+			for (double size : { 0., 0.1, 0.3 }) {
+				auto batch =
+					singleGrain<dim>(recipe(zeta, 3, nodeSpacing),
+							 paperGrain<dim>(), TestType::condition);
+				const Mat<dim> F = size > 0 ? random.deformation<dim>(size)
+							    : Mat<dim>(Mat<dim>::Identity());
+				for (int I = 0; I < batch.reference->nodes(); ++I) {
+					const Vec<dim> X = batch.reference->nodePosition[I];
+					const double dent = std::exp(
+						-20 * (X - Vec<dim>::Unit(0)).squaredNorm());
+					batch.x.set(0, I,
+						    0.01 * (F * X -
+							    0.5 * size * dent * Vec<dim>::Unit(0)));
+				}
+				const double exact = highestFrequency(batch, 0);
+				auto found = [&](bool early) {
+					return highestFrequency(batch, 0,
+								[&](double) { return early; }) /
+					       exact;
+				};
+				CAPTURE(zeta, nodeSpacing, size, batch.reference->nodes());
+				CHECK(found(true) > 1);
+				CHECK(found(true) < 1.04);
+				CHECK(found(false) > 0.985);
+				CHECK(found(false) <= 1 + 1e-12);
+			}
+}
+
 TEST_CASE("Critical time step: a measured stiffening keeps its share of the bound", "[grain]")
 {
 	auto at = [](double bound, double energy = 1) { return BulkReport { energy, bound, -1 }; };

@@ -275,6 +275,26 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 		      shortens);
 	}
 
+	// measured where that matters
+	auto isMeasured = [&](int g) {
+		return !scene.system.setOf(g).state(scene.laneOf(g)).stiffening.empty();
+	};
+	CHECK(isMeasured(2));
+	deform<2>(scene.batchOf(0), 0, Mat<2>(Vec<2>(0.6, 1.3).asDiagonal()));
+	deform<2>(scene.batchOf(1), 1, Mat<2>(Vec<2>(0.6, 1.3).asDiagonal()));
+	scene.system.invalidateForces();
+	scene.system.updateForces(1);
+	const double bound = scene.system.presentCriticalTimeStep(0);
+	CHECK(bound > 0);
+	CHECK(!isMeasured(1));
+	CHECK(scene.system.presentCriticalTimeStep(bound) == bound);
+	CHECK(!isMeasured(1));
+	const double measured = scene.system.presentCriticalTimeStep(1.001 * bound, 2);
+	CHECK(isMeasured(1));
+	CHECK(!isMeasured(0)); // twice as large
+	CHECK(measured > 1.001 * bound);
+	CHECK(scene.system.presentCriticalTimeStep() == measured);
+
 	// Without motion a twentieth of the smaller point spacing; else twice the way of a step.
 	const double dt = 1e-4;
 	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) - 0.05 * 0.35 * 0.005) < 1e-15);

@@ -10,9 +10,10 @@ namespace {
 /// much more makes too many.
 constexpr double candidateMargin = 0.5;
 
-/// A place on an outline moves by no more than so many times what its nodes do (sum of the sizes of
-/// the weights of OutlineCurve).
-constexpr double wayOfPlaces = 1.25;
+/// A place on an outline moves by no more than so many times what its nodes do. 2D: the sum of the
+/// sizes of the weights of OutlineCurve. 3D: the flat facet moves as its nodes do, the bulge over
+/// it by less than another 0.9 of their ways, most of it as the normals at its corners turn.
+template <int dim> constexpr double wayOfPlaces = dim == 2 ? 1.25 : 1.9;
 
 /// Deeper overlaps, in dr, are looked at: before the tip of a fold, as outlines have them about
 /// pores that have almost closed, a node may lie behind the line of the flank that is nearest.
@@ -28,7 +29,7 @@ void followBodies(const ContactBody<dim>& first, const ContactBody<dim>& second,
 	const double travelled = first.travelled + second.travelled;
 	if (travelled < candidates.travelled) candidates = {}; // those of other bodies
 	candidates.approached += (apart - candidates.apart).norm() +
-				 wayOfPlaces * (travelled - candidates.travelled);
+				 wayOfPlaces<dim> * (travelled - candidates.travelled);
 	candidates.apart = apart;
 	candidates.travelled = travelled;
 }
@@ -62,14 +63,6 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 	findCandidates(second, first, 1, within, list);
 }
 
-PlaceOnOutline<2> placeOnFacet(const Vec<2>& x, const ContactBody<2>& body, int facet)
-{
-	const auto& [begin, end] = body.mesh->facet[facet];
-	const auto weight = nearestOnFacet(x, { body.position[begin], body.position[end] });
-	const Vec<2> nearest = weight[0] * body.position[begin] + weight[1] * body.position[end];
-	return { facet, weight, (x - nearest).squaredNorm() };
-}
-
 /// Whether of both facets beside this one no place but the common end is near to `x`.
 bool isBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
 {
@@ -86,15 +79,12 @@ bool isBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
 PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int facet)
 {
 	const int count = static_cast<int>(body.mesh->facet.size());
-	PlaceOnOutline<2> best = placeOnFacet(x, body, facet);
+	PlaceOnOutline<2> best = placeOnFacet<2>(x, body, facet);
 	if (best.weight[0] > 0 && best.weight[1] > 0 && isBelow(x, body, facet)) return best;
 	for (int step : { 1, count - 1 })
 		while (true) {
-			const auto next = placeOnFacet(x, body, (best.facet + step) % count);
-			const bool nearer = next.squaredDistance < best.squaredDistance;
-			const bool first = next.squaredDistance == best.squaredDistance &&
-					   next.facet < best.facet;
-			if (!nearer && !first) break;
+			const auto next = placeOnFacet<2>(x, body, (best.facet + step) % count);
+			if (!comesBefore(next, best)) break;
 			best = next;
 		}
 	return best;
@@ -163,19 +153,58 @@ private:
 	ContactList<2>& list_;
 };
 
+/// Calls `use` for the candidates that may be within reach.
+template <int dim, class Use>
+void forCandidates(double reach, ContactCandidates<dim>& candidates, Use&& use)
+{
+	for (auto& node : candidates.nodes)
+		if (node.clearance - candidates.approached < reach) use(node);
+}
+
+void measureCandidates(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
+		       ContactList<2>& list)
+{
+	thread_local NodesInLanes lanes; // to make them anew for each pair takes a tenth of it
+	CandidatesInLanes near(lanes, first, second, reach, list);
+	forCandidates(reach, list.candidates, [&](auto& node) { near.add(node); });
+	near.measure();
+}
+
+/// One by one, each against all facets that are as near as that which it had.
+void measureCandidates(const ContactBody<3>& first, const ContactBody<3>& second, double reach,
+		       ContactList<3>& list)
+{
+	const std::array<const ContactBody<3>*, 2> body { &first, &second };
+	std::array<std::vector<FacetNear<3>>, 2> facets; // by side of the node
+	forCandidates(reach, list.candidates, [&](auto& node) {
+		const ContactBody<3>&own = *body[node.side], &other = *body[1 - node.side];
+		if (facets[node.side].empty()) facets[node.side] = facetsNear(own, other, reach);
+		const Vec<3>& x = own.position[node.node];
+		const auto place = nearestPlace(x, other, facets[node.side], anyFacet,
+						placeOnFacet(x, other, node.facet));
+		const Contact<3> contact = contactAt(x, other, place);
+		++list.tested;
+		node.facet = place.facet;
+		node.clearance = contact.gap + list.candidates.approached;
+		if (contact.gap < reach)
+			append({ node.side, node.node, -1 }, contact, own, other, list);
+	});
+}
+
 } // namespace
 
-void findContactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second,
-			      double reach, ContactList<2>& list)
+template <int dim>
+void findContactsOfCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second,
+			      double reach, ContactList<dim>& list)
 {
 	followBodies(first, second, list.candidates);
 	renewCandidates(first, second, reach, list);
-	if (list.candidates.nodes.empty()) return;
-	thread_local NodesInLanes lanes; // to make them anew for each pair takes a tenth of it
-	CandidatesInLanes near(lanes, first, second, reach, list);
-	for (ContactCandidates<2>::Node& node : list.candidates.nodes)
-		if (node.clearance - list.candidates.approached < reach) near.add(node);
-	near.measure();
+	if (!list.candidates.nodes.empty()) measureCandidates(first, second, reach, list);
 }
+
+template void findContactsOfCandidates<2>(const ContactBody<2>&, const ContactBody<2>&, double,
+					  ContactList<2>&);
+template void findContactsOfCandidates<3>(const ContactBody<3>&, const ContactBody<3>&, double,
+					  ContactList<3>&);
 
 } // namespace softgrain

@@ -1,6 +1,6 @@
 // The search that serves for several steps: nodes that may come into contact soon are found once
 // (ContactCandidates), and in each step only these are measured, from the facet that they had. For
-// 2D outlines without corners or indentations.
+// outlines without corners or indentations.
 #pragma once
 
 #include "contact/Contact.hpp"
@@ -9,7 +9,8 @@
 namespace softgrain {
 
 /// As findOutlineContacts; renews the candidates of the list when the bodies have moved too far.
-void findContactsOfCandidates(const ContactBody<2>& first, const ContactBody<2>& second,
-			      double reach, ContactList<2>& list);
+template <int dim>
+void findContactsOfCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second,
+			      double reach, ContactList<dim>& list);
 
 } // namespace softgrain

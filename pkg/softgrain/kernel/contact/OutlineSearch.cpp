@@ -153,18 +153,6 @@ void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& ot
 	});
 }
 
-template <int dim>
-void nodesAgainstOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
-			 double reach, ContactList<dim>& list)
-{
-	forNodesNear(body, other, reach, list, [&](int s, const auto& facets) {
-		const Vec<dim>& x = body.position[s];
-		Contact<dim> contact =
-			contactAt(x, other, nearestPlace(x, other, facets, anyFacet));
-		if (contact.gap < reach) append({ side, s, -1 }, contact, body, other, list);
-	});
-}
-
 } // namespace
 
 template <int dim>
@@ -176,12 +164,8 @@ void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& 
 	if (corners || irregular) {
 		nodesFacingOutline(first, second, 0, reach, list);
 		nodesFacingOutline(second, first, 1, reach, list);
-	} else if constexpr (dim == 2) {
+	} else
 		findContactsOfCandidates(first, second, reach, list);
-	} else {
-		nodesAgainstOutline(first, second, 0, reach, list);
-		nodesAgainstOutline(second, first, 1, reach, list);
-	}
 }
 
 template <int dim>

@@ -25,28 +25,44 @@ template <int dim> struct FacetNear {
 	double radius;
 };
 
-/// Nearest place to `x` on those of the facets of `body` that `admissible` lets pass.
+/// Nearest place to `x` on a facet of `body`.
+template <int dim>
+PlaceOnOutline<dim> placeOnFacet(const Vec<dim>& x, const ContactBody<dim>& body, int facet)
+{
+	std::array<Vec<dim>, dim> corner;
+	for (int i = 0; i < dim; ++i)
+		corner[i] = body.position[body.mesh->facet[facet][i]];
+	const auto weight = nearestOnFacet(x, corner);
+	Vec<dim> nearest = Vec<dim>::Zero();
+	for (int i = 0; i < dim; ++i)
+		nearest += weight[i] * corner[i];
+	return { facet, weight, (x - nearest).squaredNorm() };
+}
+
+/// Whether the first place is nearer, or as near, as at a common edge, and the first in order.
+template <int dim> bool comesBefore(const PlaceOnOutline<dim>& a, const PlaceOnOutline<dim>& b)
+{
+	return a.squaredDistance < b.squaredDistance ||
+	       (a.squaredDistance == b.squaredDistance && a.facet < b.facet);
+}
+
+/// Nearest place to `x` on those of the facets of `body` that `admissible` lets pass. (`start`: a
+/// place on one of them, which spares looking at those that are farther.)
 template <int dim, class Admissible>
 PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body,
-				 const std::vector<FacetNear<dim>>& facets, Admissible&& admissible)
+				 const std::vector<FacetNear<dim>>& facets, Admissible&& admissible,
+				 const PlaceOnOutline<dim>& start = {})
 {
-	PlaceOnOutline<dim> best;
-	double distance = std::numeric_limits<double>::infinity();
+	PlaceOnOutline<dim> best = start;
+	double distance = std::sqrt(start.squaredDistance);
 	for (const FacetNear<dim>& f : facets) {
 		const double farthest = distance + f.radius;
 		if ((x - f.centre).squaredNorm() > farthest * farthest) continue;
 		if (!admissible(f.facet)) continue;
-		std::array<Vec<dim>, dim> corner;
-		for (int i = 0; i < dim; ++i)
-			corner[i] = body.position[body.mesh->facet[f.facet][i]];
-		const auto weight = nearestOnFacet(x, corner);
-		Vec<dim> nearest = Vec<dim>::Zero();
-		for (int i = 0; i < dim; ++i)
-			nearest += weight[i] * corner[i];
-		const double squared = (x - nearest).squaredNorm();
-		if (squared >= best.squaredDistance) continue;
-		best = { f.facet, weight, squared };
-		distance = std::sqrt(squared);
+		const PlaceOnOutline<dim> place = placeOnFacet(x, body, f.facet);
+		if (!comesBefore(place, best)) continue;
+		best = place;
+		distance = std::sqrt(place.squaredDistance);
 	}
 	return best;
 }
@@ -165,23 +181,38 @@ Contact<dim> contactAt(const Vec<dim>& x, const ContactBody<dim>& other,
 	return contact;
 }
 
-/// Calls `use(node, facets)` for the nodes of `body` that may be within reach of the outline of
-/// `other`, with the facets that may be the nearest.
-template <int dim, class Use>
-void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach,
-		  ContactList<dim>& list, Use&& use)
+/// The outline bulges out of the box of its vertices, and the facet nearest to a node that overlaps
+/// may lie outside the common region: both by less than a contact depth.
+template <int dim>
+double marginOf(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach)
 {
-	// The outline bulges out of the box of its vertices, and the facet nearest to a node that
-	// overlaps may lie outside the common region: both by less than a contact depth.
-	const double margin = std::max(reach, contactDepth(body, other));
-	const auto nodes = nodesNear(body, other, reach, margin);
-	if (nodes.empty()) return;
+	return std::max(reach, contactDepth(body, other));
+}
+
+/// Facets of `other` that may be the nearest to nodes of `body` within reach.
+template <int dim>
+std::vector<FacetNear<dim>> facetsNear(const ContactBody<dim>& body, const ContactBody<dim>& other,
+				       double reach)
+{
+	const double margin = marginOf(body, other, reach);
 	auto facets = facetsIn(other, body.box.grown(margin));
 	// as in nodesNear, the ball about the body is the tighter one
 	std::erase_if(facets, [&](const FacetNear<dim>& f) {
 		const double farthest = body.circumradius + margin + f.radius;
 		return (f.centre - body.box.centre()).squaredNorm() > farthest * farthest;
 	});
+	return facets;
+}
+
+/// Calls `use(node, facets)` for the nodes of `body` that may be within reach of the outline of
+/// `other`, with the facets that may be the nearest.
+template <int dim, class Use>
+void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach,
+		  ContactList<dim>& list, Use&& use)
+{
+	const auto nodes = nodesNear(body, other, reach, marginOf(body, other, reach));
+	if (nodes.empty()) return;
+	const auto facets = facetsNear(body, other, reach);
 	if (facets.empty()) return;
 	list.tested += static_cast<int>(nodes.size());
 	for (int s : nodes)

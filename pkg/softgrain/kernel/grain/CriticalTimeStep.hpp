@@ -3,6 +3,8 @@
 
 #include "grain/Batch.hpp"
 
+#include <functional>
+
 namespace softgrain {
 
 /// Critical step where velocities live at the points over that where they stay at the nodes. With S
@@ -11,16 +13,15 @@ namespace softgrain {
 /// most twice the largest of M^-1 K, so 1/sqrt(2) is safe.
 constexpr double pointVelocityTimeStepShare = 0.7071067811865476;
 
-/// Of Lanczos' iteration: the square of the frequency is then within 0.2 % from below, and within
-/// 1.6 % (doc/decisions/0003-time-step.md).
-constexpr int exactIterations = 40, quickIterations = 24;
-
 /// Highest angular frequency of a grain in its present shape, rad/s: the largest eigenvalue of
 /// M^-1 K with the tangent K as differences of internal forces, by Lanczos' iteration. Raised by 1
-/// % because the iteration approaches from below. Takes the time of as many computations of its
-/// forces.
+/// % because the iteration approaches from below. Takes the time of 40 computations of its forces.
+template <int dim> double highestFrequency(const Batch<dim>& batch, int g);
+
+/// The same in the time of 24, or of 8 if what is found then, with more added, suffices.
 template <int dim>
-double highestFrequency(const Batch<dim>& batch, int g, int iterations = exactIterations);
+double highestFrequency(const Batch<dim>& batch, int g,
+			const std::function<bool(double)>& suffices);
 
 /// dt_c of the undeformed grain, s.
 template <int dim>

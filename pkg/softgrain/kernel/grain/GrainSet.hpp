@@ -79,8 +79,11 @@ public:
 	/// Square of the highest frequency as deformed now over that of the undeformed grain, at
 	/// least 1: a bound, or what was measured of a deformation alike (Stiffening).
 	virtual double stiffening(int g) const = 0;
-	/// Where it may be less than known, finds out; else returns false.
-	virtual bool measureStiffening(int) { return false; }
+	/// Whether it may be less than known.
+	virtual bool mayMeasureStiffening(int) const { return false; }
+	/// Finds out, or that with its damping the critical step of the grain is at least `enough`,
+	/// s; may be called for several grains at a time.
+	virtual void measureStiffening(int /*g*/, double /*enough*/) {}
 	/// How much faster damping acts in the grain as deformed now, >= 1 (Damper).
 	virtual double rateStiffening(int) const { return 1; }
 

@@ -131,17 +131,22 @@ template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& s
 	return static_cast<int>(computed_.size());
 }
 
-template <int dim> bool TotalLagrangian<dim>::measureStiffening(int g)
+template <int dim> void TotalLagrangian<dim>::measureStiffening(int g, double enough)
 {
 	const BulkReport& present = batch_.report[g];
-	if (!stiffening_[g].isDue(present)) return false;
 	const double ofNodes = // critical step of the undeformed grain
 		criticalTimeStep_[g] / (pointVelocities_ ? pointVelocityTimeStepShare : 1);
-	const double ratio = 0.5 * ofNodes * highestFrequency(batch_, g, quickIterations);
 	// what is reported of held forces is of another shape than that of the nodes
 	const double least = holder_.rate(g) > 1 ? Stiffening::safeShare * present.stiffening : 0;
-	stiffening_[g].set(present, std::max(least, ratio * ratio));
-	return true;
+	auto valueOf = [&](double frequency) {
+		const double ratio = 0.5 * ofNodes * frequency;
+		return std::max(least, ratio * ratio);
+	};
+	const double frequency = highestFrequency(batch_, g, [&](double found) {
+		return dampedTimeStep(criticalTimeStep_[g], batch_.grain[g].damping, valueOf(found),
+				      rateStiffening(g)) >= enough;
+	});
+	stiffening_[g].set(present, valueOf(frequency));
 }
 
 /// Relative to the grain's origin.

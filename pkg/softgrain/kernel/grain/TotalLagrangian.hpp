@@ -32,7 +32,11 @@ public:
 	double criticalTimeStep(int g) const override { return criticalTimeStep_[g]; }
 
 	double stiffening(int g) const override { return stiffening_[g].value(batch_.report[g]); }
-	bool measureStiffening(int g) override;
+	bool mayMeasureStiffening(int g) const override
+	{
+		return stiffening_[g].isDue(batch_.report[g]);
+	}
+	void measureStiffening(int g, double enough) override;
 
 	bool isRigid(int g) const override { return isRigid_[g]; }
 	bool mayMoveRigidly(int g) const override;

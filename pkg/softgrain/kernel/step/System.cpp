@@ -150,25 +150,34 @@ template <int dim> double System<dim>::presentTimeStepOf(int g) const
 	return timeStepOf(g, set.stiffening(k), set.rateStiffening(k));
 }
 
-template <int dim> double System<dim>::deformedTimeStep()
+/// (All grains that have to be measured are so at once: who they are does not depend on threads.)
+template <int dim> double System<dim>::deformedTimeStep(double enough, int threads)
 {
-	for (;;) {
-		double smallest = std::min(undeformedTimeStep_, sleepersTimeStep_);
-		int smallestOf = -1;
-		for (int g : active_) {
-			const double own = presentTimeStepOf(g);
-			if (own >= smallest) continue;
-			smallest = own;
-			smallestOf = g;
-		}
-		if (smallestOf < 0 || !setOf(smallestOf).measureStiffening(indexInSet(smallestOf)))
-			return smallest;
-	}
+	const double ofOthers = std::min(undeformedTimeStep_, sleepersTimeStep_);
+	auto smallest = [&](double start, auto&& counts) {
+		for (int g : active_)
+			if (counts(setOf(g), indexInSet(g)))
+				start = std::min(start, presentTimeStepOf(g));
+		return start;
+	};
+	const double known =
+		smallest(std::min(enough, ofOthers), [](const GrainSet<dim>& set, int k) {
+			return !set.mayMeasureStiffening(k);
+		});
+	std::vector<int> due;
+	for (int g : active_)
+		if (setOf(g).mayMeasureStiffening(indexInSet(g)) && presentTimeStepOf(g) < known)
+			due.push_back(g);
+	const int count = static_cast<int>(due.size());
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (count > 1)
+	for (int i = 0; i < count; ++i)
+		setOf(due[i]).measureStiffening(indexInSet(due[i]), rate_[due[i]] * enough);
+	return smallest(ofOthers, [](const GrainSet<dim>&, int) { return true; });
 }
 
-template <int dim> double System<dim>::presentCriticalTimeStep()
+template <int dim> double System<dim>::presentCriticalTimeStep(double enough, int threads)
 {
-	const double ofGrains = deformedTimeStep();
+	const double ofGrains = deformedTimeStep(enough, threads);
 	if (continuation_.bondRate == 0) return ofGrains; // infinite without grains
 	return ofGrains / std::sqrt(1 + 0.25 * ofGrains * ofGrains * continuation_.bondRate);
 }

@@ -163,8 +163,10 @@ public:
 	/// Smallest critical time step over the grains, undeformed, with their damping, s.
 	double criticalTimeStep() const { return undeformedTimeStep_; }
 	/// The same as deformed now, and with the bonds between grains; after `updateForces`.
-	/// Grains that would shorten it are measured.
-	double presentCriticalTimeStep();
+	/// Grains that would make it shorter than `enough` are measured: what is longer than that
+	/// may be too short.
+	double presentCriticalTimeStep(double enough = std::numeric_limits<double>::infinity(),
+				       int threads = 1);
 
 	/// Whether forces of grains with a longer critical step are computed in every so many steps
 	/// only: as often as fits into their own undeformed critical step. To be called after all
@@ -262,7 +264,7 @@ private:
 
 	double timeStepOf(int g, double stiffening, double rateStiffening) const;
 	double presentTimeStepOf(int g) const;
-	double deformedTimeStep();
+	double deformedTimeStep(double enough, int threads);
 	void renewOutline(int g);
 	void followMotion(int g, double dt);
 	void updateGridNodes(int g) const;
