@@ -45,7 +45,7 @@ def cases():
     small = {"grains": 100, "zeta": 0.15}
     many = {"zeta": 0.155, "steps": 10}
     fewer = {"grains": 1000}
-    balls = {"dim": 3, "zeta": 0.2, "node_spacing": 2, "grains": 64, "steps": 10}
+    solid = {"dim": 3, "zeta": 0.2, "node_spacing": 2, "grains": 64, "steps": 10}
     fewer_balls = {"grains": 16, "steps": 20}
     pressed = {"grains": 30, "zeta": 0.2}
     loose = {"grains": 25, "zeta": 0.2, "until_phi": 0.9}
@@ -55,8 +55,8 @@ def cases():
         Case("bulk, own templates", "bulk", apart, **own),
         Case("bulk, own templates, h = 2 dr", "bulk", apart, **own, node_spacing=2),
         Case("bulk, updated", "bulk", {"steps": 5}, **{**bulk, "steps": 20}, formulation="updated"),
-        Case("bulk, 3D quadratic", "bulk", fewer_balls, **balls, order=2),
-        Case("bulk, 3D cubic", "bulk", fewer_balls, **balls, order=3),
+        Case("bulk, 3D quadratic", "bulk", fewer_balls, **solid, order=2),
+        Case("bulk, 3D cubic", "bulk", fewer_balls, **solid, order=3),
         Case("dense", "dense", small, **packing),
         Case("dense, weight and damping", "dense", small, **packing, damped=True),
         Case("rigid", "rigid", {"grains": 100}, **{**packing, "steps": 2000}),
@@ -76,7 +76,7 @@ def cases():
             **{**packing, "grains": 25},
             skip=True,
         ),
-        Case("balls", "balls", {"grains": 27}, **{**balls, "grains": 125}),
+        Case("balls", "balls", {"grains": 27}, **{**solid, "grains": 125}),
         Case("mixed", "mixed", small, **packing),
         Case(ONE_STEP, "sizes", pressed, grains=100, zeta=0.15, steps=100),
         Case(OWN_STEPS, "sizes", pressed, grains=100, zeta=0.15, steps=100, multirate=True),

@@ -205,6 +205,11 @@ TEMPLATE_TEST_CASE_SIG("Search: candidates are kept while they hold, and miss no
 {
 	auto balls = twoBalls<dim>(-0.03, dim == 2 ? 0.1 : 0.25, 6);
 	ContactBody<dim>&first = balls.body[0], &second = balls.body[1];
+	for (Vec<dim>& x : first.position) { // dented where the other rolls
+		const Vec<dim> arm = x - balls.centre[0];
+		x -= 0.1 * std::pow(std::sin(4 * arm[0]), 2) * arm;
+	}
+	first.updateGeometry();
 	auto kept = pairList<dim>();
 	Random random(2);
 	int testedKept = 0, testedFresh = 0, most = 0;
@@ -250,7 +255,7 @@ TEMPLATE_TEST_CASE_SIG("Search: candidates are kept while they hold, and miss no
 		}
 	}
 	CAPTURE(testedKept, testedFresh, most);
-	CHECK(most >= 7);
+	CHECK(most >= 6);
 	CHECK(testedKept < 0.8 * testedFresh);
 }
 

@@ -337,6 +337,51 @@ TEMPLATE_TEST_CASE_SIG("Damping: grains side by side have the forces that each h
 	}
 }
 
+TEST_CASE("Damping: energies and critical step have the same bits with any number of threads",
+	  "[damping]")
+{
+	constexpr int count = 70; // enough for two threads and more
+	auto run = [](int threads) {
+		std::vector<GrainParameters<2>> grains;
+		for (int g = 0; g < count; ++g) {
+			grains.push_back(dampedGrain<2>({ 500. * (g % 3), 1e-6 * (g % 2) }));
+			grains.back().origin[0] = 0.05 * g;
+		}
+		Batch<2> batch(makeGrainTemplate<2>(coarse<2>()), Law::neoHookean,
+			       Condition::planeStrain, grains);
+		Random random(1);
+		for (int g = 0; g < count; ++g)
+			deform<2>(batch, g, random.deformation<2>(0.2));
+		Scene<2> scene;
+		scene.settings.threads = threads;
+		scene.settings.trackEnergy = true;
+		scene.add(std::move(batch));
+		for (int g = 0; g < count; ++g) {
+			scene.system.loads()[g].acceleration = random.vector<2>(10);
+			scene.system.loads()[g].angular = spinMatrix<2>(
+				Eigen::Matrix<double, 1, 1>(random.uniform(-100, 100)));
+		}
+		std::vector<double> found;
+		for (int n = 0; n < 5; ++n) {
+			scene.advance(1e-6);
+			scene.system.updateForces(threads);
+			const EnergyBalance& e = scene.system.energy();
+			found.insert(found.end(),
+				     { e.kinetic, e.elastic, e.loads, e.damping,
+				       scene.system.presentCriticalTimeStep(n * 1e-4, threads) });
+		}
+		for (int g = 0; g < count; ++g)
+			for (double number :
+			     scene.system.setOf(g).state(scene.laneOf(g)).stiffening)
+				found.push_back(number);
+		return found;
+	};
+	const auto found = run(1);
+	CHECK(found.size() > 25 + 3 * 10); // some were measured
+	CHECK(run(2) == found);
+	CHECK(run(3) == found);
+}
+
 TEST_CASE("Damping: inadmissible values and formulations are named", "[damping]")
 {
 	auto complaint = [](const Damping& damping, const Scheme& scheme = {}) {

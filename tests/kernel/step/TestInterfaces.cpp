@@ -197,6 +197,33 @@ TEST_CASE("Interface: stiff bonds shorten the time step, and are stable in it", 
 		CHECK(h.bond == Bond::whole);
 }
 
+TEST_CASE("Interface: with bonds, too, grains are measured where they decide on a step",
+	  "[interface][bond]")
+{
+	InterfaceLaw law = bonded();
+	law.bondStiffness = 1e9;
+	law.bondStrength = 1e5;
+	auto deformed = [&] {
+		Scene<2> scene = pressedBlocks<2>(0.25, false, law);
+		scene.advance(0.5 * scene.system.presentCriticalTimeStep());
+		Batch<2>& batch = scene.batchOf(0);
+		for (int I = 0; I < batch.reference->nodes(); ++I) { // more and more to the right
+			Vec<2> x = batch.x.get(0, I);
+			x[0] *= 0.7 - 30 * x[0];
+			batch.x.set(0, I, x);
+		}
+		scene.system.invalidateForces();
+		scene.system.updateForces(1);
+		return scene;
+	};
+	Scene<2> scene = deformed(), other = deformed();
+	const double bound = scene.system.presentCriticalTimeStep(0),
+		     exact = scene.system.presentCriticalTimeStep();
+	REQUIRE(exact > 1.02 * bound);
+	const double between = 0.5 * (bound + exact);
+	CHECK(other.system.presentCriticalTimeStep(between) >= between);
+}
+
 TEST_CASE("Interface: a block starts at mu_s and slides with mu_d", "[interface][friction]")
 {
 	InterfaceLaw law;

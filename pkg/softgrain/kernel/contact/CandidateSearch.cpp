@@ -2,6 +2,8 @@
 #include "contact/NodesInLanes.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
+#include <optional>
+
 namespace softgrain {
 
 namespace {
@@ -10,10 +12,35 @@ namespace {
 /// much more makes too many.
 constexpr double candidateMargin = 0.5;
 
-/// A place on an outline moves by no more than so many times what its nodes do. 2D: the sum of the
-/// sizes of the weights of OutlineCurve. 3D: the flat facet moves as its nodes do, the bulge over
-/// it by less than another 0.9 of their ways, most of it as the normals at its corners turn.
-template <int dim> constexpr double wayOfPlaces = dim == 2 ? 1.25 : 1.9;
+template <int dim>
+double finerSpacing(const ContactBody<dim>& first, const ContactBody<dim>& second)
+{
+	return std::min(first.pointSpacing, second.pointSpacing);
+}
+
+/// A gap within reach changes by no more than so many times the ways of nodes. 2D: the sum of the
+/// sizes of the weights of OutlineCurve. 3D: 1 for the flat facet, a third for the bulge over it
+/// (the normals at its corners turn), the rest since normals are those of the arc, which turn more
+/// the farther a node is off: 1.4 for balls, 2.0 for creased ones, half a dr off
+/// (doc/decisions/0015-parallel-sweeps.md).
+double wayOfPlaces(const ContactBody<2>&, const ContactBody<2>&, double) { return 1.25; }
+double wayOfPlaces(const ContactBody<3>& first, const ContactBody<3>& second, double reach)
+{
+	return 2 + reach / finerSpacing(first, second);
+}
+
+/// The same of the way of all nodes together.
+template <int dim> constexpr double wayOfBodies = dim == 2 ? 1 : 1.05;
+
+/// By how much, in dr, a gap may jump where the nearest place goes over to another facet. (In 2D it
+/// is the distance to a smooth curve; in 3D normals are those of the arc, the nearest place is that
+/// on the flat facets.)
+template <int dim> constexpr double jumpOfGaps = dim == 2 ? 0 : 0.1;
+
+template <int dim> double jumpBetween(const ContactBody<dim>& first, const ContactBody<dim>& second)
+{
+	return jumpOfGaps<dim> * finerSpacing(first, second);
+}
 
 /// Deeper overlaps, in dr, are looked at: before the tip of a fold, as outlines have them about
 /// pores that have almost closed, a node may lie behind the line of the flank that is nearest.
@@ -22,14 +49,15 @@ constexpr double trustedOverlap = 0.05;
 /// Takes in how far nodes and places on the other outline may have come towards each other since
 /// the last search.
 template <int dim>
-void followBodies(const ContactBody<dim>& first, const ContactBody<dim>& second,
+void followBodies(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
 		  ContactCandidates<dim>& candidates)
 {
 	const Vec<dim> apart = first.carried - second.carried;
 	const double travelled = first.travelled + second.travelled;
 	if (travelled < candidates.travelled) candidates = {}; // those of other bodies
-	candidates.approached += (apart - candidates.apart).norm() +
-				 wayOfPlaces<dim> * (travelled - candidates.travelled);
+	candidates.approached +=
+		wayOfBodies<dim> * (apart - candidates.apart).norm() +
+		wayOfPlaces(first, second, reach) * (travelled - candidates.travelled);
 	candidates.apart = apart;
 	candidates.travelled = travelled;
 }
@@ -45,7 +73,8 @@ void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other,
 		const double gap = contactAt(x, other, place).gap;
 		if (gap < within)
 			candidates.nodes.push_back(
-				{ side, s, place.facet, gap + candidates.approached });
+				{ side, s, place.facet,
+				  gap - jumpBetween(body, other) + candidates.approached });
 	});
 }
 
@@ -55,10 +84,9 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 {
 	ContactCandidates<dim>& candidates = list.candidates;
 	if (reach + candidates.approached <= candidates.covered) return;
-	const double within =
-		reach + candidateMargin * std::min(first.pointSpacing, second.pointSpacing);
+	const double within = reach + candidateMargin * finerSpacing(first, second);
 	candidates.nodes.clear();
-	candidates.covered = within + candidates.approached;
+	candidates.covered = within - jumpBetween(first, second) + candidates.approached;
 	findCandidates(first, second, 0, within, list);
 	findCandidates(second, first, 1, within, list);
 }
@@ -170,22 +198,24 @@ void measureCandidates(const ContactBody<2>& first, const ContactBody<2>& second
 	near.measure();
 }
 
-/// One by one, each against all facets that are as near as that which it had.
+/// One by one, each against all facets that may be nearer than that which it had.
 void measureCandidates(const ContactBody<3>& first, const ContactBody<3>& second, double reach,
 		       ContactList<3>& list)
 {
 	const std::array<const ContactBody<3>*, 2> body { &first, &second };
-	std::array<std::vector<FacetNear<3>>, 2> facets; // by side of the node
+	std::array<std::optional<std::vector<FacetNear<3>>>, 2> facets; // by side of the node
+	const double within = reach + candidateMargin * finerSpacing(first, second);
 	forCandidates(reach, list.candidates, [&](auto& node) {
 		const ContactBody<3>&own = *body[node.side], &other = *body[1 - node.side];
-		if (facets[node.side].empty()) facets[node.side] = facetsNear(own, other, reach);
+		auto& near = facets[node.side];
+		if (!near) near = facetsNear(own, other, within);
 		const Vec<3>& x = own.position[node.node];
-		const auto place = nearestPlace(x, other, facets[node.side], anyFacet,
-						placeOnFacet(x, other, node.facet));
+		const auto place =
+			nearestPlace(x, other, *near, anyFacet, placeOnFacet(x, other, node.facet));
 		const Contact<3> contact = contactAt(x, other, place);
 		++list.tested;
 		node.facet = place.facet;
-		node.clearance = contact.gap + list.candidates.approached;
+		node.clearance = contact.gap - jumpBetween(own, other) + list.candidates.approached;
 		if (contact.gap < reach)
 			append({ node.side, node.node, -1 }, contact, own, other, list);
 	});
@@ -197,7 +227,7 @@ template <int dim>
 void findContactsOfCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second,
 			      double reach, ContactList<dim>& list)
 {
-	followBodies(first, second, list.candidates);
+	followBodies(first, second, reach, list.candidates);
 	renewCandidates(first, second, reach, list);
 	if (!list.candidates.nodes.empty()) measureCandidates(first, second, reach, list);
 }

@@ -47,7 +47,7 @@ template <int dim> bool comesBefore(const PlaceOnOutline<dim>& a, const PlaceOnO
 }
 
 /// Nearest place to `x` on those of the facets of `body` that `admissible` lets pass. (`start`: a
-/// place on one of them, which spares looking at those that are farther.)
+/// place that counts, too; facets that are farther are not looked at.)
 template <int dim, class Admissible>
 PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body,
 				 const std::vector<FacetNear<dim>>& facets, Admissible&& admissible,

@@ -24,7 +24,8 @@ public:
 	/// rates grow; 1 without stiffness damping.
 	double rateStiffening(int g) const { return rateStiffening_[g]; }
 
-	/// A grain that does not move has no forces of this kind.
+	/// A grain that wakes has no forces of this kind: it did not move. (While it sleeps nobody
+	/// asks for those of the step in which it fell asleep, once that was balanced.)
 	void stop(int g);
 	/// A grain that is undeformed damps as at the start, and has no forces of this kind.
 	void forget(int g);

@@ -42,16 +42,15 @@ public:
 
 private:
 	template <std::size_t terms>
-	static Row polynomial(const std::array<Row, terms>& coefficient, double t)
+	static Row polynomial(const Row (&coefficient)[terms], double t)
 	{
-		Row sum = coefficient.back();
+		Row sum = coefficient[terms - 1];
 		for (int k = static_cast<int>(terms) - 2; k >= 0; --k)
 			sum = sum * t + coefficient[k];
 		return sum;
 	}
 
-	std::array<Row, order + 1> value_;
-	std::array<Row, order> slope_;
+	Row value_[order + 1], slope_[order];
 };
 
 /// Sums over the nodes across a line: component `a` with the products `q` of PointLines::across.

@@ -11,6 +11,9 @@ namespace {
 /// Strain below which a grain counts as undeformed: the energy dropped when it becomes rigid, its
 /// square times that of a wave of unit strain, is lost in the rounding of the energy of any motion.
 constexpr double undeformedStrain = 1e-8;
+/// A step so many times as long as it has to be is known well enough by few iterations
+/// (highestFrequency): what they may lack in grains of far more nodes is in it.
+constexpr double amply = 1.05;
 /// Strain by centrifugal forces, (omega R/c)^2, that rigid motion may leave out.
 constexpr double spinStrain = 1e-4;
 /// Period of the slowest vibration of a disk, times the speed of shear waves over its radius
@@ -144,7 +147,7 @@ template <int dim> void TotalLagrangian<dim>::measureStiffening(int g, double en
 	};
 	const double frequency = highestFrequency(batch_, g, [&](double found) {
 		return dampedTimeStep(criticalTimeStep_[g], batch_.grain[g].damping, valueOf(found),
-				      rateStiffening(g)) >= enough;
+				      rateStiffening(g)) >= amply * enough;
 	});
 	stiffening_[g].set(present, valueOf(frequency));
 }

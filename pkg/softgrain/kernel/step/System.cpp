@@ -177,9 +177,14 @@ template <int dim> double System<dim>::deformedTimeStep(double enough, int threa
 
 template <int dim> double System<dim>::presentCriticalTimeStep(double enough, int threads)
 {
-	const double ofGrains = deformedTimeStep(enough, threads);
-	if (continuation_.bondRate == 0) return ofGrains; // infinite without grains
-	return ofGrains / std::sqrt(1 + 0.25 * ofGrains * ofGrains * continuation_.bondRate);
+	if (continuation_.bondRate == 0) return deformedTimeStep(enough, threads);
+	// with the bonds T becomes T / sqrt(1 + T^2 w^2 / 4)
+	auto quarter = [this](double T) { return 0.25 * T * T * continuation_.bondRate; };
+	const double left = 1 - quarter(enough);
+	const double infinity = std::numeric_limits<double>::infinity();
+	const double ofGrains =
+		deformedTimeStep(left > 0 ? enough / std::sqrt(left) : infinity, threads);
+	return ofGrains / std::sqrt(1 + quarter(ofGrains));
 }
 
 /// Grid nodes in contact become the contact nodes of their grains.
@@ -299,25 +304,31 @@ void System<dim>::correctVelocities(const std::vector<char>& touched, const Step
 		if (!finite_[g]) throw StepError(g, -1, "a nodal velocity is not finite");
 }
 
-/// What does work on grains besides contact, one after the other whoever computed it.
+/// By grain.
 template <int dim>
-void System<dim>::balanceEnergy(const ContactWork& work, const StepSettings& settings,
-				double dropped)
+std::vector<typename System<dim>::GrainWork> System<dim>::worksOfGrains(double kick, int threads)
 {
-	const double kick = kickTime(settings.dt);
-	energy_ = continuation_.sums;
-	energy_.kinetic = energy_.elastic = 0;
-	for (int g = 0; g < grains(); ++g)
-		energy_.elastic += setOf(g).report(indexInSet(g)).elasticEnergy;
 	std::vector<GrainWork> works(grains());
-	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+	forEachOf(awake_, threads, [&](int g, GrainSet<dim>& set, int k) {
 		ContactWork::Halves &loads = works[g].loads, &damping = works[g].damping;
 		if (!loads_[g].isZero())
 			set.addLoadWork(k, kick, loads_[g], loads.before, loads.after);
 		set.addDampingLoss(k, kick, damping.before, damping.after);
 	});
+	return works;
+}
+
+template <int dim>
+void System<dim>::balanceEnergy(const ContactWork& work, const StepSettings& settings,
+				double dropped)
+{
+	energy_ = continuation_.sums;
+	energy_.kinetic = energy_.elastic = 0;
+	for (int g = 0; g < grains(); ++g)
+		energy_.elastic += setOf(g).report(indexInSet(g)).elasticEnergy;
+	const auto works = worksOfGrains(kickTime(settings.dt), settings.threads);
 	ContactWork::Halves loads, damping;
-	for (int g : awake_) {
+	for (int g : awake_) { // one after the other, whoever computed it
 		energy_.kinetic += kinetic_[g];
 		loads += works[g].loads;
 		damping += works[g].damping;

@@ -276,6 +276,7 @@ private:
 	void predictVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void gatherContacts(int g, bool trackEnergy);
 	void correctVelocities(const std::vector<char>& touched, const StepSettings& settings);
+	std::vector<GrainWork> worksOfGrains(double kick, int threads);
 	void balanceEnergy(const ContactWork& work, const StepSettings& settings, double dropped);
 	void balanceRigidBodies();
 
