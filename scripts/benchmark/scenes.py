@@ -41,7 +41,8 @@ SIZES_STRAIN, SIZES_WINDOW = 0.12, 0.005  # sizes: strain before, and while the 
 BALLS_STRAIN = 0.06  # balls: of the box in each direction, before measuring
 SETTLING_STEPS = 200  # at that speed, before measuring
 MOST_SETTLING_STEPS = 50000  # of grains that come to rest
-DAMPING = 4000.0  # 1/s, of these and of `dense --damped`: a few times the speed of shear waves over the radius
+# 1/s, of these and of `dense --damped`: a few times the speed of shear waves over the radius
+DAMPING = 4000.0
 STIFFNESS_DAMPING = 1e-6  # s, a twentieth of the critical time step
 GRAVITY = 9.81  # m/s²
 #: Attributes of SoftGrainIntegrator that skip grains at rest or in free flight, where it has them.

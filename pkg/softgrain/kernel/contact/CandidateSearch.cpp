@@ -18,6 +18,13 @@ double finerSpacing(const ContactBody<dim>& first, const ContactBody<dim>& secon
 	return std::min(first.pointSpacing, second.pointSpacing);
 }
 
+/// Gaps up to this make candidates, m.
+template <int dim>
+double candidateReach(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach)
+{
+	return reach + candidateMargin * finerSpacing(first, second);
+}
+
 /// A gap within reach changes by no more than so many times the ways of nodes. 2D: the sum of the
 /// sizes of the weights of OutlineCurve. 3D: 1 for the flat facet, a third for the bulge over it
 /// (the normals at its corners turn), the rest since normals are those of the arc, which turn more
@@ -84,7 +91,7 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 {
 	ContactCandidates<dim>& candidates = list.candidates;
 	if (reach + candidates.approached <= candidates.covered) return;
-	const double within = reach + candidateMargin * finerSpacing(first, second);
+	const double within = candidateReach(first, second, reach);
 	candidates.nodes.clear();
 	candidates.covered = within - jumpBetween(first, second) + candidates.approached;
 	findCandidates(first, second, 0, within, list);
@@ -204,7 +211,7 @@ void measureCandidates(const ContactBody<3>& first, const ContactBody<3>& second
 {
 	const std::array<const ContactBody<3>*, 2> body { &first, &second };
 	std::array<std::optional<std::vector<FacetNear<3>>>, 2> facets; // by side of the node
-	const double within = reach + candidateMargin * finerSpacing(first, second);
+	const double within = candidateReach(first, second, reach);
 	forCandidates(reach, list.candidates, [&](auto& node) {
 		const ContactBody<3>&own = *body[node.side], &other = *body[1 - node.side];
 		auto& near = facets[node.side];

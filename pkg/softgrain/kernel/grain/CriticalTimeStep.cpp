@@ -12,9 +12,10 @@ namespace softgrain {
 namespace {
 
 /// Of Lanczos' iteration: the square of the frequency is then within 0.2 %, 1.6 % and 6.5 % from
-/// below (doc/decisions/0003-time-step.md). What it may lack, and a little more, is added.
+/// below (doc/decisions/0003-time-step.md). Times these it
+/// has what it may lack, and a little more.
 constexpr int exactIterations = 40, quickIterations = 24, earlyIterations = 8;
-constexpr double convergedShare = 1.01, earlyShare = 1.04;
+constexpr double raiseConverged = 1.01, raiseEarly = 1.04;
 
 /// Of the node that moves most, in differences of forces, over the radius.
 constexpr double displacement = 1e-6;
@@ -123,7 +124,7 @@ double highestFrequency(const GrainTemplate<dim>& reference, Condition condition
 
 template <int dim> double highestFrequency(const Batch<dim>& batch, int g)
 {
-	return convergedShare *
+	return raiseConverged *
 	       std::sqrt(Lanczos<dim>(batch, g, exactIterations).iterate(exactIterations));
 }
 
@@ -131,9 +132,9 @@ template <int dim>
 double highestFrequency(const Batch<dim>& batch, int g, const std::function<bool(double)>& suffices)
 {
 	Lanczos<dim> lanczos(batch, g, quickIterations);
-	const double early = earlyShare * std::sqrt(lanczos.iterate(earlyIterations));
+	const double early = raiseEarly * std::sqrt(lanczos.iterate(earlyIterations));
 	if (suffices(early)) return early;
-	return convergedShare * std::sqrt(lanczos.iterate(quickIterations));
+	return raiseConverged * std::sqrt(lanczos.iterate(quickIterations));
 }
 
 template <int dim>

@@ -18,7 +18,8 @@ constexpr double pointVelocityTimeStepShare = 0.7071067811865476;
 /// % because the iteration approaches from below. Takes the time of 40 computations of its forces.
 template <int dim> double highestFrequency(const Batch<dim>& batch, int g);
 
-/// The same in the time of 24, or of 8 if what is found then, with more added, suffices.
+/// The same in the time of 24, or of 8 if what is found then, raised by 4 %, suffices, which
+/// `suffices(frequency)` tells.
 template <int dim>
 double highestFrequency(const Batch<dim>& batch, int g,
 			const std::function<bool(double)>& suffices);

@@ -206,11 +206,11 @@ template <int dim> void Damper<dim>::restore(int g, const double* numbers)
 namespace {
 
 /// The first term: velocities come nearer to those of the grain's rigid motion by a share.
-template <int dim> struct Drag {
+template <int dim> struct MassDamping {
 	double share;
 	RigidVelocities<dim> rigid;
 
-	Drag(const Batch<dim>& batch, int g, double kick)
+	MassDamping(const Batch<dim>& batch, int g, double kick)
 		: share(-std::expm1(-batch.grain[g].damping.mass * kick))
 	{
 		if (share > 0) rigid = wholeGrain(batch, g).rigidVelocities();
@@ -223,20 +223,21 @@ template <int dim> struct Drag {
 };
 
 template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void addDrag(Batch<dim>& batch, int g, const Drag<dim>& drag)
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void addMassDamping(Batch<dim>& batch, int g,
+						       const MassDamping<dim>& damping)
 {
 	const Vec<dim>*x = batch.x.of(g), *v = batch.v.of(g);
 	Vec<dim>* vNext = batch.vNext.of(g);
 	for (int I = 0, nodes = batch.reference->nodes(); I < nodes; ++I)
-		vNext[I] += drag.change(x[I], v[I]);
+		vNext[I] += damping.change(x[I], v[I]);
 }
 
 } // namespace
 
 template <int dim> void Damper<dim>::addImpulses(Batch<dim>& batch, int g, double kick) const
 {
-	const Drag<dim> drag(batch, g, kick);
-	if (drag.share > 0) addDrag(batch, g, drag);
+	const MassDamping<dim> damping(batch, g, kick);
+	if (damping.share > 0) addMassDamping(batch, g, damping);
 	if (batch.grain[g].damping.stiffness == 0) return;
 	const double scale = kick / batch.massScale[g];
 	const Vec<dim>* force = force_.of(g);
@@ -249,12 +250,12 @@ template <int dim>
 void Damper<dim>::addLoss(const Batch<dim>& batch, int g, double kick, double& before,
 			  double& after) const
 {
-	const Drag<dim> drag(batch, g, kick);
+	const MassDamping<dim> damping(batch, g, kick);
 	const Vec<dim>*force = force_.of(g), *x = batch.x.of(g), *v = batch.v.of(g),
 	      *vNext = batch.vNext.of(g);
 	for (int I = 0; I < nodes_; ++I) {
 		const Vec<dim> impulse =
-			kick * force[I] + batch.nodeMass(g, I) * drag.change(x[I], v[I]);
+			kick * force[I] + batch.nodeMass(g, I) * damping.change(x[I], v[I]);
 		before -= 0.5 * impulse.dot(v[I]);
 		after -= 0.5 * impulse.dot(vNext[I]);
 	}
