@@ -49,6 +49,7 @@ template <int dim> struct ContactBody {
 	std::vector<Vec<dim>>
 		velocityBefore;        ///< vs at t_n - dt/2, m/s; empty unless energies are tracked
 	std::vector<Vec<dim>> impulse; ///< sum of the reactions on each node, N s
+	MarkedBlocks inContact;        ///< 3D: the nodes that contacts of this step act on
 	Box<dim> box;                  ///< of the positions, node radii included
 	double longestEdge = 0;        ///< of a facet, m
 	double circumradius = 0;       ///< of the positions about the centre of the box, m

@@ -136,6 +136,7 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 
 	const int work = listed + (count_ - listed) / rigidContactsPerPair;
 	threads_ = threadsFor(work / std::max(plan_.colours(), 1), threads, pairsPerThread);
+	if (dim == 3) markNodesInContact(bodies);
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		fetchForPrepare(k);
 		const Kind kind = slot_[k].kind;
@@ -149,6 +150,28 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 						   settings);
 		else
 			pairs_[index].prepare(bodies, *inContact_[pair], dt, settings);
+	});
+}
+
+template <int dim>
+void ContactSolver<dim>::markNodesInContact(std::vector<ContactBody<dim>>& bodies)
+{
+	for (const ContactList<dim>* list : inContact_)
+		for (int body : { list->first, list->second })
+			if (body >= 0) bodies[body].inContact.clear(bodies[body].velocity.size());
+	forEachPair(SweepOrder::forwards, [&](int k) {
+		if (slot_[k].kind == Kind::rigid) return;
+		const ContactList<dim>& list = *inContact_[plan_.pairs[k]];
+		ContactBody<dim>* first = &bodies[list.first];
+		ContactBody<dim>* second = list.second < 0 ? nullptr : &bodies[list.second];
+		for (const Contact<dim>& c : list.contacts) {
+			const bool onFirst = c.key.side == 0;
+			if (ContactBody<dim>* own = onFirst ? first : second)
+				own->inContact.mark(c.key.node);
+			if (ContactBody<dim>* other = onFirst ? second : first)
+				for (int i = 0; i < c.partners; ++i)
+					other->inContact.mark(c.partner[i]);
+		}
 	});
 }
 

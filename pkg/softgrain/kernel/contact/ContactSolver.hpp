@@ -74,6 +74,9 @@ private:
 	void plan(const std::vector<ContactList<dim>*>& lists, int grains,
 		  const std::vector<RigidPartner<dim>>* partners,
 		  const std::vector<RigidContact<dim>>* rigidContacts);
+	/// ContactBody::inContact; before any impulse is applied, since it moves what other pairs
+	/// mark.
+	void markNodesInContact(std::vector<ContactBody<dim>>& bodies);
 	/// Calls with the numbers of all pairs, colour by colour, those of a task so many times in
 	/// a row; `visit` may not throw.
 	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit, int times = 1);

@@ -9,19 +9,6 @@
 
 namespace softgrain {
 
-namespace {
-
-/// v_s += w W_s,node J of all nodes s.
-template <int dim>
-void pushRow(const ContactBody<dim>& body, int node, double w, const Vec<dim>& J, Vec<dim>* v)
-{
-	const SparseRows<double>& W = *body.delassus;
-	for (int k = W.begin(node); k < W.end(node); ++k)
-		addScaled<dim>(v[W.column[k]], w * W.value[k], J);
-}
-
-} // namespace
-
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
 PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
@@ -34,8 +21,8 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	drift_[0] = -drift_[1];
 	friction_ = list.friction;
 	interface_ = list.interface ? &*list.interface : nullptr;
-	firstSide_ = sideOf(first_);
-	secondSide_ = sideOf(second_);
+	firstSide_ = BodySide<dim>(*first_);
+	secondSide_ = second_ ? BodySide<dim>(*second_) : BodySide<dim>();
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
@@ -49,12 +36,9 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 		c.partners = static_cast<signed char>(contact.partners);
 		c.partner = contact.partner;
 		c.weight = contact.weight;
-		const ContactBody<dim>& body = *own(c);
-		c.bias = biasOf(contact.gap, body.pointSpacing, dt, settings);
-		c.W = body.surfaceMobility
-			      ? body.delassusScale * body.surfaceMobility->ofNode(c.node)
-			      : body.mobility(c.node, c.node);
-		if (c.partners > 0) c.W += partnerMobility(c);
+		c.bias = biasOf(contact.gap, own(c)->pointSpacing, dt, settings);
+		c.W = ownSide(c).mobilityOf(c.node);
+		if (c.partners > 0) c.W += otherSide(c).mobilityOf(c);
 		c.inverseW = 1 / c.W;
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
@@ -67,19 +51,6 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 			contactAreas<dim>(*first_, second_, list.contacts), !second_,
 			[this](const Constraint& c, const Vec<dim>& p) { applyImpulse(c, p); },
 			[this](const Constraint& c) { return velocityBefore(c); });
-}
-
-/// The partner's share of W.
-template <int dim> double PairSolver<dim>::partnerMobility(const Constraint& c) const
-{
-	const ContactBody<dim>& body = *other(c);
-	if (body.surfaceMobility)
-		return body.delassusScale * body.surfaceMobility->ofPlace(c.facet, c.weight);
-	double W = 0;
-	for (int i = 0; i < c.partners; ++i)
-		for (int j = 0; j < c.partners; ++j)
-			W += c.weight[i] * c.weight[j] * body.mobility(c.partner[i], c.partner[j]);
-	return W;
 }
 
 template <int dim> Vec<dim> PairSolver<dim>::velocityBefore(const Constraint& c) const
@@ -114,37 +85,14 @@ template <int dim>
 void PairSolver<dim>::push(const Constraint& c, const Vec<dim>& J, Vec<dim>* ownVelocity,
 			   Vec<dim>* otherVelocity) const
 {
-	const Side& side = ownSide(c);
-	const Vec<dim> scaled = side.scale * J;
-	if (side.mobility)
-		side.mobility->push(ownVelocity, c.node, scaled);
-	else
-		pushRow<dim>(*side.body, c.node, 1, scaled, ownVelocity);
-	if (c.partners > 0) pushPartner(c, J, otherVelocity);
-}
-
-template <int dim>
-void PairSolver<dim>::pushPartner(const Constraint& c, const Vec<dim>& J, Vec<dim>* velocity) const
-{
-	const Side& side = otherSide(c);
-	const Vec<dim> scaled = -side.scale * J;
-	if (side.mobility)
-		side.mobility->push(velocity, c.facet, c.weight, scaled);
-	else
-		for (int i = 0; i < c.partners; ++i)
-			pushRow<dim>(*side.body, c.partner[i], c.weight[i], scaled, velocity);
-}
-
-template <int dim> typename PairSolver<dim>::Side PairSolver<dim>::sideOf(ContactBody<dim>* body)
-{
-	if (!body) return {};
-	return { body, body->velocity.data(), body->surfaceMobility, body->delassusScale };
+	ownSide(c).push(ownVelocity, c.node, J);
+	if (c.partners > 0) otherSide(c).push(otherVelocity, c, Vec<dim>(-J));
 }
 
 /// From the first to the last node in contact and those beside them (2D: where the outline closes
 /// in between, it is all of them). It is fetched ahead of its use: of nodes that feel the contacts
 /// farther off only time is lost.
-template <int dim> void PairSolver<dim>::findStretch(Side& side, bool ofFirst) const
+template <int dim> void PairSolver<dim>::findStretch(BodySide<dim>& side, bool ofFirst) const
 {
 	constexpr int nodesAside = 8;
 	const int last = static_cast<int>(side.body->velocity.size());
@@ -171,7 +119,7 @@ template <int dim> void PairSolver<dim>::fetchBodies() const
 
 template <int dim> void PairSolver<dim>::fetchVelocities() const
 {
-	for (const Side* side : { &firstSide_, &secondSide_ })
+	for (const BodySide<dim>* side : { &firstSide_, &secondSide_ })
 		fetchBytes(side->begin, side->end);
 }
 

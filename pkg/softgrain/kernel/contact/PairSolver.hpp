@@ -3,8 +3,7 @@
 // be worked on at the same time.
 #pragma once
 
-#include "contact/Contact.hpp"
-#include "contact/ContactBody.hpp"
+#include "contact/BodySide.hpp"
 #include "contact/ContactWork.hpp"
 #include "contact/PairProblem.hpp"
 #include "contact/Residual.hpp"
@@ -101,27 +100,14 @@ private:
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	/// Adds what an impulse does to velocities of the nodes of both bodies.
 	void push(const Constraint& c, const Vec<dim>& J, Vec<dim>* own, Vec<dim>* other) const;
-	void pushPartner(const Constraint& c, const Vec<dim>& J, Vec<dim>* other) const;
-	double partnerMobility(const Constraint& c) const;
 	void describe(PairProblem<dim>& problem) const;
 
-	/// What sweeps need of a body, until the next `prepare`: beside the contacts, and not in
-	/// the body, which would be three or four more cache lines for each of the two.
-	struct Side {
-		const ContactBody<dim>* body = nullptr; ///< null for a plane
-		Vec<dim>* velocity = nullptr;           ///< of its nodes
-		const SurfaceMobility<dim>* mobility = nullptr;
-		double scale = 0; ///< ContactBody::delassusScale
-		/// Where velocities are read and changed.
-		const Vec<dim>*begin = nullptr, *end = nullptr;
-	};
-	static Side sideOf(ContactBody<dim>* body);
-	void findStretch(Side& side, bool ofFirst) const;
-	const Side& ownSide(const Constraint& c) const
+	void findStretch(BodySide<dim>& side, bool ofFirst) const;
+	const BodySide<dim>& ownSide(const Constraint& c) const
 	{
 		return c.onFirst ? firstSide_ : secondSide_;
 	}
-	const Side& otherSide(const Constraint& c) const
+	const BodySide<dim>& otherSide(const Constraint& c) const
 	{
 		return c.onFirst ? secondSide_ : firstSide_;
 	}
@@ -134,7 +120,7 @@ private:
 	std::array<Vec<dim>, 2> drift_;
 	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
 	double friction_ = 0;
-	Side firstSide_, secondSide_;
+	BodySide<dim> firstSide_, secondSide_;
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;
 };

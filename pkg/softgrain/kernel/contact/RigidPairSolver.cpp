@@ -11,31 +11,33 @@ void RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, Contac
 {
 	list_ = &list;
 	grain_ = &bodies[list.first];
+	side_ = BodySide<dim>(*grain_);
 	partner_ = &partners[list.rigid->partner];
 	friction_ = list.friction;
 	interface_ = list.interface ? &*list.interface : nullptr;
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
-	moved_.clear();
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 		const Contact<dim>& contact = list.contacts[k];
 		Constraint& c = constraints_[k];
-		const bool ofNode = contact.key.side == 0;
-		c.normal = ofNode ? contact.normal : Vec<dim>(-contact.normal);
-		c.impulse = onCone<dim>(ofNode ? contact.impulse : Vec<dim>(-contact.impulse),
+		c.ofNode = contact.key.side == 0;
+		c.normal = c.ofNode ? contact.normal : Vec<dim>(-contact.normal);
+		c.impulse = onCone<dim>(c.ofNode ? contact.impulse : Vec<dim>(-contact.impulse),
 					c.normal, friction_);
 		c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings);
-		c.nodes = ofNode ? 1 : contact.partners;
-		c.node = contact.partner;
+		c.facet = contact.facet;
+		c.partners = c.ofNode ? 1 : contact.partners;
+		c.partner = contact.partner;
 		c.weight = contact.weight;
-		if (ofNode) {
-			c.node[0] = contact.key.node;
+		if (c.ofNode) {
+			c.partner[0] = contact.key.node;
 			c.weight[0] = 1;
 		}
 		c.arm = -imageCentre();
-		for (int i = 0; i < c.nodes; ++i)
-			c.arm += c.weight[i] * grain_->contactPoint(c.node[i]);
-		findMobility(c);
+		for (int i = 0; i < c.partners; ++i)
+			c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
+		const double w = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
+		c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
 	}
@@ -51,29 +53,14 @@ void RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, Contac
 			});
 }
 
-template <int dim> void RigidPairSolver<dim>::findMobility(Constraint& c)
-{
-	const SparseRows<double>& table = *grain_->delassus;
-	double w = 0;
-	c.firstMoved = static_cast<int>(moved_.size());
-	for (int i = 0; i < c.nodes; ++i) {
-		for (int e = table.begin(c.node[i]); e < table.end(c.node[i]); ++e)
-			moved_.push_back({ table.column[e], c.weight[i] * table.value[e] });
-		for (int j = 0; j < c.nodes; ++j)
-			w += c.weight[i] * c.weight[j] * grain_->mobility(c.node[i], c.node[j]);
-	}
-	c.endMoved = static_cast<int>(moved_.size());
-	c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
-}
-
 template <int dim>
 Vec<dim>
 RigidPairSolver<dim>::grainVelocity(const Constraint& c,
 				    const std::vector<Vec<dim>> ContactBody<dim>::* field) const
 {
 	Vec<dim> v = Vec<dim>::Zero();
-	for (int i = 0; i < c.nodes; ++i)
-		v += c.weight[i] * (grain_->*field)[c.node[i]];
+	for (int i = 0; i < c.partners; ++i)
+		v += c.weight[i] * (grain_->*field)[c.partner[i]];
 	return v;
 }
 
@@ -85,9 +72,10 @@ template <int dim> Vec<dim> RigidPairSolver<dim>::velocity(const Constraint& c) 
 
 template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
-	const Vec<dim> scaled = grain_->delassusScale * J;
-	for (int k = c.firstMoved; k < c.endMoved; ++k)
-		addScaled<dim>(grain_->velocity[moved_[k].node], moved_[k].W, scaled);
+	if (c.ofNode)
+		side_.push(side_.velocity, c.partner[0], J);
+	else
+		side_.push(side_.velocity, c, J);
 	if (list_->rigid->moves) partner_->push(c.arm, -J);
 }
 
@@ -133,8 +121,8 @@ template <int dim> void RigidPairSolver<dim>::finish()
 		sum.normal += normal;
 		sum.shear += r - normal;
 		sum.moment -= moment<dim>(place - list_->rigid->pivot, r);
-		for (int i = 0; i < c.nodes; ++i)
-			grain_->impulse[c.node[i]] += c.weight[i] * r;
+		for (int i = 0; i < c.partners; ++i)
+			grain_->impulse[c.partner[i]] += c.weight[i] * r;
 	}
 	sum.point /= static_cast<double>(constraints_.size());
 }

@@ -2,8 +2,7 @@
 // PairSolver. Its contacts are solved in two steps (TwoStepContact.hpp).
 #pragma once
 
-#include "contact/Contact.hpp"
-#include "contact/ContactBody.hpp"
+#include "contact/BodySide.hpp"
 #include "contact/ContactWork.hpp"
 #include "contact/Residual.hpp"
 #include "contact/RigidPartner.hpp"
@@ -32,10 +31,12 @@ public:
 	struct Constraint : TwoStepContact<dim> { // its impulse acts on the grain
 		Vec<dim>
 			arm; ///< of the place, from the centre of mass of the rigid body's image, m
-		int nodes;   ///< of the grain, on which the impulse acts in shares
-		std::array<int, mostPartners<dim>> node;
+		bool ofNode; ///< a contact node of the grain, the only one on which the impulse
+			     ///< acts
+		int facet;   ///< of the grain, else
+		int partners; ///< nodes of the grain on which it acts in shares
+		std::array<int, mostPartners<dim>> partner;
 		std::array<double, mostPartners<dim>> weight;
-		int firstMoved, endMoved; ///< what an impulse moves of the grain: in `moved_`
 	};
 	const std::vector<Constraint>& constraints() const { return constraints_; }
 	double friction(const Constraint& c) const
@@ -48,19 +49,15 @@ public:
 	/// As PairSolver::forEachShare; the rigid body has none.
 	template <class Visit> void forEachShare(const Constraint& c, Visit&& visit) const
 	{
-		for (int i = 0; i < c.nodes; ++i)
-			visit(static_cast<const ContactBody<dim>*>(grain_), c.node[i], c.weight[i]);
+		for (int i = 0; i < c.partners; ++i)
+			visit(static_cast<const ContactBody<dim>*>(grain_), c.partner[i],
+			      c.weight[i]);
 	}
 	/// Whether impulses move the rigid body.
 	bool movesPartner() const { return partner_->moves(); }
 
 private:
-	struct Moved {
-		int node;
-		double W; ///< times the scale of the grain, 1/kg
-	};
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
-	void findMobility(Constraint& c);
 	Vec<dim> finishInterface(std::size_t k);
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
@@ -69,13 +66,13 @@ private:
 	Vec<dim> imageCentre() const { return partner_->centre + list_->image.shift; }
 
 	ContactBody<dim>* grain_ = nullptr;
+	BodySide<dim> side_; ///< the grain's
 	RigidPartner<dim>* partner_ = nullptr;
 	ContactList<dim>* list_ = nullptr;        ///< valid for the step
 	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
 	double friction_ = 0;
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;
-	std::vector<Moved> moved_;
 };
 
 } // namespace softgrain

@@ -1,13 +1,19 @@
-// Nodes of the plane in *blocks* of four side by side: sums over their vectors, and what is
-// computed with a weight for each node, two nodes (FourNumbers) at a time.
+// Nodes in *blocks* of four side by side: sums over their vectors, and what is computed with a
+// weight for each node, four numbers at a time.
 #pragma once
 
 #include "Vector.hpp"
 #include "material/FourNumbers.hpp"
 
+#include <cstdint>
+#include <vector>
+
 namespace softgrain {
 
 constexpr int nodesPerBlock = 4, numbersPerBlock = 2 * nodesPerBlock;
+
+/// The same in space.
+constexpr int numbersPerSpaceBlock = 3 * nodesPerBlock;
 
 /// Of the nodes of a block.
 struct BlockWeights {
@@ -22,6 +28,58 @@ template <class Use> void forTwoNodes(const FourNumbers& weights, Use&& use)
 	use(0, FourNumbers(__builtin_shuffle(weights, FourPlaces { 0, 0, 1, 1 })));
 	use(nodesPerBlock, FourNumbers(__builtin_shuffle(weights, FourPlaces { 2, 2, 3, 3 })));
 }
+
+/// v += w J of the four nodes of a block in space, of which `first` is the first number.
+struct BlockPush {
+	FourNumbers xyzx, yzxy, zxyz; ///< components of J, as they follow one another
+
+	explicit BlockPush(const Vec<3>& J)
+		: xyzx { J[0], J[1], J[2], J[0] }
+		, yzxy { J[1], J[2], J[0], J[1] }
+		, zxyz { J[2], J[0], J[1], J[2] }
+	{
+	}
+	void operator()(double* first, const FourNumbers& weights) const
+	{
+		const FourNumbers low = __builtin_shuffle(weights, FourPlaces { 0, 0, 0, 1 });
+		const FourNumbers middle = __builtin_shuffle(weights, FourPlaces { 1, 1, 2, 2 });
+		const FourNumbers high = __builtin_shuffle(weights, FourPlaces { 2, 3, 3, 3 });
+		fourAt(first) += low * xyzx;
+		fourAt(first + nodesPerBlock) += middle * yzxy;
+		fourAt(first + 2 * nodesPerBlock) += high * zxyz;
+	}
+};
+
+/// Calls with each block of a segment that is in the set, by its number.
+template <class Set, class Visit> void forEachBlock(Set blocks, Visit&& visit)
+{
+	for (unsigned left = blocks; left != 0; left &= left - 1)
+		visit(__builtin_ctz(left));
+}
+
+/// Some of the blocks of a body's nodes, by segments of `perSegment`.
+class MarkedBlocks {
+public:
+	using Segment = std::uint16_t; ///< a set: a bit for each of its blocks
+	static constexpr int perSegment = 16, nodesPerSegment = perSegment * nodesPerBlock;
+
+	static std::size_t segmentsOf(std::size_t nodes)
+	{
+		return (nodes + nodesPerSegment - 1) / nodesPerSegment;
+	}
+
+	void clear(std::size_t nodes) { marks_.assign(segmentsOf(nodes), 0); }
+	void mark(int node) { marks_[node / nodesPerSegment] |= blockOf(node); }
+	/// The set of the block of a node alone.
+	static Segment blockOf(int node)
+	{
+		return static_cast<Segment>(1 << node % nodesPerSegment / nodesPerBlock);
+	}
+	Segment of(int segment) const { return marks_[segment]; }
+
+private:
+	std::vector<Segment> marks_;
+};
 
 /// Vectors of the nodes of a block, component by component, or four sums of vectors.
 struct BlockVectors {

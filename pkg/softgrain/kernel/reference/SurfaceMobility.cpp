@@ -109,20 +109,35 @@ OutlineMobility::OutlineMobility(const OutlineMesh<2>& mesh, const SparseRows<do
 }
 
 FacetMobility::FacetMobility(const OutlineMesh<3>& mesh, const SparseRows<double>& delassus)
-	: rowOfNode_(delassus)
+	: segments_(static_cast<int>(MarkedBlocks::segmentsOf(delassus.rows())))
+	, weights_(MarkedBlocks::perSegment)
 	, ownOfNode_(diagonal(delassus))
 {
-	for (std::size_t f = 0; f < mesh.facet.size(); ++f) {
-		const auto carrier = mesh.carriers(static_cast<int>(f));
-		ownOfFacet_.push_back(block(delassus, carrier));
-		for (int column : commonColumns(delassus, carrier)) {
-			std::array<double, carriers> W;
-			for (int i = 0; i < carriers; ++i)
-				W[i] = entry(delassus, carrier[i], column);
-			rowsOfFacet_.append(column, W);
+	constexpr int nodesPerSegment = MarkedBlocks::nodesPerSegment;
+	for (int s = 0; s < delassus.rows(); ++s) {
+		Stretch* row = &*stretch_.insert(stretch_.end(), segments_, Stretch {});
+		for (int k = delassus.begin(s); k < delassus.end(s); ++k) {
+			const int column = delassus.column[k], place = column % nodesPerSegment;
+			Stretch& stretch = row[column / nodesPerSegment];
+			if (stretch.blocks == 0) {
+				stretch.begin = static_cast<int>(weights_.size());
+				weights_.resize(weights_.size() + MarkedBlocks::perSegment);
+			}
+			stretch.blocks |= MarkedBlocks::blockOf(column);
+			weights_[stretch.begin + place / nodesPerBlock].of[place % nodesPerBlock] =
+				delassus.value[k];
 		}
-		rowsOfFacet_.closeRow();
 	}
+	for (std::size_t f = 0; f < mesh.facet.size(); ++f) {
+		carriersOfFacet_.push_back(mesh.carriers(static_cast<int>(f)));
+		ownOfFacet_.push_back(block(delassus, carriersOfFacet_.back()));
+	}
+}
+
+int FacetMobility::padding() const
+{
+	const int nodes = static_cast<int>(ownOfNode_.size());
+	return (nodesPerBlock - nodes % nodesPerBlock) % nodesPerBlock;
 }
 
 } // namespace softgrain

@@ -44,7 +44,10 @@ private:
 	std::vector<std::array<std::array<double, carriers>, carriers>> ownOfFacet_;
 };
 
-/// 3D: the rows of W of the nodes that carry a facet, on their common columns.
+/// 3D: an impulse moves most nodes of a ball, and sweeps ask for few of them. So rows are dense,
+/// where they are not zero for a whole segment of nodes, and pushes keep to blocks of nodes that
+/// are marked: velocities of others are not right afterwards. They have room for whole blocks
+/// (`padding`).
 class FacetMobility {
 public:
 	using Shares = std::array<double, mostPartners<3>>;
@@ -52,17 +55,34 @@ public:
 	FacetMobility() = default;
 	FacetMobility(const OutlineMesh<3>& mesh, const SparseRows<double>& delassus);
 
-	int padding() const { return 0; }
+	int padding() const;
 	double ofNode(int node) const { return ownOfNode_[node]; }
 	double ofPlace(int facet, const Shares& share) const;
-	void push(Vec<3>* v, int node, const Vec<3>& J) const;
-	void push(Vec<3>* v, int facet, const Shares& share, const Vec<3>& J) const;
+	void push(Vec<3>* v, const MarkedBlocks& marked, int node, const Vec<3>& J) const;
+	void push(Vec<3>* v, const MarkedBlocks& marked, int facet, const Shares& share,
+		  const Vec<3>& J) const;
 
 private:
 	static constexpr int carriers = mostPartners<3>;
 
-	SparseRows<double> rowOfNode_;
-	SparseRows<std::array<double, carriers>> rowsOfFacet_;
+	/// What a row has in a segment: the blocks in which it is not zero, and its weights there.
+	struct Stretch {
+		MarkedBlocks::Segment blocks = 0;
+		int begin = 0; ///< in `weights_`
+	};
+	const Stretch& stretch(int node, int segment) const
+	{
+		return stretch_[node * segments_ + segment];
+	}
+	const BlockWeights* weights(const Stretch& stretch) const
+	{
+		return &weights_[stretch.begin];
+	}
+
+	int segments_ = 0;
+	std::vector<Stretch> stretch_;      ///< [node][segment]
+	std::vector<BlockWeights> weights_; ///< a segment of zeros, and those of the stretches
+	std::vector<std::array<int, carriers>> carriersOfFacet_;
 	std::vector<double> ownOfNode_;
 	std::vector<std::array<std::array<double, carriers>, carriers>> ownOfFacet_;
 };
@@ -133,18 +153,33 @@ inline void OutlineMobility::push(Vec<2>* v, int facet, const Shares& share, con
 	});
 }
 
-inline void FacetMobility::push(Vec<3>* v, int node, const Vec<3>& J) const
+inline void FacetMobility::push(Vec<3>* v, const MarkedBlocks& marked, int node,
+				const Vec<3>& J) const
 {
-	for (int k = rowOfNode_.begin(node); k < rowOfNode_.end(node); ++k)
-		addScaled<3>(v[rowOfNode_.column[k]], rowOfNode_.value[k], J);
+	const BlockPush push(J);
+	for (int s = 0; s < segments_; ++s) {
+		const Stretch& row = stretch(node, s);
+		const BlockWeights* W = weights(row);
+		double* first = v[s * MarkedBlocks::nodesPerSegment].data();
+		forEachBlock(marked.of(s) & row.blocks,
+			     [&](int k) { push(first + k * numbersPerSpaceBlock, W[k].all()); });
+	}
 }
 
-inline void FacetMobility::push(Vec<3>* v, int facet, const Shares& share, const Vec<3>& J) const
+inline void FacetMobility::push(Vec<3>* v, const MarkedBlocks& marked, int facet,
+				const Shares& share, const Vec<3>& J) const
 {
-	for (int k = rowsOfFacet_.begin(facet); k < rowsOfFacet_.end(facet); ++k) {
-		const auto& W = rowsOfFacet_.value[k];
-		addScaled<3>(v[rowsOfFacet_.column[k]],
-			     share[0] * W[0] + share[1] * W[1] + share[2] * W[2], J);
+	const BlockPush push(J);
+	const auto& [a, b, c] = carriersOfFacet_[facet];
+	for (int s = 0; s < segments_; ++s) {
+		const Stretch &A = stretch(a, s), &B = stretch(b, s), &C = stretch(c, s);
+		const BlockWeights *Wa = weights(A), *Wb = weights(B), *Wc = weights(C);
+		double* first = v[s * MarkedBlocks::nodesPerSegment].data();
+		forEachBlock(marked.of(s) & (A.blocks | B.blocks | C.blocks), [&](int k) {
+			push(first + k * numbersPerSpaceBlock, share[0] * Wa[k].all() +
+								       share[1] * Wb[k].all() +
+								       share[2] * Wc[k].all());
+		});
 	}
 }
 
