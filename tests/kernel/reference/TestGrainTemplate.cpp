@@ -179,6 +179,35 @@ TEMPLATE_TEST_CASE_SIG("Grain template: a large share of tied nodes keeps mass a
 	}
 }
 
+TEMPLATE_TEST_CASE_SIG("Grain template: a tied node follows the nearest of all nodes",
+		       "[reference]", ((int dim), dim), 2, 3)
+{
+	const auto quadrature =
+		makeQuadrature<dim>(QuadratureRule::cutCell, dim == 2 ? 0.11 : 0.25);
+	const Vec<dim> h = Vec<dim>::Constant(dim == 2 ? 0.15 : 0.4);
+	const BackgroundGrid<dim> all(3, h, quadrature, 0), few(3, h, quadrature, 0.6);
+	REQUIRE(few.number().size() < all.number().size());
+	constexpr std::size_t wanted = dim == 2 ? 6 : 11;
+	for (const auto& [index, number] : all.number()) {
+		if (few.number().count(index)) continue;
+		std::vector<std::pair<int, int>> nearest; // squared distance in steps, node
+		for (const auto& [other, node] : few.number()) {
+			int squared = 0;
+			for (int a = 0; a < dim; ++a)
+				squared += (other[a] - index[a]) * (other[a] - index[a]);
+			nearest.push_back({ squared, node });
+		}
+		std::sort(nearest.begin(), nearest.end());
+		const auto weights = few.extrapolation(index);
+		REQUIRE(weights.size() >= wanted);
+		CHECK(nearest[weights.size() - 1].first == nearest[wanted - 1].first);
+		if (weights.size() < nearest.size())
+			CHECK(nearest[weights.size()].first > nearest[wanted - 1].first);
+		for (std::size_t k = 0; k < weights.size(); ++k)
+			CHECK(weights[k].first == nearest[k].second);
+	}
+}
+
 TEMPLATE_TEST_CASE_SIG("Grain template: Delassus table is N M^-1 N^T", "[reference]",
 		       ((int dim), dim), 2, 3)
 {

@@ -46,7 +46,7 @@ template <int dim> Vec<dim> BackgroundGrid<dim>::nodeAt(const Index& index) cons
 }
 
 template <int dim>
-std::map<typename BackgroundGrid<dim>::Index, ShapeFunction<dim>>
+std::vector<std::pair<typename BackgroundGrid<dim>::Index, ShapeFunction<dim>>>
 BackgroundGrid<dim>::shapesWithTied(const Vec<dim>& X) const
 {
 	std::array<SplineStencil, dim> axis;
@@ -54,11 +54,12 @@ BackgroundGrid<dim>::shapesWithTied(const Vec<dim>& X) const
 		axis[a] = splineStencil(order_, X[a] / spacing_[a]);
 	const int width = order_ + 1;
 	const int count = static_cast<int>(std::lround(std::pow(width, dim)));
-	std::map<Index, ShapeFunction<dim>> shapes;
+	std::vector<std::pair<Index, ShapeFunction<dim>>> shapes;
+	shapes.reserve(count);
 	for (int k = 0; k < count; ++k) {
 		Index index;
 		std::array<int, dim> local;
-		for (int a = 0, rest = k; a < dim; ++a, rest /= width) {
+		for (int a = dim - 1, rest = k; a >= 0; --a, rest /= width) {
 			local[a] = rest % width;
 			index[a] = axis[a].first + local[a];
 		}
@@ -69,9 +70,48 @@ BackgroundGrid<dim>::shapesWithTied(const Vec<dim>& X) const
 				shape.G[b] *= a == b ? axis[a].gradient[local[a]]
 						     : axis[a].value[local[a]];
 		}
-		if (shape.N > 0 || !shape.G.isZero(0)) shapes.emplace(index, shape);
+		if (shape.N > 0 || !shape.G.isZero(0)) shapes.emplace_back(index, shape);
 	}
 	return shapes;
+}
+
+template <int dim>
+typename BackgroundGrid<dim>::NodesAbout BackgroundGrid<dim>::nodesWithin(int steps,
+									  const Index& index) const
+{
+	NodesAbout found;
+	const int width = 2 * steps + 1;
+	const int count = static_cast<int>(std::lround(std::pow(width, dim)));
+	for (int k = 0; k < count; ++k) {
+		Index other = index;
+		int squared = 0;
+		for (int a = 0, rest = k; a < dim; ++a, rest /= width) {
+			const int away = rest % width - steps;
+			other[a] += away;
+			squared += away * away;
+		}
+		if (squared > steps * steps) continue;
+		const auto node = number_.find(other);
+		if (node != number_.end()) found.emplace_back(squared, node->second);
+	}
+	std::sort(found.begin(), found.end());
+	return found;
+}
+
+/// As many as an affine function needs and more, and all at the last distance: or the weights would
+/// lack the symmetry of the grid.
+template <int dim>
+typename BackgroundGrid<dim>::NodesAbout BackgroundGrid<dim>::nearestNodes(const Index& index) const
+{
+	const std::size_t neighbours = std::min<std::size_t>(dim == 2 ? 6 : 11, number_.size());
+	NodesAbout nearest;
+	for (int steps = 2; nearest.size() < neighbours; ++steps)
+		nearest = nodesWithin(steps, index);
+	const int last = nearest[neighbours - 1].first;
+	nearest.erase(std::find_if(nearest.begin(), nearest.end(),
+				   [last](const auto& node) { return node.first > last; }),
+		      nearest.end());
+	return nearest;
 }
 
 /// Minimum-norm weights on the nearest nodes that reproduce affine functions at a tied node.
@@ -81,22 +121,9 @@ typename BackgroundGrid<dim>::Weights BackgroundGrid<dim>::extrapolation(const I
 	const auto known = tied_.find(index);
 	if (known != tied_.end()) return known->second;
 
-	constexpr int neighbours = dim == 2 ? 6 : 11;
 	const Vec<dim> X = nodeAt(index);
-	std::vector<std::pair<int, int>> nearest; // squared distance in grid steps, node
-	for (const auto& [other, node] : number_) {
-		int squared = 0;
-		for (int a = 0; a < dim; ++a)
-			squared += (other[a] - index[a]) * (other[a] - index[a]);
-		nearest.emplace_back(squared, node);
-	}
-	std::sort(nearest.begin(), nearest.end());
-	int count = std::min<int>(neighbours, static_cast<int>(nearest.size()));
-	while (count < static_cast<int>(nearest.size()) &&
-	       nearest[count].first == nearest[count - 1].first)
-		++count; // all nodes at the last distance, or the weights would lack the symmetry
-			 // of the grid
-
+	const NodesAbout nearest = nearestNodes(index);
+	const int count = static_cast<int>(nearest.size());
 	Eigen::Matrix<double, dim + 1, Eigen::Dynamic> affine(dim + 1, count);
 	Eigen::VectorXd trust(count); // nearer nodes carry more
 	for (int k = 0; k < count; ++k) {
@@ -119,24 +146,27 @@ template <int dim>
 void BackgroundGrid<dim>::appendShapes(const Vec<dim>& X,
 				       SparseRows<ShapeFunction<dim>>& rows) const
 {
-	std::map<int, ShapeFunction<dim>> resolved;
-	auto add = [&](int node, double weight, const ShapeFunction<dim>& shape) {
-		ShapeFunction<dim>& sum =
-			resolved.try_emplace(node, ShapeFunction<dim> { 0, Vec<dim>::Zero() })
-				.first->second;
-		sum.N += weight * shape.N;
-		sum.G += weight * shape.G;
-	};
+	std::vector<std::pair<int, ShapeFunction<dim>>>
+		parts; // several of a node that others follow
 	for (const auto& [index, shape] : shapesWithTied(X)) {
 		const auto carried = number_.find(index);
 		if (carried != number_.end())
-			add(carried->second, 1, shape);
+			parts.emplace_back(carried->second, shape);
 		else
 			for (const auto& [node, weight] : extrapolation(index))
-				add(node, weight, shape);
+				parts.push_back({ node, { weight * shape.N, weight * shape.G } });
 	}
-	for (const auto& [node, shape] : resolved)
-		rows.append(node, shape);
+	std::stable_sort(parts.begin(), parts.end(),
+			 [](const auto& a, const auto& b) { return a.first < b.first; });
+	for (std::size_t k = 0; k < parts.size();) {
+		const int node = parts[k].first;
+		ShapeFunction<dim> sum { 0, Vec<dim>::Zero() };
+		for (; k < parts.size() && parts[k].first == node; ++k) {
+			sum.N += parts[k].second.N;
+			sum.G += parts[k].second.G;
+		}
+		rows.append(node, sum);
+	}
 	rows.closeRow();
 }
 

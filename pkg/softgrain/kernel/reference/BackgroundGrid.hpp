@@ -38,13 +38,18 @@ public:
 
 	/// Adds the row of shape functions at X, tied nodes resolved.
 	void appendShapes(const Vec<dim>& X, SparseRows<ShapeFunction<dim>>& rows) const;
-	/// The shape functions at X of all nodes, also of those that are tied.
-	std::map<Index, ShapeFunction<dim>> shapesWithTied(const Vec<dim>& X) const;
+	/// The shape functions at X of all nodes, also of those that are tied; their places ascend.
+	std::vector<std::pair<Index, ShapeFunction<dim>>> shapesWithTied(const Vec<dim>& X) const;
 	/// The nodes that a tied node follows.
 	Weights extrapolation(const Index& index) const;
 
 private:
 	Vec<dim> nodeAt(const Index& index) const;
+	/// Squared distance in grid steps, and number: of nodes that carry unknowns, the nearest
+	/// first.
+	using NodesAbout = std::vector<std::pair<int, int>>;
+	NodesAbout nodesWithin(int steps, const Index& index) const;
+	NodesAbout nearestNodes(const Index& index) const;
 
 	int order_;
 	Vec<dim> spacing_;
