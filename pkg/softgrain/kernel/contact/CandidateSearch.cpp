@@ -93,6 +93,7 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 	if (reach + candidates.approached <= candidates.covered) return;
 	const double within = candidateReach(first, second, reach);
 	candidates.nodes.clear();
+	static_cast<CandidateFacets<dim>&>(candidates) = {};
 	candidates.covered = within - jumpBetween(first, second) + candidates.approached;
 	findCandidates(first, second, 0, within, list);
 	findCandidates(second, first, 1, within, list);
@@ -205,17 +206,37 @@ void measureCandidates(const ContactBody<2>& first, const ContactBody<2>& second
 	near.measure();
 }
 
+/// Of the candidates of a side. Those that are found serve as long as the candidates, if `within`
+/// is more than any reach until then, less how far bodies have approached each other before it.
+std::vector<FacetNear<3>> facetsOfCandidates(const ContactBody<3>& body,
+					     const ContactBody<3>& other, double within,
+					     std::vector<int>& kept)
+{
+	std::vector<FacetNear<3>> facets;
+	if (kept.empty()) {
+		facets = facetsNear(body, other, within);
+		for (const FacetNear<3>& facet : facets)
+			kept.push_back(facet.facet);
+	} else
+		for (int facet : kept)
+			facets.push_back(ballAbout(other, facet));
+	return facets;
+}
+
 /// One by one, each against all facets that may be nearer than that which it had.
 void measureCandidates(const ContactBody<3>& first, const ContactBody<3>& second, double reach,
 		       ContactList<3>& list)
 {
 	const std::array<const ContactBody<3>*, 2> body { &first, &second };
 	std::array<std::optional<std::vector<FacetNear<3>>>, 2> facets; // by side of the node
-	const double within = candidateReach(first, second, reach);
+	const double within =
+		candidateReach(first, second, list.candidates.covered - list.candidates.approached);
 	forCandidates(reach, list.candidates, [&](auto& node) {
 		const ContactBody<3>&own = *body[node.side], &other = *body[1 - node.side];
 		auto& near = facets[node.side];
-		if (!near) near = facetsNear(own, other, within);
+		if (!near)
+			near = facetsOfCandidates(own, other, within,
+						  list.candidates.facets[node.side]);
 		const Vec<3>& x = own.position[node.node];
 		const auto place =
 			nearestPlace(x, other, *near, anyFacet, placeOnFacet(x, other, node.facet));

@@ -74,8 +74,15 @@ template <int dim> struct PairImage {
 	Vec<dim> velocity = Vec<dim>::Zero(); ///< of the shift in the step at hand, m/s
 };
 
+/// Facets that may be the nearest to candidates, in their order, by the side of the node; empty
+/// until they are asked for. (In 2D the outline is followed from the facet that was the nearest.)
+template <int dim> struct CandidateFacets {};
+template <> struct CandidateFacets<3> {
+	std::array<std::vector<int>, 2> facets;
+};
+
 /// Nodes that may come into contact while their bodies have moved little since they were found.
-template <int dim> struct ContactCandidates {
+template <int dim> struct ContactCandidates : CandidateFacets<dim> {
 	struct Node {
 		int side, node;   ///< as in ContactKey
 		int facet;        ///< of the other body: the nearest when it was last looked for

@@ -111,23 +111,28 @@ inline void measureGap(const Vec<3>& x, const ContactBody<3>& body, const PlaceO
 	contact.gap = (x - foot).dot(contact.normal) - bulge;
 }
 
+template <int dim> FacetNear<dim> ballAbout(const ContactBody<dim>& body, int facet)
+{
+	const auto& vertex = body.mesh->facet[facet];
+	FacetNear<dim> near { facet, Vec<dim>::Zero(), 0 };
+	for (int i : vertex)
+		near.centre += body.position[i] / dim;
+	double squared = 0;
+	for (int i : vertex)
+		squared = std::max(squared, (body.position[i] - near.centre).squaredNorm());
+	near.radius = std::sqrt(squared);
+	return near;
+}
+
 /// Facets that may reach into a region, in their order.
 template <int dim>
 std::vector<FacetNear<dim>> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
 {
 	const Box<dim> around = region.grown(body.longestEdge);
 	std::vector<FacetNear<dim>> found;
-	for (std::size_t f = 0; f < body.mesh->facet.size(); ++f) {
-		const auto& vertex = body.mesh->facet[f];
-		if (!around.contains(body.position[vertex[0]])) continue;
-		FacetNear<dim> near { static_cast<int>(f), Vec<dim>::Zero(), 0 };
-		for (int i : vertex)
-			near.centre += body.position[i] / dim;
-		for (int i : vertex)
-			near.radius =
-				std::max(near.radius, (body.position[i] - near.centre).norm());
-		found.push_back(near);
-	}
+	for (std::size_t f = 0; f < body.mesh->facet.size(); ++f)
+		if (around.contains(body.position[body.mesh->facet[f][0]]))
+			found.push_back(ballAbout(body, static_cast<int>(f)));
 	return found;
 }
 

@@ -67,7 +67,7 @@ NodeRows<dim> kickRows(SparseRows<double> shapes, const std::vector<double>& inv
 {
 	for (std::size_t k = 0; k < shapes.value.size(); ++k)
 		shapes.value[k] *= inverseNodeMass[shapes.column[k]];
-	return NodeRows<dim>(std::move(shapes), static_cast<int>(inverseNodeMass.size()));
+	return NodeRows<dim>(shapes, static_cast<int>(inverseNodeMass.size()));
 }
 
 double TemplateRecipe::contactSpacing() const

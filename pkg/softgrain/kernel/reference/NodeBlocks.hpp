@@ -5,15 +5,15 @@
 #include "Vector.hpp"
 #include "material/FourNumbers.hpp"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 namespace softgrain {
 
-constexpr int nodesPerBlock = 4, numbersPerBlock = 2 * nodesPerBlock;
-
-/// The same in space.
-constexpr int numbersPerSpaceBlock = 3 * nodesPerBlock;
+constexpr int nodesPerBlock = 4;
+/// Of the vectors of a block.
+template <int dim> constexpr int numbersPerBlock = dim * nodesPerBlock;
 
 /// Of the nodes of a block.
 struct BlockWeights {
@@ -22,33 +22,66 @@ struct BlockWeights {
 	const FourNumbers& all() const { return fourAt(of); }
 };
 
-/// Calls `use(place of the first number of two nodes in their block, their weights by component)`.
-template <class Use> void forTwoNodes(const FourNumbers& weights, Use&& use)
+/// Calls `use(k, weights of the numbers 4 k to 4 k + 3)` for the numbers of a block, which follow
+/// one another component by component, node by node.
+template <int dim, class Use> void forFourNumbers(const FourNumbers& weights, Use&& use)
 {
-	use(0, FourNumbers(__builtin_shuffle(weights, FourPlaces { 0, 0, 1, 1 })));
-	use(nodesPerBlock, FourNumbers(__builtin_shuffle(weights, FourPlaces { 2, 2, 3, 3 })));
+	if constexpr (dim == 2) {
+		use(0, FourNumbers(__builtin_shuffle(weights, FourPlaces { 0, 0, 1, 1 })));
+		use(1, FourNumbers(__builtin_shuffle(weights, FourPlaces { 2, 2, 3, 3 })));
+	} else {
+		use(0, FourNumbers(__builtin_shuffle(weights, FourPlaces { 0, 0, 0, 1 })));
+		use(1, FourNumbers(__builtin_shuffle(weights, FourPlaces { 1, 1, 2, 2 })));
+		use(2, FourNumbers(__builtin_shuffle(weights, FourPlaces { 2, 3, 3, 3 })));
+	}
 }
 
-/// v += w J of the four nodes of a block in space, of which `first` is the first number.
-struct BlockPush {
-	FourNumbers xyzx, yzxy, zxyz; ///< components of J, as they follow one another
-
-	explicit BlockPush(const Vec<3>& J)
-		: xyzx { J[0], J[1], J[2], J[0] }
-		, yzxy { J[1], J[2], J[0], J[1] }
-		, zxyz { J[2], J[0], J[1], J[2] }
+/// f += w J of the four nodes of a block, of which `first` is the first number.
+template <int dim> class BlockPush {
+public:
+	explicit BlockPush(const Vec<dim>& J)
 	{
+		for (int k = 0; k < numbersPerBlock<dim>; ++k)
+			components_[k / 4][k % 4] = J[k % dim];
 	}
 	void operator()(double* first, const FourNumbers& weights) const
 	{
-		const FourNumbers low = __builtin_shuffle(weights, FourPlaces { 0, 0, 0, 1 });
-		const FourNumbers middle = __builtin_shuffle(weights, FourPlaces { 1, 1, 2, 2 });
-		const FourNumbers high = __builtin_shuffle(weights, FourPlaces { 2, 3, 3, 3 });
-		fourAt(first) += low * xyzx;
-		fourAt(first + nodesPerBlock) += middle * yzxy;
-		fourAt(first + 2 * nodesPerBlock) += high * zxyz;
+		forFourNumbers<dim>(weights, [&](int k, const FourNumbers& w) {
+			fourAt(first + 4 * k) += w * components_[k];
+		});
 	}
+
+private:
+	std::array<FourNumbers, dim> components_; ///< of J, again and again
 };
+
+/// sum of w f over the nodes of blocks.
+template <int dim> class BlockSum {
+public:
+	void add(const double* first, const FourNumbers& weights)
+	{
+		forFourNumbers<dim>(weights, [&](int k, const FourNumbers& w) {
+			sum_[k] += w * fourAt(first + 4 * k);
+		});
+	}
+	Vec<dim> value() const;
+
+private:
+	std::array<FourNumbers, dim> sum_ {};
+};
+
+template <> inline Vec<2> BlockSum<2>::value() const
+{
+	const FourNumbers xyxy = sum_[0] + sum_[1];
+	return { xyxy[0] + xyxy[2], xyxy[1] + xyxy[3] };
+}
+template <> inline Vec<3> BlockSum<3>::value() const
+{
+	const auto& [xyzx, yzxy, zxyz] = sum_;
+	return { (xyzx[0] + xyzx[3]) + (yzxy[2] + zxyz[1]),
+		 (xyzx[1] + yzxy[0]) + (yzxy[3] + zxyz[2]),
+		 (xyzx[2] + yzxy[1]) + (zxyz[0] + zxyz[3]) };
+}
 
 /// Calls with each block of a segment that is in the set, by its number.
 template <class Set, class Visit> void forEachBlock(Set blocks, Visit&& visit)

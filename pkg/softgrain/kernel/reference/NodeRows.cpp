@@ -6,7 +6,7 @@
 
 namespace softgrain {
 
-BlockRows::BlockRows(const SparseRows<double>& rows, int nodes)
+template <int dim> NodeRows<dim>::NodeRows(const SparseRows<double>& rows, int nodes)
 {
 	if (nodes < nodesPerBlock)
 		throw std::invalid_argument("a grain needs four background nodes at least");
@@ -28,5 +28,8 @@ BlockRows::BlockRows(const SparseRows<double>& rows, int nodes)
 		begin_.push_back(static_cast<int>(block_.size()));
 	}
 }
+
+template class NodeRows<2>;
+template class NodeRows<3>;
 
 } // namespace softgrain

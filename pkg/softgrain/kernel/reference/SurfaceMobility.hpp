@@ -124,14 +124,11 @@ inline double FacetMobility::ofPlace(int facet, const Shares& share) const
 template <class Row>
 void OutlineMobility::pushRow(Vec<2>* v, int begin, const Vec<2>& J, Row&& row) const
 {
-	const FourNumbers both = { J[0], J[1], J[0], J[1] };
+	const BlockPush<2> push(J);
 	double* ring = v[0].data();
 	int block = begin;
 	for (int k = 0; k < width_; ++k) {
-		double* first = ring + block * numbersPerBlock;
-		forTwoNodes(row(k), [&](int place, const FourNumbers& W) {
-			fourAt(first + place) += W * both;
-		});
+		push(ring + block * numbersPerBlock<2>, row(k));
 		block = block + 1 < blocks_ ? block + 1 : 0;
 	}
 }
@@ -156,29 +153,29 @@ inline void OutlineMobility::push(Vec<2>* v, int facet, const Shares& share, con
 inline void FacetMobility::push(Vec<3>* v, const MarkedBlocks& marked, int node,
 				const Vec<3>& J) const
 {
-	const BlockPush push(J);
+	const BlockPush<3> push(J);
 	for (int s = 0; s < segments_; ++s) {
 		const Stretch& row = stretch(node, s);
 		const BlockWeights* W = weights(row);
 		double* first = v[s * MarkedBlocks::nodesPerSegment].data();
 		forEachBlock(marked.of(s) & row.blocks,
-			     [&](int k) { push(first + k * numbersPerSpaceBlock, W[k].all()); });
+			     [&](int k) { push(first + k * numbersPerBlock<3>, W[k].all()); });
 	}
 }
 
 inline void FacetMobility::push(Vec<3>* v, const MarkedBlocks& marked, int facet,
 				const Shares& share, const Vec<3>& J) const
 {
-	const BlockPush push(J);
+	const BlockPush<3> push(J);
 	const auto& [a, b, c] = carriersOfFacet_[facet];
 	for (int s = 0; s < segments_; ++s) {
 		const Stretch &A = stretch(a, s), &B = stretch(b, s), &C = stretch(c, s);
 		const BlockWeights *Wa = weights(A), *Wb = weights(B), *Wc = weights(C);
 		double* first = v[s * MarkedBlocks::nodesPerSegment].data();
 		forEachBlock(marked.of(s) & (A.blocks | B.blocks | C.blocks), [&](int k) {
-			push(first + k * numbersPerSpaceBlock, share[0] * Wa[k].all() +
-								       share[1] * Wb[k].all() +
-								       share[2] * Wc[k].all());
+			push(first + k * numbersPerBlock<3>, share[0] * Wa[k].all() +
+								     share[1] * Wb[k].all() +
+								     share[2] * Wc[k].all());
 		});
 	}
 }
