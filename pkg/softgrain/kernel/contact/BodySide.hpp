@@ -12,7 +12,8 @@ template <int dim> struct BodySide {
 	const ContactBody<dim>* body = nullptr; ///< null for a plane
 	Vec<dim>* velocity = nullptr;           ///< of its nodes
 	const SurfaceMobility<dim>* mobility = nullptr;
-	double scale = 0; ///< ContactBody::delassusScale
+	const BlockSet* marked = nullptr; ///< ContactBody::markedBlocks
+	double scale = 0;                 ///< ContactBody::delassusScale
 	/// Where velocities are read and changed.
 	const Vec<dim>*begin = nullptr, *end = nullptr;
 
@@ -21,6 +22,7 @@ template <int dim> struct BodySide {
 		: body(&of)
 		, velocity(of.velocity.data())
 		, mobility(of.surfaceMobility)
+		, marked(of.markedBlocks.data())
 		, scale(of.delassusScale)
 	{
 	}
@@ -32,7 +34,7 @@ template <int dim> struct BodySide {
 		return mobility ? scale * mobility->ofNode(node) : body->mobility(node, node);
 	}
 	template <class Bearing> double mobilityOf(const Bearing& place) const;
-	/// v += W J of the nodes that are in contact: of an impulse on a node, and on a place.
+	/// v += W J, at least of the nodes in contact: an impulse on a node, and on a place.
 	void push(Vec<dim>* v, int node, const Vec<dim>& J) const;
 	template <class Bearing>
 	void push(Vec<dim>* v, const Bearing& place, const Vec<dim>& J) const;
@@ -73,7 +75,7 @@ template <int dim> void BodySide<dim>::push(Vec<dim>* v, int node, const Vec<dim
 	else if constexpr (dim == 2)
 		mobility->push(v, node, scaled);
 	else
-		mobility->push(v, body->inContact, node, scaled);
+		mobility->push(v, marked, node, scaled);
 }
 
 template <int dim>
@@ -87,7 +89,7 @@ void BodySide<dim>::push(Vec<dim>* v, const Bearing& place, const Vec<dim>& J) c
 	else if constexpr (dim == 2)
 		mobility->push(v, place.facet, place.weight, scaled);
 	else
-		mobility->push(v, body->inContact, place.facet, place.weight, scaled);
+		mobility->push(v, marked, place.facet, place.weight, scaled);
 }
 
 } // namespace softgrain

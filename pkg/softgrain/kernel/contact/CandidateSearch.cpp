@@ -92,8 +92,7 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 	ContactCandidates<dim>& candidates = list.candidates;
 	if (reach + candidates.approached <= candidates.covered) return;
 	const double within = candidateReach(first, second, reach);
-	candidates.nodes.clear();
-	static_cast<CandidateFacets<dim>&>(candidates) = {};
+	candidates.clear();
 	candidates.covered = within - jumpBetween(first, second) + candidates.approached;
 	findCandidates(first, second, 0, within, list);
 	findCandidates(second, first, 1, within, list);
@@ -206,8 +205,8 @@ void measureCandidates(const ContactBody<2>& first, const ContactBody<2>& second
 	near.measure();
 }
 
-/// Of the candidates of a side. Those that are found serve as long as the candidates, if `within`
-/// is more than any reach until then, less how far bodies have approached each other before it.
+/// Of the candidates of a side. Facets within `within` now are all that can be the nearest until
+/// candidates are renewed: until then reach + approached stays below what is covered.
 std::vector<FacetNear<3>> facetsOfCandidates(const ContactBody<3>& body,
 					     const ContactBody<3>& other, double within,
 					     std::vector<int>& kept)

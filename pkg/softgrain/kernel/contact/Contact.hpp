@@ -76,9 +76,16 @@ template <int dim> struct PairImage {
 
 /// Facets that may be the nearest to candidates, in their order, by the side of the node; empty
 /// until they are asked for. (In 2D the outline is followed from the facet that was the nearest.)
-template <int dim> struct CandidateFacets {};
+template <int dim> struct CandidateFacets {
+	void clear() {}
+};
 template <> struct CandidateFacets<3> {
 	std::array<std::vector<int>, 2> facets;
+	void clear()
+	{
+		for (std::vector<int>& ofSide : facets)
+			ofSide.clear();
+	}
 };
 
 /// Nodes that may come into contact while their bodies have moved little since they were found.
@@ -95,6 +102,12 @@ template <int dim> struct ContactCandidates : CandidateFacets<dim> {
 	/// what their nodes may have travelled besides.
 	Vec<dim> apart = Vec<dim>::Zero();
 	double travelled = 0;
+
+	void clear()
+	{
+		nodes.clear();
+		CandidateFacets<dim>::clear();
+	}
 };
 
 /// What the contacts of a pair do together, on its first body.

@@ -127,8 +127,9 @@ template <int dim> std::vector<Vec<dim>> ContactBody<dim>::nodeAreas() const
 template <int dim> void ContactBody<dim>::prepareSolve()
 {
 	impulse.assign(velocity.size(), Vec<dim>::Zero());
-	if (surfaceMobility)
-		velocity.resize(velocity.size() + surfaceMobility->padding(), Vec<dim>::Zero());
+	if (!surfaceMobility) return;
+	velocity.resize(velocity.size() + surfaceMobility->padding(), Vec<dim>::Zero());
+	if (dim == 3) markedBlocks.assign(segmentsOf(velocity.size()), 0);
 }
 
 template <int dim>

@@ -44,12 +44,15 @@ template <int dim> struct ContactBody {
 	std::vector<Vec<dim>> position; ///< xs at t_n, m
 	std::vector<Vec<dim>>
 		normal; ///< outward unit normals at the contact nodes; empty without facets
-	/// vs at t_n + dt/2, being solved, m/s. Behind the nodes is room for `surfaceMobility`.
+	/// vs at t_n + dt/2, being solved, m/s; in 3D only that of nodes in contact. Behind the
+	/// nodes is room for `surfaceMobility`.
 	std::vector<Vec<dim>> velocity;
 	std::vector<Vec<dim>>
 		velocityBefore;        ///< vs at t_n - dt/2, m/s; empty unless energies are tracked
 	std::vector<Vec<dim>> impulse; ///< sum of the reactions on each node, N s
-	MarkedBlocks inContact;        ///< 3D: the nodes that contacts of this step act on
+	/// 3D: blocks of nodes on which contacts of this step act; `surfaceMobility` moves no
+	/// others.
+	std::vector<BlockSet> markedBlocks;
 	Box<dim> box;                  ///< of the positions, node radii included
 	double longestEdge = 0;        ///< of a facet, m
 	double circumradius = 0;       ///< of the positions about the centre of the box, m
@@ -104,8 +107,14 @@ template <int dim> struct ContactBody {
 	/// m^(dim-1).
 	std::vector<Vec<dim>> nodeAreas() const;
 
-	/// Room for sweeps behind `velocity`; zero impulses. For bodies in contact, before the
-	/// solve.
+	/// A contact of this step acts on the node.
+	void noteContactAt(int node)
+	{
+		if (dim == 3 && surfaceMobility)
+			markedBlocks[node / nodesPerSegment] |= blockOf(node);
+	}
+	/// Room for sweeps behind `velocity`; zero impulses; no block marked. For bodies in
+	/// contact, before the solve.
 	void prepareSolve();
 	/// Renews normals and box after `position` was set.
 	void updateGeometry();

@@ -84,11 +84,11 @@ void ContactSolver<dim>::plan(const std::vector<ContactList<dim>*>& lists, int g
 			      const std::vector<RigidPartner<dim>>* partners,
 			      const std::vector<RigidContact<dim>>* rigidContacts)
 {
-	inContact_.clear();
+	lists_.clear();
 	bodiesOf_.clear();
 	for (ContactList<dim>* list : lists) {
 		if (list->contacts.empty()) continue;
-		inContact_.push_back(list);
+		lists_.push_back(list);
 		bodiesOf_.push_back({ list->first, list->sharedSecond(grains) });
 	}
 	if (rigidContacts)
@@ -116,15 +116,15 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 {
 	settings_ = settings;
 	plan(lists, static_cast<int>(bodies.size()), partners, rigidContacts);
-	const int listed = static_cast<int>(inContact_.size());
+	const int listed = static_cast<int>(lists_.size());
 	int used[3] = { 0, 0, 0 };
 	slot_.clear();
 	for (int task = 0; task < plan_.tasks(); ++task)
 		while (static_cast<int>(slot_.size()) < plan_.taskEnd[task]) {
 			const int pair = plan_.pairs[slot_.size()];
-			const Kind kind = pair >= listed            ? Kind::rigid
-					  : inContact_[pair]->rigid ? Kind::grainOnRigid
-								    : Kind::grains;
+			const Kind kind = pair >= listed        ? Kind::rigid
+					  : lists_[pair]->rigid ? Kind::grainOnRigid
+								: Kind::grains;
 			slot_.push_back({ kind, used[static_cast<int>(kind)]++, task });
 		}
 	auto holdAtLeast = [](auto& solvers, int count) {
@@ -136,7 +136,7 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 
 	const int work = listed + (count_ - listed) / rigidContactsPerPair;
 	threads_ = threadsFor(work / std::max(plan_.colours(), 1), threads, pairsPerThread);
-	if (dim == 3) markNodesInContact(bodies);
+	if (dim == 3) noteNodesInContact(bodies);
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		fetchForPrepare(k);
 		const Kind kind = slot_[k].kind;
@@ -146,31 +146,27 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 			rigidContacts_[index].prepare((*rigidContacts)[pair - listed], *partners,
 						      dt);
 		else if (kind == Kind::grainOnRigid)
-			rigidPairs_[index].prepare(bodies, *inContact_[pair], *partners, dt,
-						   settings);
+			rigidPairs_[index].prepare(bodies, *lists_[pair], *partners, dt, settings);
 		else
-			pairs_[index].prepare(bodies, *inContact_[pair], dt, settings);
+			pairs_[index].prepare(bodies, *lists_[pair], dt, settings);
 	});
 }
 
 template <int dim>
-void ContactSolver<dim>::markNodesInContact(std::vector<ContactBody<dim>>& bodies)
+void ContactSolver<dim>::noteNodesInContact(std::vector<ContactBody<dim>>& bodies)
 {
-	for (const ContactList<dim>* list : inContact_)
-		for (int body : { list->first, list->second })
-			if (body >= 0) bodies[body].inContact.clear(bodies[body].velocity.size());
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		if (slot_[k].kind == Kind::rigid) return;
-		const ContactList<dim>& list = *inContact_[plan_.pairs[k]];
+		const ContactList<dim>& list = *lists_[plan_.pairs[k]];
 		ContactBody<dim>* first = &bodies[list.first];
 		ContactBody<dim>* second = list.second < 0 ? nullptr : &bodies[list.second];
 		for (const Contact<dim>& c : list.contacts) {
 			const bool onFirst = c.key.side == 0;
 			if (ContactBody<dim>* own = onFirst ? first : second)
-				own->inContact.mark(c.key.node);
+				own->noteContactAt(c.key.node);
 			if (ContactBody<dim>* other = onFirst ? second : first)
 				for (int i = 0; i < c.partners; ++i)
-					other->inContact.mark(c.partner[i]);
+					other->noteContactAt(c.partner[i]);
 		}
 	});
 }
@@ -237,7 +233,7 @@ template <int dim> void ContactSolver<dim>::fetchForPrepare(int k) const
 {
 	auto listOf = [this](int pair) -> const ContactList<dim>* {
 		const bool listed = pair < count_ && slot_[pair].kind == Kind::grains;
-		return listed ? inContact_[plan_.pairs[pair]] : nullptr;
+		return listed ? lists_[plan_.pairs[pair]] : nullptr;
 	};
 	const int next = k + pairsAhead;
 	if (const auto* list = listOf(next + pairsAhead)) fetchBytes(list, list + 1);

@@ -74,9 +74,9 @@ private:
 	void plan(const std::vector<ContactList<dim>*>& lists, int grains,
 		  const std::vector<RigidPartner<dim>>* partners,
 		  const std::vector<RigidContact<dim>>* rigidContacts);
-	/// ContactBody::inContact; before any impulse is applied, since it moves what other pairs
-	/// mark.
-	void markNodesInContact(std::vector<ContactBody<dim>>& bodies);
+	/// ContactBody::noteContactAt; before any impulse is applied, since what it moves other
+	/// pairs ask for.
+	void noteNodesInContact(std::vector<ContactBody<dim>>& bodies);
 	/// Calls with the numbers of all pairs, colour by colour, those of a task so many times in
 	/// a row; `visit` may not throw.
 	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit, int times = 1);
@@ -138,9 +138,9 @@ private:
 		int task; ///< of the plan
 	};
 	SweepPlan plan_;
-	std::vector<ContactList<dim>*> inContact_; ///< lists with contacts
-	std::vector<BodiesOfPair> bodiesOf_;       ///< of these, then of the rigid contacts
-	std::vector<BodiesOfPair> planned_;        ///< those that `plan_` is for
+	std::vector<ContactList<dim>*> lists_; ///< lists with contacts
+	std::vector<BodiesOfPair> bodiesOf_;   ///< of these, then of the rigid contacts
+	std::vector<BodiesOfPair> planned_;    ///< those that `plan_` is for
 	int plannedBodies_ = 0;
 	std::vector<Slot> slot_;                       ///< task by task
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare

@@ -1,13 +1,15 @@
 #include "contact/RigidPairSolver.hpp"
 #include "contact/Bias.hpp"
 #include "contact/Pressure.hpp"
+#include "material/Lanes.hpp"
 
 namespace softgrain {
 
 template <int dim>
-void RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list,
-				   std::vector<RigidPartner<dim>>& partners, double dt,
-				   const SolverSettings& settings)
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
+RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list,
+			      std::vector<RigidPartner<dim>>& partners, double dt,
+			      const SolverSettings& settings)
 {
 	list_ = &list;
 	grain_ = &bodies[list.first];
@@ -79,7 +81,8 @@ template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, 
 	if (list_->rigid->moves) partner_->push(c.arm, -J);
 }
 
-template <int dim> SweepChange RigidPairSolver<dim>::sweep(SweepOrder order)
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange RigidPairSolver<dim>::sweep(SweepOrder order)
 {
 	return sweepOver(
 		constraints_, order,

@@ -31,10 +31,10 @@ public:
 	struct Constraint : TwoStepContact<dim> { // its impulse acts on the grain
 		Vec<dim>
 			arm; ///< of the place, from the centre of mass of the rigid body's image, m
-		bool ofNode; ///< a contact node of the grain, the only one on which the impulse
-			     ///< acts
-		int facet;   ///< of the grain, else
-		int partners; ///< nodes of the grain on which it acts in shares
+		/// Of the grain: the impulse acts in shares on nodes that bear a place over a
+		/// facet, or else (`ofNode`) on one contact node, the only "partner".
+		bool ofNode;
+		int facet, partners;
 		std::array<int, mostPartners<dim>> partner;
 		std::array<double, mostPartners<dim>> weight;
 	};

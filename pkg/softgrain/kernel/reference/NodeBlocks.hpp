@@ -5,7 +5,6 @@
 #include "Vector.hpp"
 #include "material/FourNumbers.hpp"
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -52,7 +51,7 @@ public:
 	}
 
 private:
-	std::array<FourNumbers, dim> components_; ///< of J, again and again
+	FourNumbers components_[dim]; ///< of J, again and again
 };
 
 /// sum of w f over the nodes of blocks.
@@ -67,7 +66,7 @@ public:
 	Vec<dim> value() const;
 
 private:
-	std::array<FourNumbers, dim> sum_ {};
+	FourNumbers sum_[dim] = {};
 };
 
 template <> inline Vec<2> BlockSum<2>::value() const
@@ -83,36 +82,25 @@ template <> inline Vec<3> BlockSum<3>::value() const
 		 (xyzx[2] + yzxy[1]) + (zxyz[0] + zxyz[3]) };
 }
 
-/// Calls with each block of a segment that is in the set, by its number.
+/// Of the 16 blocks of a *segment* of nodes, some: a bit for each.
+using BlockSet = std::uint16_t;
+constexpr int blocksPerSegment = 16, nodesPerSegment = blocksPerSegment * nodesPerBlock;
+
+inline std::size_t segmentsOf(std::size_t nodes)
+{
+	return (nodes + nodesPerSegment - 1) / nodesPerSegment;
+}
+/// The block of a node, alone.
+inline BlockSet blockOf(int node)
+{
+	return static_cast<BlockSet>(1 << node % nodesPerSegment / nodesPerBlock);
+}
+/// Calls with the number of each block of the set.
 template <class Set, class Visit> void forEachBlock(Set blocks, Visit&& visit)
 {
 	for (unsigned left = blocks; left != 0; left &= left - 1)
 		visit(__builtin_ctz(left));
 }
-
-/// Some of the blocks of a body's nodes, by segments of `perSegment`.
-class MarkedBlocks {
-public:
-	using Segment = std::uint16_t; ///< a set: a bit for each of its blocks
-	static constexpr int perSegment = 16, nodesPerSegment = perSegment * nodesPerBlock;
-
-	static std::size_t segmentsOf(std::size_t nodes)
-	{
-		return (nodes + nodesPerSegment - 1) / nodesPerSegment;
-	}
-
-	void clear(std::size_t nodes) { marks_.assign(segmentsOf(nodes), 0); }
-	void mark(int node) { marks_[node / nodesPerSegment] |= blockOf(node); }
-	/// The set of the block of a node alone.
-	static Segment blockOf(int node)
-	{
-		return static_cast<Segment>(1 << node % nodesPerSegment / nodesPerBlock);
-	}
-	Segment of(int segment) const { return marks_[segment]; }
-
-private:
-	std::vector<Segment> marks_;
-};
 
 /// Vectors of the nodes of a block, component by component, or four sums of vectors.
 struct BlockVectors {

@@ -109,11 +109,10 @@ OutlineMobility::OutlineMobility(const OutlineMesh<2>& mesh, const SparseRows<do
 }
 
 FacetMobility::FacetMobility(const OutlineMesh<3>& mesh, const SparseRows<double>& delassus)
-	: segments_(static_cast<int>(MarkedBlocks::segmentsOf(delassus.rows())))
-	, weights_(MarkedBlocks::perSegment)
+	: segments_(static_cast<int>(segmentsOf(delassus.rows())))
+	, weights_(blocksPerSegment)
 	, ownOfNode_(diagonal(delassus))
 {
-	constexpr int nodesPerSegment = MarkedBlocks::nodesPerSegment;
 	for (int s = 0; s < delassus.rows(); ++s) {
 		Stretch* row = &*stretch_.insert(stretch_.end(), segments_, Stretch {});
 		for (int k = delassus.begin(s); k < delassus.end(s); ++k) {
@@ -121,9 +120,9 @@ FacetMobility::FacetMobility(const OutlineMesh<3>& mesh, const SparseRows<double
 			Stretch& stretch = row[column / nodesPerSegment];
 			if (stretch.blocks == 0) {
 				stretch.begin = static_cast<int>(weights_.size());
-				weights_.resize(weights_.size() + MarkedBlocks::perSegment);
+				weights_.resize(weights_.size() + blocksPerSegment);
 			}
-			stretch.blocks |= MarkedBlocks::blockOf(column);
+			stretch.blocks |= blockOf(column);
 			weights_[stretch.begin + place / nodesPerBlock].of[place % nodesPerBlock] =
 				delassus.value[k];
 		}

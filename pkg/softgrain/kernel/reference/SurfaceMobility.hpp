@@ -1,10 +1,12 @@
 // W of the surface of a template, laid out for the sweeps: what an impulse on a contact node, or on
-// a place over a facet, does to the velocities of all contact nodes.
+// a place over a facet, does to the velocities of the contact nodes.
 #pragma once
 
 #include "reference/NodeBlocks.hpp"
 #include "reference/Outline.hpp"
 #include "reference/SparseRows.hpp"
+
+#include <type_traits>
 
 namespace softgrain {
 
@@ -45,9 +47,9 @@ private:
 };
 
 /// 3D: an impulse moves most nodes of a ball, and sweeps ask for few of them. So rows are dense,
-/// where they are not zero for a whole segment of nodes, and pushes keep to blocks of nodes that
-/// are marked: velocities of others are not right afterwards. They have room for whole blocks
-/// (`padding`).
+/// but for segments in which they are zero, and pushes move the nodes of marked blocks only, one
+/// BlockSet for each segment: what the velocities of others are afterwards means nothing.
+/// Velocities have room for whole blocks (`padding`).
 class FacetMobility {
 public:
 	using Shares = std::array<double, mostPartners<3>>;
@@ -58,8 +60,8 @@ public:
 	int padding() const;
 	double ofNode(int node) const { return ownOfNode_[node]; }
 	double ofPlace(int facet, const Shares& share) const;
-	void push(Vec<3>* v, const MarkedBlocks& marked, int node, const Vec<3>& J) const;
-	void push(Vec<3>* v, const MarkedBlocks& marked, int facet, const Shares& share,
+	void push(Vec<3>* v, const BlockSet* marked, int node, const Vec<3>& J) const;
+	void push(Vec<3>* v, const BlockSet* marked, int facet, const Shares& share,
 		  const Vec<3>& J) const;
 
 private:
@@ -67,7 +69,7 @@ private:
 
 	/// What a row has in a segment: the blocks in which it is not zero, and its weights there.
 	struct Stretch {
-		MarkedBlocks::Segment blocks = 0;
+		BlockSet blocks = 0;
 		int begin = 0; ///< in `weights_`
 	};
 	const Stretch& stretch(int node, int segment) const
@@ -124,11 +126,11 @@ inline double FacetMobility::ofPlace(int facet, const Shares& share) const
 template <class Row>
 void OutlineMobility::pushRow(Vec<2>* v, int begin, const Vec<2>& J, Row&& row) const
 {
-	const BlockPush<2> push(J);
+	const BlockPush<2> add(J);
 	double* ring = v[0].data();
 	int block = begin;
 	for (int k = 0; k < width_; ++k) {
-		push(ring + block * numbersPerBlock<2>, row(k));
+		add(ring + block * numbersPerBlock<2>, row(k));
 		block = block + 1 < blocks_ ? block + 1 : 0;
 	}
 }
@@ -150,32 +152,31 @@ inline void OutlineMobility::push(Vec<2>* v, int facet, const Shares& share, con
 	});
 }
 
-inline void FacetMobility::push(Vec<3>* v, const MarkedBlocks& marked, int node,
-				const Vec<3>& J) const
+inline void FacetMobility::push(Vec<3>* v, const BlockSet* marked, int node, const Vec<3>& J) const
 {
-	const BlockPush<3> push(J);
+	const BlockPush<3> add(J);
 	for (int s = 0; s < segments_; ++s) {
 		const Stretch& row = stretch(node, s);
 		const BlockWeights* W = weights(row);
-		double* first = v[s * MarkedBlocks::nodesPerSegment].data();
-		forEachBlock(marked.of(s) & row.blocks,
-			     [&](int k) { push(first + k * numbersPerBlock<3>, W[k].all()); });
+		double* first = v[s * nodesPerSegment].data();
+		forEachBlock(marked[s] & row.blocks,
+			     [&](int k) { add(first + k * numbersPerBlock<3>, W[k].all()); });
 	}
 }
 
-inline void FacetMobility::push(Vec<3>* v, const MarkedBlocks& marked, int facet,
-				const Shares& share, const Vec<3>& J) const
+inline void FacetMobility::push(Vec<3>* v, const BlockSet* marked, int facet, const Shares& share,
+				const Vec<3>& J) const
 {
-	const BlockPush<3> push(J);
+	const BlockPush<3> add(J);
 	const auto& [a, b, c] = carriersOfFacet_[facet];
 	for (int s = 0; s < segments_; ++s) {
 		const Stretch &A = stretch(a, s), &B = stretch(b, s), &C = stretch(c, s);
 		const BlockWeights *Wa = weights(A), *Wb = weights(B), *Wc = weights(C);
-		double* first = v[s * MarkedBlocks::nodesPerSegment].data();
-		forEachBlock(marked.of(s) & (A.blocks | B.blocks | C.blocks), [&](int k) {
-			push(first + k * numbersPerBlock<3>, share[0] * Wa[k].all() +
-								     share[1] * Wb[k].all() +
-								     share[2] * Wc[k].all());
+		double* first = v[s * nodesPerSegment].data();
+		forEachBlock(marked[s] & (A.blocks | B.blocks | C.blocks), [&](int k) {
+			add(first + k * numbersPerBlock<3>, share[0] * Wa[k].all() +
+								    share[1] * Wb[k].all() +
+								    share[2] * Wc[k].all());
 		});
 	}
 }
