@@ -1,6 +1,7 @@
 // A body as the sweeps see it: what they read and change of it, and how an impulse moves its nodes.
-// Kept beside the contacts of a pair until the next `prepare`, and not read off the body, which
-// would be three or four more cache lines for each of the two.
+// Kept beside the contacts of a pair until the next `prepare`: read off the body it would be three
+// or four more cache lines for each of the two, which counts in the plane, where contacts are
+// cheap.
 #pragma once
 
 #include "contact/Contact.hpp"
@@ -12,8 +13,7 @@ template <int dim> struct BodySide {
 	const ContactBody<dim>* body = nullptr; ///< null for a plane
 	Vec<dim>* velocity = nullptr;           ///< of its nodes
 	const SurfaceMobility<dim>* mobility = nullptr;
-	const BlockSet* marked = nullptr; ///< ContactBody::markedBlocks
-	double scale = 0;                 ///< ContactBody::delassusScale
+	double scale = 0; ///< ContactBody::delassusScale
 	/// Where velocities are read and changed.
 	const Vec<dim>*begin = nullptr, *end = nullptr;
 
@@ -22,7 +22,6 @@ template <int dim> struct BodySide {
 		: body(&of)
 		, velocity(of.velocity.data())
 		, mobility(of.surfaceMobility)
-		, marked(of.markedBlocks.data())
 		, scale(of.delassusScale)
 	{
 	}
@@ -34,10 +33,11 @@ template <int dim> struct BodySide {
 		return mobility ? scale * mobility->ofNode(node) : body->mobility(node, node);
 	}
 	template <class Bearing> double mobilityOf(const Bearing& place) const;
-	/// v += W J, at least of the nodes in contact: an impulse on a node, and on a place.
+	/// v += W J, at least of the nodes in contact: an impulse on a node, and on a place, where
+	/// it is `sign` J.
 	void push(Vec<dim>* v, int node, const Vec<dim>& J) const;
 	template <class Bearing>
-	void push(Vec<dim>* v, const Bearing& place, const Vec<dim>& J) const;
+	void push(Vec<dim>* v, const Bearing& place, const Vec<dim>& J, double sign) const;
 
 private:
 	/// v += w W J of all nodes.
@@ -70,26 +70,29 @@ void BodySide<dim>::pushRow(Vec<dim>* v, int node, double w, const Vec<dim>& sca
 template <int dim> void BodySide<dim>::push(Vec<dim>* v, int node, const Vec<dim>& J) const
 {
 	const Vec<dim> scaled = scale * J;
-	if (!mobility)
+	if (mobility) {
+		if constexpr (dim == 2)
+			mobility->push(v, node, scaled);
+		else
+			mobility->push(v, body->markedBlocks.data(), node, scaled);
+	} else
 		pushRow(v, node, 1, scaled);
-	else if constexpr (dim == 2)
-		mobility->push(v, node, scaled);
-	else
-		mobility->push(v, marked, node, scaled);
 }
 
 template <int dim>
 template <class Bearing>
-void BodySide<dim>::push(Vec<dim>* v, const Bearing& place, const Vec<dim>& J) const
+void BodySide<dim>::push(Vec<dim>* v, const Bearing& place, const Vec<dim>& J, double sign) const
 {
-	const Vec<dim> scaled = scale * J;
-	if (!mobility)
+	const Vec<dim> scaled = (sign * scale) * J;
+	if (mobility) {
+		if constexpr (dim == 2)
+			mobility->push(v, place.facet, place.weight, scaled);
+		else
+			mobility->push(v, body->markedBlocks.data(), place.facet, place.weight,
+				       scaled);
+	} else
 		for (int i = 0; i < place.partners; ++i)
 			pushRow(v, place.partner[i], place.weight[i], scaled);
-	else if constexpr (dim == 2)
-		mobility->push(v, place.facet, place.weight, scaled);
-	else
-		mobility->push(v, marked, place.facet, place.weight, scaled);
 }
 
 } // namespace softgrain

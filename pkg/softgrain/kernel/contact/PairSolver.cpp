@@ -86,7 +86,7 @@ void PairSolver<dim>::push(const Constraint& c, const Vec<dim>& J, Vec<dim>* own
 			   Vec<dim>* otherVelocity) const
 {
 	ownSide(c).push(ownVelocity, c.node, J);
-	if (c.partners > 0) otherSide(c).push(otherVelocity, c, Vec<dim>(-J));
+	if (c.partners > 0) otherSide(c).push(otherVelocity, c, J, -1);
 }
 
 /// From the first to the last node in contact and those beside them (2D: where the outline closes

@@ -77,7 +77,7 @@ template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, 
 	if (c.ofNode)
 		side_.push(side_.velocity, c.partner[0], J);
 	else
-		side_.push(side_.velocity, c, J);
+		side_.push(side_.velocity, c, J, 1);
 	if (list_->rigid->moves) partner_->push(c.arm, -J);
 }
 

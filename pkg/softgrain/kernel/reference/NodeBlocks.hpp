@@ -38,21 +38,31 @@ template <int dim, class Use> void forFourNumbers(const FourNumbers& weights, Us
 /// f += w J of the four nodes of a block, of which `first` is the first number.
 template <int dim> class BlockPush {
 public:
-	explicit BlockPush(const Vec<dim>& J)
-	{
-		for (int k = 0; k < numbersPerBlock<dim>; ++k)
-			components_[k / 4][k % 4] = J[k % dim];
-	}
+	explicit BlockPush(const Vec<dim>& J);
 	void operator()(double* first, const FourNumbers& weights) const
 	{
 		forFourNumbers<dim>(weights, [&](int k, const FourNumbers& w) {
-			fourAt(first + 4 * k) += w * components_[k];
+			fourAt(first + 4 * k) += w * components_[k % period];
 		});
 	}
 
 private:
-	FourNumbers components_[dim]; ///< of J, again and again
+	static constexpr int period = dim == 2 ? 1 : dim;
+	FourNumbers components_[period]; ///< of J, again and again
 };
+
+template <>
+inline BlockPush<2>::BlockPush(const Vec<2>& J)
+	: components_ { { J[0], J[1], J[0], J[1] } }
+{
+}
+template <>
+inline BlockPush<3>::BlockPush(const Vec<3>& J)
+	: components_ { { J[0], J[1], J[2], J[0] },
+			{ J[1], J[2], J[0], J[1] },
+			{ J[2], J[0], J[1], J[2] } }
+{
+}
 
 /// sum of w f over the nodes of blocks.
 template <int dim> class BlockSum {
