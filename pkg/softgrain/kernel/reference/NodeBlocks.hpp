@@ -35,34 +35,33 @@ template <int dim, class Use> void forFourNumbers(const FourNumbers& weights, Us
 	}
 }
 
-/// f += w J of the four nodes of a block, of which `first` is the first number.
+/// f += w J of the four nodes of a block, of which `first` is the first number. It refers to J:
+/// the compiler keeps J's repeated components in registers then. Kept here, they would go through
+/// memory, number by number, and the first block wait for them.
 template <int dim> class BlockPush {
 public:
-	explicit BlockPush(const Vec<dim>& J);
+	explicit BlockPush(const Vec<dim>& J)
+		: J_(J)
+	{
+	}
 	void operator()(double* first, const FourNumbers& weights) const
 	{
 		forFourNumbers<dim>(weights, [&](int k, const FourNumbers& w) {
-			fourAt(first + 4 * k) += w * components_[k % period];
+			fourAt(first + 4 * k) += w * components(k);
 		});
 	}
 
 private:
-	static constexpr int period = dim == 2 ? 1 : dim;
-	FourNumbers components_[period]; ///< of J, again and again
-};
+	/// Of J, those that go with the k-th four numbers.
+	FourNumbers components(int k) const
+	{
+		const int i = 4 * k % dim;
+		return FourNumbers { J_[i], J_[(i + 1) % dim], J_[(i + 2) % dim],
+				     J_[(i + 3) % dim] };
+	}
 
-template <>
-inline BlockPush<2>::BlockPush(const Vec<2>& J)
-	: components_ { { J[0], J[1], J[0], J[1] } }
-{
-}
-template <>
-inline BlockPush<3>::BlockPush(const Vec<3>& J)
-	: components_ { { J[0], J[1], J[2], J[0] },
-			{ J[1], J[2], J[0], J[1] },
-			{ J[2], J[0], J[1], J[2] } }
-{
-}
+	const Vec<dim>& J_;
+};
 
 /// sum of w f over the nodes of blocks.
 template <int dim> class BlockSum {
