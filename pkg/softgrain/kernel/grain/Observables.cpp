@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace softgrain {
 
@@ -114,42 +115,32 @@ template <> WholeGrain<3> wholeGrain(const Batch<3>& batch, int g)
 namespace {
 
 /// sum m v . w
+template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double sumOfProducts(const std::vector<double>& mass,
-							const Vec<2>* v, const Vec<2>* w)
+							const Vec<dim>* v, const Vec<dim>* w)
 {
 	const int count = static_cast<int>(mass.size());
-	FourNumbers sum = {};
+	FourNumbers sum[dim] = {};
 	for (int k = 0; k < count; k += nodesPerBlock)
-		sum += fourOf(mass.data(), k, count) *
-		       vectorsOf(v, k, count).dot(vectorsOf(w, k, count));
-	return sumOf(sum);
-}
-
-double sumOfProducts(const std::vector<double>& mass, const Vec<3>* v, const Vec<3>* w)
-{
-	double sum = 0;
-	for (std::size_t I = 0; I < mass.size(); ++I)
-		sum += mass[I] * v[I].dot(w[I]);
-	return sum;
+		forFourNumbers<dim>(fourOf(mass.data(), k, count),
+				    [&](int i, const FourNumbers& m) {
+					    const int first = dim * k + 4 * i;
+					    sum[i] += m * fourOf(v->data(), first, dim * count) *
+						      fourOf(w->data(), first, dim * count);
+				    });
+	return sumOf(std::accumulate(sum + 1, sum + dim, sum[0]));
 }
 
 /// sum m v
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS Vec<2> weightedSum(const std::vector<double>& mass,
-						      const Vec<2>* v)
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS Vec<dim> weightedSum(const std::vector<double>& mass,
+							const Vec<dim>* v)
 {
 	const int count = static_cast<int>(mass.size());
-	BlockVectors sum;
+	BlockSum<dim> sum;
 	for (int k = 0; k < count; k += nodesPerBlock)
-		sum.add(fourOf(mass.data(), k, count), vectorsOf(v, k, count));
-	return sum.sum();
-}
-
-Vec<3> weightedSum(const std::vector<double>& mass, const Vec<3>* v)
-{
-	Vec<3> sum = Vec<3>::Zero();
-	for (std::size_t I = 0; I < mass.size(); ++I)
-		sum += mass[I] * v[I];
-	return sum;
+		sum.add(v, k, count, fourOf(mass.data(), k, count));
+	return sum.value();
 }
 
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double largestNormOf(const Vec<2>* v, int count)
@@ -181,12 +172,12 @@ double kineticEnergy(const Batch<dim>& batch, const NodalField<dim>& v, const No
 		     int g)
 {
 	return 0.5 * batch.massScale[g] *
-	       sumOfProducts(batch.reference->nodeMass, v.of(g), w.of(g));
+	       sumOfProducts<dim>(batch.reference->nodeMass, v.of(g), w.of(g));
 }
 
 template <int dim> Vec<dim> momentum(const Batch<dim>& batch, const NodalField<dim>& v, int g)
 {
-	return batch.massScale[g] * weightedSum(batch.reference->nodeMass, v.of(g));
+	return batch.massScale[g] * weightedSum<dim>(batch.reference->nodeMass, v.of(g));
 }
 
 template <int dim> double fastestNode(const Batch<dim>& batch, int g)

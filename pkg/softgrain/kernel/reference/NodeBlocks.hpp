@@ -72,6 +72,13 @@ public:
 			sum_[k] += w * fourAt(first + 4 * k);
 		});
 	}
+	/// The block from the k-th of `count` vectors on, as far as there are.
+	void add(const Vec<dim>* vectors, int k, int count, const FourNumbers& weights)
+	{
+		forFourNumbers<dim>(weights, [&](int i, const FourNumbers& w) {
+			sum_[i] += w * fourOf(vectors->data(), dim * k + 4 * i, dim * count);
+		});
+	}
 	Vec<dim> value() const;
 
 private:
