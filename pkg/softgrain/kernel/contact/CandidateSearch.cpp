@@ -29,7 +29,7 @@ double candidateReach(const ContactBody<dim>& first, const ContactBody<dim>& sec
 /// sizes of the weights of OutlineCurve. 3D: 1 for the flat facet, a third for the bulge over it
 /// (the normals at its corners turn), the rest since normals are those of the arc, which turn more
 /// the farther a node is off: 1.4 for balls, 2.0 for creased ones, half a dr off
-/// (doc/decisions/0015-parallel-sweeps.md).
+/// (doc/decisions/0028-search.md).
 double wayOfPlaces(const ContactBody<2>&, const ContactBody<2>&, double) { return 1.25; }
 double wayOfPlaces(const ContactBody<3>& first, const ContactBody<3>& second, double reach)
 {

@@ -32,7 +32,7 @@ constexpr int pairsInCache = 4000;
 
 /// While one pair is worked on, those that come so many and twice so many after it are asked for:
 /// by `prepare` always, by sweeps where pairs do not stay in the caches
-/// (doc/decisions/0015-parallel-sweeps.md).
+/// (doc/decisions/0029-memory.md).
 constexpr int pairsAhead = 2;
 
 /// Sweeps that move rigid bodies out of overlaps. With fewer, what is pushed at one end of a
