@@ -1,10 +1,13 @@
 // Passes over the material points of a block of grains: what lies side by side, and strip after
 // strip. A side gathers the gradients of a nodal field at the points of a strip, and scatters
-// stresses to nodal forces.
+// stresses to nodal forces, which the caller keeps.
 #pragma once
 
 #include "grain/GrainsInLanes.hpp"
 #include "grain/PointsInLanes.hpp"
+#include "reference/PressureSpace.hpp"
+
+#include <vector>
 
 namespace softgrain {
 
@@ -40,6 +43,45 @@ void forEachStrip(const Side& side, const PointLines<dim>& lines, Strip<dim>& st
 		use();
 	}
 }
+
+/// A number at every point of what a side has in its lanes, and its projection
+/// (reference/PressureSpace.hpp).
+class ProjectedField {
+public:
+	template <class Side, int dim> void resize(const GrainTemplate<dim>& reference)
+	{
+		numbers_.resize(static_cast<std::size_t>(reference.points()) * Side::fieldWidth);
+	}
+	/// Of the points of a group of the strip.
+	template <class Side, int dim>
+	void set(const Side& side, const Strip<dim>& strip, int group, const Lanes& values)
+	{
+		for (int l = 0; l < laneWidth; ++l)
+			numbers_[side.place(strip, group, l)] = values[l];
+	}
+	template <class Side, int dim>
+	Lanes at(const Side& side, const Strip<dim>& strip, int group) const
+	{
+		Lanes values;
+		for (int l = 0; l < laneWidth; ++l)
+			values[l] = at(side, strip, group, l);
+		return values;
+	}
+	template <class Side, int dim>
+	double at(const Side& side, const Strip<dim>& strip, int group, int lane) const
+	{
+		return numbers_[side.place(strip, group, lane)];
+	}
+	/// To be called when all points are set.
+	template <class Side, int dim> void project(const GrainTemplate<dim>& reference)
+	{
+		softgrain::project<Side::fieldWidth>(reference.pressureSpace, reference.pointVolume,
+						     numbers_.data());
+	}
+
+private:
+	std::vector<double> numbers_; ///< see `place` of the side
+};
 
 template <int dim> void copy(const Lanes (&from)[dim][dim], Lanes (&to)[dim][dim])
 {

@@ -89,13 +89,14 @@ public:
 	{
 		const bool projected = !reference_.pressureSpace.empty();
 		if (projected) projectTraces();
+		auto forces = positions_.noForces();
 		Lanes stretch = Lanes {} + 1;
 		forEachStripOfBoth([&] {
 			for (int group = 0; group < F_.groups; ++group)
 				evaluate(group, projected, stretch);
-			positions_.scatter(F_);
+			positions_.scatter(F_, forces);
 		});
-		positions_.storeForces(batch_, to);
+		positions_.storeForces(forces, batch_, to);
 		positions_.forEachGrain(batch_, [&](int g, int begin, int end) {
 			largestStretch[g] = 1;
 			for (int l = begin; l < end; ++l)
@@ -116,31 +117,23 @@ private:
 	{
 		auto &F = F_.tensor[group], &rate = rate_.tensor[group];
 		stretch = larger(detail::largestSquaredStretch(F), stretch);
-		const Lanes trace = projected ? projectedTrace(group) : traceOf<dim>(F, rate);
+		const Lanes trace =
+			projected ? trace_.at(positions_, F_, group) : traceOf<dim>(F, rate);
 		becomeStress<dim>(F, rate, viscosity_, trace, positions_.volume(F_, group));
 	}
 	/// As the volumetric strain of the law: else this term would lock, and damp stiffer modes
 	/// than there are.
 	void projectTraces()
 	{
-		trace_.resize(static_cast<std::size_t>(reference_.points()) * Side::fieldWidth);
-		forEachStripOfBoth([&] {
-			for (int group = 0; group < F_.groups; ++group) {
-				const Lanes trace =
-					traceOf<dim>(F_.tensor[group], rate_.tensor[group]);
-				for (int l = 0; l < laneWidth; ++l)
-					trace_[positions_.place(F_, group, l)] = trace[l];
-			}
-		});
-		project<Side::fieldWidth>(reference_.pressureSpace, reference_.pointVolume,
-					  trace_.data());
+		trace_.resize<Side>(reference_);
+		forEachStripOfBoth([&] { findTraces(); });
+		trace_.project<Side>(reference_);
 	}
-	Lanes projectedTrace(int group) const
+	SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void findTraces()
 	{
-		Lanes trace;
-		for (int l = 0; l < laneWidth; ++l)
-			trace[l] = trace_[positions_.place(F_, group, l)];
-		return trace;
+		for (int group = 0; group < F_.groups; ++group)
+			trace_.set(positions_, F_, group,
+				   traceOf<dim>(F_.tensor[group], rate_.tensor[group]));
 	}
 
 	const Batch<dim>& batch_;
@@ -148,7 +141,7 @@ private:
 	Side positions_, velocities_;
 	Viscosity viscosity_;
 	Strip<dim> F_, rate_;
-	std::vector<double> trace_; ///< projected; see `place` of the side
+	ProjectedField trace_; ///< of projected grains
 };
 
 } // namespace

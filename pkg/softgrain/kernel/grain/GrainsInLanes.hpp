@@ -236,6 +236,8 @@ public:
 	static constexpr int stripPoints = Strip<dim>::maxGroups;
 	/// Numbers side by side in a field of one number for each point; see `place`.
 	static constexpr int fieldWidth = laneWidth;
+	/// In the box; in units of the stress times radii^(dim - 1).
+	using Forces = BlockField<dim>;
 
 	GrainsInLanes(const Batch<dim>& batch, int block, const NodalField<dim>& field)
 		: lines_(batch.reference->pointLines)
@@ -244,7 +246,6 @@ public:
 		, block_(block)
 		, lame_(batch.lame[block])
 		, x_(lines_.places)
-		, force_(lines_.places)
 	{
 		for (int l = 0; l < laneWidth; ++l) {
 			const int g = batch.grainInLane(block, l);
@@ -290,10 +291,11 @@ public:
 	{
 		return lines_.point[strip.pointsBegin(lines_) + group].number * laneWidth + lane;
 	}
-	/// Forces of the stresses of the strip.
-	void scatter(const Strip<dim>& strip)
+	Forces noForces() const { return Forces(lines_.places); }
+	/// Adds the forces of the stresses of the strip.
+	void scatter(const Strip<dim>& strip, Forces& forces) const
 	{
-		double* force = &force_.at(0, 0)[0];
+		double* force = &forces.at(0, 0)[0];
 		detail::forEachPart([&]<class Part>(Part, int begin) {
 			if (lines_.isTable())
 				detail::scatterTable<dim, Part>(shapes_, strip, begin,
@@ -307,10 +309,10 @@ public:
 		});
 	}
 	/// The sum of all that was scattered.
-	void storeForces(const Batch<dim>& batch, NodalField<dim>& to)
+	void storeForces(Forces& forces, const Batch<dim>& batch, NodalField<dim>& to) const
 	{
-		detail::handToFollowed(lines_, force_);
-		force_.store(to, batch, block_, lines_.nodePlace, volume_ * inverseRadius_);
+		detail::handToFollowed(lines_, forces);
+		forces.store(to, batch, block_, lines_.nodePlace, volume_ * inverseRadius_);
 	}
 
 private:
@@ -319,7 +321,7 @@ private:
 	int order_, block_;
 	const LameConstants& lame_;
 	Lanes inverseRadius_, volume_; ///< volume_: R^dim
-	BlockField<dim> x_, force_;    ///< in the box; the field over the radius
+	BlockField<dim> x_;            ///< in the box; the field over the radius
 };
 
 } // namespace softgrain

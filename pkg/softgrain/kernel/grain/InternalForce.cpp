@@ -33,26 +33,22 @@ template <int dim, class LawEvaluator> struct PointwiseLaw {
 template <int dim, class LawEvaluator> struct ProjectedLaw {
 	template <class Side> void prepare(const Side& side, const GrainTemplate<dim>& reference)
 	{
-		theta_.resize(static_cast<std::size_t>(reference.points()) * Side::fieldWidth);
+		theta_.resize<Side>(reference);
 		Strip<dim> strip;
 		forEachStrip(side, reference.pointLines, strip, [&] { logarithms(side, strip); });
-		project<Side::fieldWidth>(reference.pressureSpace, reference.pointVolume,
-					  theta_.data());
+		theta_.project<Side>(reference);
 	}
 	template <class Side>
 	void evaluate(const Side& side, const LameConstants& lame, const Strip<dim>& strip,
 		      int group, PointLanes<dim>& point) const
 	{
-		Lanes theta;
-		for (int l = 0; l < laneWidth; ++l)
-			theta[l] = theta_[side.place(strip, group, l)];
-		LawEvaluator::evaluateProjected(point, lame, theta);
+		LawEvaluator::evaluateProjected(point, lame, theta_.at(side, strip, group));
 	}
 	template <class Side>
 	double theta(const Side& side, const Strip<dim>& strip, int group, int lane,
 		     const PointLanes<dim>&) const
 	{
-		return theta_[side.place(strip, group, lane)];
+		return theta_.at(side, strip, group, lane);
 	}
 
 private:
@@ -63,13 +59,11 @@ private:
 		PointLanes<dim> point;
 		for (int group = 0; group < strip.groups; ++group) {
 			copy(strip.tensor[group], point.F);
-			const Lanes lnJ = LawEvaluator::volumetricStrain(point);
-			for (int l = 0; l < laneWidth; ++l)
-				theta_[side.place(strip, group, l)] = lnJ[l];
+			theta_.set(side, strip, group, LawEvaluator::volumetricStrain(point));
 		}
 	}
 
-	std::vector<double> theta_; ///< at the points; see `place` of the side
+	ProjectedField theta_;
 };
 
 /// Calls `use` with the type that evaluates the law over a batch: nothing of the projection is in
@@ -107,17 +101,19 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void stressesOfStrip(const VolumetricLaw& law
 	sums = all;
 }
 
-template <int dim, class VolumetricLaw, class Side> void forceOf(Batch<dim>& batch, Side side)
+template <int dim, class VolumetricLaw, class Side>
+void forceOf(Batch<dim>& batch, const Side& side)
 {
 	VolumetricLaw law;
 	law.prepare(side, *batch.reference);
+	auto forces = side.noForces();
 	BulkSums sums;
 	Strip<dim> strip;
 	forEachStrip(side, batch.reference->pointLines, strip, [&] {
 		stressesOfStrip(law, side, strip, sums);
-		side.scatter(strip);
+		side.scatter(strip, forces);
 	});
-	side.storeForces(batch, batch.force);
+	side.storeForces(forces, batch, batch.force);
 	side.forEachGrain(batch, [&](int g, int begin, int end) {
 		batch.report[g] = sums.report(begin, end, batch.pointScale[g]);
 	});

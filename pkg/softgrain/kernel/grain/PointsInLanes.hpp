@@ -180,6 +180,8 @@ template <int dim> class PointsInLanes {
 public:
 	static constexpr int stripPoints = 64;
 	static constexpr int fieldWidth = 1;
+	/// In the box, component after component; in units of the stress times radii^(dim - 1).
+	using Forces = std::vector<double>;
 
 	PointsInLanes(const Batch<dim>& batch, int g, const NodalField<dim>& field)
 		: lines_(batch.reference->pointLines)
@@ -190,7 +192,6 @@ public:
 		const ElasticConstants& c = batch.grain[g].constants;
 		lame_ = { Lanes {} + c.lambda(), Lanes {} + c.mu() };
 		x_.resize(padded() * dim);
-		force_.resize(padded() * dim);
 		const double inverseRadius = 1 / batch.grain[g].radius;
 		const Vec<dim>* own = field.of(g);
 		const auto x = components<double>(x_);
@@ -242,9 +243,10 @@ public:
 		const int point = strip.pointsBegin(lines_) + group * laneWidth + lane;
 		return lines_.point[std::min(point, strip.pointsEnd(lines_) - 1)].number;
 	}
-	void scatter(const Strip<dim>& strip)
+	Forces noForces() const { return Forces(padded() * dim, 0.); }
+	void scatter(const Strip<dim>& strip, Forces& forces) const
 	{
-		const auto force = components<double>(force_);
+		const auto force = components<double>(forces);
 		if (lines_.isTable())
 			detail::scatterPoints<dim>(shapes_, strip, strip.pointsBegin(lines_),
 						   points(strip), force);
@@ -253,9 +255,9 @@ public:
 				detail::scatterPoints<dim, order>(lines_, strip, force);
 			});
 	}
-	void storeForces(const Batch<dim>& batch, NodalField<dim>& to)
+	void storeForces(Forces& forces, const Batch<dim>& batch, NodalField<dim>& to) const
 	{
-		const auto force = components<double>(force_);
+		const auto force = components<double>(forces);
 		handToFollowed<double>(
 			lines_, [&](int place, int a) -> double& { return force[a][place]; });
 		const double scale = batch.pointScale[grain_] / batch.grain[grain_].radius;
@@ -280,8 +282,8 @@ private:
 	const SparseRows<ShapeFunction<dim>>& shapes_;
 	int order_, grain_;
 	LameConstants lame_;
-	std::vector<double> x_,
-		force_; ///< in the box, component after component; the field over the radius
+	std::vector<double>
+		x_; ///< in the box, component after component; the field over the radius
 };
 
 } // namespace softgrain
