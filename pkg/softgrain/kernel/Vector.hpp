@@ -15,6 +15,10 @@ template <int dim> using Mat = Eigen::Matrix<double, dim, dim>;
 /// Both components of a Vec<2> in one load or store. (The host turns Eigen's own vectorisation
 /// off.)
 using BothComponents [[gnu::vector_size(16), gnu::aligned(8), gnu::may_alias]] = double;
+inline const BothComponents& bothOf(const Vec<2>& v)
+{
+	return reinterpret_cast<const BothComponents&>(v);
+}
 
 /// sum = u + a v, for the innermost loops. (What was stored component by component and is loaded as
 /// a pair at once waits for both stores: never `sum = u` and then `addScaled`.)
@@ -24,8 +28,7 @@ template <int dim> void setToSum(Vec<dim>& sum, const Vec<dim>& u, double a, con
 }
 template <> inline void setToSum<2>(Vec<2>& sum, const Vec<2>& u, double a, const Vec<2>& v)
 {
-	reinterpret_cast<BothComponents&>(sum) = reinterpret_cast<const BothComponents&>(u) +
-						 a * reinterpret_cast<const BothComponents&>(v);
+	reinterpret_cast<BothComponents&>(sum) = bothOf(u) + a * bothOf(v);
 }
 
 /// sum += a v

@@ -33,6 +33,13 @@ template <int dim> struct BodySide {
 		return mobility ? scale * mobility->ofNode(node) : body->mobility(node, node);
 	}
 	template <class Bearing> double mobilityOf(const Bearing& place) const;
+	/// W between two contact nodes, and between such a place and a node, 1/kg.
+	double mobilityBetween(int node, int other) const
+	{
+		return mobility ? scale * mobility->between(node, other)
+				: body->mobility(node, other);
+	}
+	template <class Bearing> double mobilityBetween(const Bearing& place, int other) const;
 	/// v += W J, at least of the nodes in contact: an impulse on a node, and on a place, where
 	/// it is `sign` J.
 	void push(Vec<dim>* v, int node, const Vec<dim>& J) const;
@@ -56,6 +63,17 @@ double BodySide<dim>::mobilityOf(const Bearing& place) const
 		for (int j = 0; j < place.partners; ++j)
 			W += place.weight[i] * place.weight[j] *
 			     body->mobility(place.partner[i], place.partner[j]);
+	return W;
+}
+
+template <int dim>
+template <class Bearing>
+double BodySide<dim>::mobilityBetween(const Bearing& place, int other) const
+{
+	if (mobility) return scale * mobility->between(place.facet, place.weight, other);
+	double W = 0;
+	for (int i = 0; i < place.partners; ++i)
+		W += place.weight[i] * body->mobility(place.partner[i], other);
 	return W;
 }
 

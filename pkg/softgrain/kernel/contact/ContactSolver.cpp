@@ -134,6 +134,8 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 	holdAtLeast(rigidPairs_, used[1]);
 	holdAtLeast(rigidContacts_, used[2]);
 
+	makeRoomForConstraints();
+
 	const int work = listed + (count_ - listed) / rigidContactsPerPair;
 	threads_ = threadsFor(work / std::max(plan_.colours(), 1), threads, pairsPerThread);
 	if (dim == 3) noteNodesInContact(bodies);
@@ -148,8 +150,20 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 		else if (kind == Kind::grainOnRigid)
 			rigidPairs_[index].prepare(bodies, *lists_[pair], *partners, dt, settings);
 		else
-			pairs_[index].prepare(bodies, *lists_[pair], dt, settings);
+			pairs_[index].prepare(bodies, *lists_[pair], dt, settings,
+					      &constraints_[begin_[k]]);
 	});
+}
+
+template <int dim> void ContactSolver<dim>::makeRoomForConstraints()
+{
+	std::size_t end = 0;
+	begin_.clear();
+	for (int k = 0; k < count_; ++k) {
+		begin_.push_back(end);
+		if (slot_[k].kind == Kind::grains) end += lists_[plan_.pairs[k]]->contacts.size();
+	}
+	if (end > constraints_.size()) constraints_.resize(end);
 }
 
 template <int dim>

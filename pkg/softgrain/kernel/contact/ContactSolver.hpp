@@ -74,6 +74,7 @@ private:
 	void plan(const std::vector<ContactList<dim>*>& lists, int grains,
 		  const std::vector<RigidPartner<dim>>* partners,
 		  const std::vector<RigidContact<dim>>* rigidContacts);
+	void makeRoomForConstraints();
 	/// ContactBody::noteContactAt; before any impulse is applied, since what it moves other
 	/// pairs ask for.
 	void noteNodesInContact(std::vector<ContactBody<dim>>& bodies);
@@ -146,6 +147,10 @@ private:
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare
 	std::vector<RigidPairSolver<dim>> rigidPairs_; ///< the same with rigid bodies
 	std::vector<RigidContactSolver<dim>> rigidContacts_; ///< the same of rigid bodies alone
+	/// Of the pairs of grains, pair after pair in the order of the sweeps, and where those of
+	/// each pair of `slot_` begin: memory is gone through as it lies.
+	std::vector<typename PairSolver<dim>::Constraint> constraints_;
+	std::vector<std::size_t> begin_;
 	int count_ = 0;
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	std::vector<long> visits_;        ///< of contacts, by pairs on their own

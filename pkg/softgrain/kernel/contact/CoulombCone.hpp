@@ -12,7 +12,7 @@ namespace softgrain {
 /// it a sliding contact would open, u_n = mu |u_t|. `n` is a unit vector, the friction finite.
 template <int dim> Vec<dim> onCone(const Vec<dim>& r, const Vec<dim>& n, double friction)
 {
-	const double normal = std::max(r.dot(n), 0.);
+	const double along = r.dot(n), normal = along > 0 ? along : 0;
 	const double bound = friction * normal;
 	if constexpr (dim == 2) { // without branches, which no processor would foresee
 		const Vec<dim> t(-n[1], n[0]);
@@ -26,14 +26,23 @@ template <int dim> Vec<dim> onCone(const Vec<dim>& r, const Vec<dim>& n, double 
 	}
 }
 
-/// Impulse that solves one contact exactly while all others are held: u is the velocity with the
-/// present impulse r, b the bias, W the (isotropic) mobility of the contact. Conditions hold at all
+/// Impulse that would leave one contact with the velocity -b n while all others are held, if it
+/// could be any: u is the velocity with the present impulse r, b the bias, W the (isotropic)
+/// mobility of the contact.
+template <int dim>
+Vec<dim> wantedImpulse(const Vec<dim>& r, const Vec<dim>& u, const Vec<dim>& n, double b,
+		       double inverseW)
+{
+	return r - inverseW * (u + b * n);
+}
+
+/// Impulse that solves one contact exactly while all others are held. Conditions hold at all
 /// contacts if and only if this changes no impulse.
 template <int dim>
 Vec<dim> solvedContact(const Vec<dim>& r, const Vec<dim>& u, const Vec<dim>& n, double b,
 		       double inverseW, double friction)
 {
-	return onCone<dim>(r - inverseW * (u + b * n), n, friction);
+	return onCone<dim>(wantedImpulse<dim>(r, u, n, b, inverseW), n, friction);
 }
 
 } // namespace softgrain

@@ -71,7 +71,7 @@ public:
 	/// on; if the other body is rigid, so that there may be a restitution, approach(c) is u
 	/// half a step before t_n.
 	template <class Constraint, class Apply, class Approach>
-	void engage(std::vector<Constraint>& constraints, const std::vector<Contact<dim>>& contacts,
+	void engage(Constraint& constraints, const std::vector<Contact<dim>>& contacts,
 		    const std::vector<ContactArea>& areas, bool onRigid, Apply&& apply,
 		    Approach&& approach);
 	/// What became of contact k in the step: reaction r', velocity u after it, with the gap of
@@ -102,14 +102,13 @@ private:
 
 template <int dim>
 template <class Constraint, class Apply, class Approach>
-void PairInterface<dim>::engage(std::vector<Constraint>& constraints,
-				const std::vector<Contact<dim>>& contacts,
+void PairInterface<dim>::engage(Constraint& constraints, const std::vector<Contact<dim>>& contacts,
 				const std::vector<ContactArea>& areas, bool onRigid, Apply&& apply,
 				Approach&& approach)
 {
 	const bool rebounds = onRigid && law.restitution > 0;
 	for (std::size_t k = 0; k < constraints.size(); ++k) {
-		Constraint& c = constraints[k];
+		auto& c = constraints[k];
 		const double gap = contacts[k].gap;
 		const Vec<dim>& p = pullOn(k, { c.normal, gap, areas[k] });
 		if (!p.isZero(0)) apply(c, p);

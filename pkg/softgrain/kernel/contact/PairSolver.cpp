@@ -9,10 +9,28 @@
 
 namespace softgrain {
 
+namespace {
+
+/// sum_i w_i v_i over the nodes that bear a contact; of those that are not there the weight is 0.
+template <class Constraint> Vec<2> borneVelocity(const Constraint& c, const Vec<2>* v)
+{
+	auto share = [&](int i) { return c.weight[i] * bothOf(v[c.partner[i]]); };
+	const BothComponents sum = (share(0) + share(1)) + (share(2) + share(3));
+	return { sum[0], sum[1] };
+}
+
+template <class Constraint> Vec<3> borneVelocity(const Constraint& c, const Vec<3>* v)
+{
+	auto share = [&](int i) { return c.weight[i] * v[c.partner[i]]; };
+	return (share(0) + share(1)) + share(2);
+}
+
+} // namespace
+
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
 PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
-			 const SolverSettings& settings)
+			 const SolverSettings& settings, Constraint* room)
 {
 	list_ = &list;
 	first_ = &bodies[list.first];
@@ -23,7 +41,7 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	interface_ = list.interface ? &*list.interface : nullptr;
 	firstSide_ = BodySide<dim>(*first_);
 	secondSide_ = second_ ? BodySide<dim>(*second_) : BodySide<dim>();
-	constraints_.resize(list.contacts.size());
+	constraints_ = { room, list.contacts.size() };
 	start_.resize(list.contacts.size());
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 		const Contact<dim>& contact = list.contacts[k];
@@ -40,6 +58,7 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 		c.W = ownSide(c).mobilityOf(c.node);
 		if (c.partners > 0) c.W += otherSide(c).mobilityOf(c);
 		c.inverseW = 1 / c.W;
+		if (k > 0) constraints_[k - 1].coupling = couplingOf(constraints_[k - 1], c);
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
 	}
@@ -53,6 +72,22 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 			[this](const Constraint& c) { return velocityBefore(c); });
 }
 
+template <int dim>
+double PairSolver<dim>::couplingOf(const Constraint& c, const Constraint& d) const
+{
+	double W = 0;
+	// what an impulse on a place of c, the other way if `sign` is -1, does to the velocity of d
+	auto add = [&](const BodySide<dim>& side, const auto& place, double sign) {
+		if (side.body == own(d)) W += sign * side.mobilityBetween(place, d.node);
+		if (side.body == other(d))
+			for (int i = 0; i < d.partners; ++i)
+				W -= sign * d.weight[i] * side.mobilityBetween(place, d.partner[i]);
+	};
+	add(ownSide(c), c.node, 1);
+	if (c.partners > 0) add(otherSide(c), c, -1);
+	return W;
+}
+
 template <int dim> Vec<dim> PairSolver<dim>::velocityBefore(const Constraint& c) const
 {
 	return relativeVelocity(c, own(c)->velocityBefore.data(),
@@ -64,16 +99,13 @@ template <int dim>
 Vec<dim> PairSolver<dim>::relativeVelocity(const Constraint& c, const Vec<dim>* own,
 					   const Vec<dim>* other, const Vec<dim>& drift) const
 {
-	Vec<dim> u = own[c.node] - drift;
-	for (int i = 0; i < c.partners; ++i)
-		u -= c.weight[i] * other[c.partner[i]];
-	return u;
+	const Vec<dim> u = own[c.node] - drift;
+	return c.partners > 0 ? Vec<dim>(u - borneVelocity(c, other)) : u;
 }
 
-template <int dim>
-Vec<dim> PairSolver<dim>::solvedImpulse(const Constraint& c, double friction) const
+template <int dim> Vec<dim> PairSolver<dim>::wantedImpulse(const Constraint& c) const
 {
-	return solvedContact<dim>(c.impulse, velocity(c), c.normal, c.bias, c.inverseW, friction);
+	return softgrain::wantedImpulse<dim>(c.impulse, velocity(c), c.normal, c.bias, c.inverseW);
 }
 
 template <int dim> void PairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
@@ -108,7 +140,7 @@ template <int dim> void PairSolver<dim>::findStretch(BodySide<dim>& side, bool o
 
 template <int dim> void PairSolver<dim>::fetchConstraints() const
 {
-	fetchBytes(constraints_.data(), constraints_.data() + constraints_.size());
+	fetchBytes(constraints_.begin(), constraints_.end());
 }
 
 template <int dim> void PairSolver<dim>::fetchBodies() const
@@ -129,17 +161,33 @@ template <int dim> void PairSolver<dim>::fetchContacts() const
 	fetchBytes(&list_->impulse, &list_->impulse + 1);
 }
 
+/// (Each contact waits for the impulse of the one before it, and what that does to the nodes would
+/// be known late: velocities are read before the impulse moves them, and what it does to them is
+/// added by the coupling of the two.)
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweep(SweepOrder order)
 {
+	const int step = order == SweepOrder::forwards ? 1 : -1;
 	return withFriction([&](auto&& friction) {
-		return sweepOver(
-			constraints_, order,
-			[&](const Constraint& c) { return solvedImpulse(c, friction(c)); },
-			[](const Constraint& c, const Vec<dim>& r) {
-				return c.W * r.squaredNorm();
-			},
-			[this](const Constraint& c, const Vec<dim>& J) { applyImpulse(c, J); });
+		SweepChange sum;
+		int k = step > 0 ? 0 : contacts() - 1;
+		Vec<dim> wanted = wantedImpulse(constraints_[k]);
+		for (int left = contacts() - 1; left >= 0; --left, k += step) {
+			Constraint& c = constraints_[k];
+			const Vec<dim> r = onCone<dim>(wanted, c.normal, friction(c));
+			const Vec<dim> J = r - c.impulse;
+			sum.total += c.W * r.squaredNorm();
+			if (left > 0) wanted = wantedImpulse(constraints_[k + step]);
+			if (J.isZero(0)) continue;
+			if (left > 0) {
+				const double W = constraints_[std::min(k, k + step)].coupling;
+				wanted -= (W * constraints_[k + step].inverseW) * J;
+			}
+			sum.changed += c.W * J.squaredNorm();
+			c.impulse = r;
+			applyImpulse(c, J);
+		}
+		return sum;
 	});
 }
 
@@ -148,7 +196,9 @@ template <int dim> SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS ResidualSum PairSolver<dim
 	return withFriction([&](auto&& friction) {
 		ResidualSum sum;
 		for (const Constraint& c : constraints_)
-			sum.template add<dim>(c.impulse, solvedImpulse(c, friction(c)), c.W);
+			sum.template add<dim>(c.impulse,
+					      onCone<dim>(wantedImpulse(c), c.normal, friction(c)),
+					      c.W);
 		return sum;
 	});
 }

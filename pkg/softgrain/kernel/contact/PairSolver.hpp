@@ -16,10 +16,44 @@ namespace softgrain {
 
 template <int dim> class PairSolver {
 public:
+	/// One contact as the sweeps see it.
+	struct Constraint {
+		Vec<dim> normal, impulse;
+		double bias;     ///< b, m/s
+		double W;        ///< 1/kg
+		double inverseW; ///< kg
+		double coupling; ///< W between this contact and the next one of the pair, 1/kg
+		std::array<double, mostPartners<dim>> weight;
+		std::array<int, mostPartners<dim>> partner;
+		int node;             ///< of the body on which the impulse acts
+		int facet;            ///< as in Contact
+		signed char partners; ///< nodes of the other body that bear it
+		bool onFirst;         ///< which body the impulse acts on
+	};
+	/// Constraints side by side, kept by somebody else. (Headers are for C++17, too.)
+	class Constraints {
+	public:
+		Constraints() = default;
+		Constraints(Constraint* first, std::size_t count)
+			: first_(first)
+			, count_(count)
+		{
+		}
+		std::size_t size() const { return count_; }
+		Constraint& operator[](std::size_t k) const { return first_[k]; }
+		Constraint* begin() const { return first_; }
+		Constraint* end() const { return first_ + count_; }
+
+	private:
+		Constraint* first_ = nullptr;
+		std::size_t count_ = 0;
+	};
+
 	/// Takes the contacts of `list`, whose bodies are in `bodies`, and applies the impulses
-	/// left by the last step, made admissible for the present normals.
+	/// left by the last step, made admissible for the present normals. `room` is where the
+	/// constraints are to be kept until the next call, one for each contact.
 	void prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
-		     const SolverSettings& settings);
+		     const SolverSettings& settings, Constraint* room);
 	/// Ask for memory that will be worked on. All but the last may come before `prepare`: they
 	/// go by addresses of the last step then, and read nothing through them.
 	void fetchBodies() const;      ///< `prepare`
@@ -45,20 +79,7 @@ public:
 	ContactWork work() const;
 
 	int contacts() const { return static_cast<int>(constraints_.size()); }
-
-	struct Constraint {
-		Vec<dim> normal, impulse;
-		double bias;     ///< b, m/s
-		double W;        ///< 1/kg
-		double inverseW; ///< kg
-		std::array<double, mostPartners<dim>> weight;
-		std::array<int, mostPartners<dim>> partner;
-		int node;             ///< of the body on which the impulse acts
-		int facet;            ///< as in Contact
-		signed char partners; ///< nodes of the other body that bear it
-		bool onFirst;         ///< which body the impulse acts on
-	};
-	const std::vector<Constraint>& constraints() const { return constraints_; }
+	const Constraints& constraints() const { return constraints_; }
 	double friction(const Constraint& c) const
 	{
 		return interface_ ? interface_->frictionOf(numberOf(c), friction_) : friction_;
@@ -83,12 +104,15 @@ public:
 private:
 	ContactBody<dim>* own(const Constraint& c) const { return c.onFirst ? first_ : second_; }
 	ContactBody<dim>* other(const Constraint& c) const { return c.onFirst ? second_ : first_; }
+	/// W between two contacts.
+	double couplingOf(const Constraint& c, const Constraint& d) const;
 	Vec<dim> velocityBefore(const Constraint& c) const;
 	/// From velocities of the nodes of the body on which the impulse acts, and of the other.
 	Vec<dim> relativeVelocity(const Constraint& c, const Vec<dim>* own, const Vec<dim>* other,
 				  const Vec<dim>& drift) const;
-	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
-	Vec<dim> solvedImpulse(const Constraint& c, double friction) const;
+	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.begin(); }
+	/// CoulombCone.hpp: with the present velocities.
+	Vec<dim> wantedImpulse(const Constraint& c) const;
 	/// Calls with a function that tells the friction of a constraint: for most pairs a
 	/// constant.
 	template <class Visit> decltype(auto) withFriction(Visit&& visit) const
@@ -121,7 +145,7 @@ private:
 	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
 	double friction_ = 0;
 	BodySide<dim> firstSide_, secondSide_;
-	std::vector<Constraint> constraints_;
+	Constraints constraints_; ///< in the room given
 	std::vector<Vec<dim>> start_;
 };
 

@@ -35,18 +35,43 @@ template <int dim, class Use> void forFourNumbers(const FourNumbers& weights, Us
 	}
 }
 
-/// f += w J of the four nodes of a block, of which `first` is the first number. It refers to J:
-/// the compiler keeps J's repeated components in registers then. Kept here, they would go through
-/// memory, number by number, and the first block wait for them.
-template <int dim> class BlockPush {
+/// f += w J of the four nodes of a block, of which `first` is the first number. J's components have
+/// to stay in registers: written number by number and read four at a time they would go through
+/// memory, and the first block wait for them.
+template <int dim> class BlockPush;
+
+template <> class BlockPush<2> {
 public:
-	explicit BlockPush(const Vec<dim>& J)
+	explicit BlockPush(const Vec<2>& J)
+		: repeated_(repeat(J))
+	{
+	}
+	void operator()(double* first, const FourNumbers& weights) const
+	{
+		forFourNumbers<2>(weights, [&](int k, const FourNumbers& w) {
+			fourAt(first + 4 * k) += w * repeated_;
+		});
+	}
+
+private:
+	static FourNumbers repeat(const Vec<2>& J)
+	{
+		const FourNumbers four { J[0], J[1], J[0], J[1] };
+		return four;
+	}
+
+	const FourNumbers repeated_;
+};
+
+template <> class BlockPush<3> {
+public:
+	explicit BlockPush(const Vec<3>& J)
 		: J_(J)
 	{
 	}
 	void operator()(double* first, const FourNumbers& weights) const
 	{
-		forFourNumbers<dim>(weights, [&](int k, const FourNumbers& w) {
+		forFourNumbers<3>(weights, [&](int k, const FourNumbers& w) {
 			fourAt(first + 4 * k) += w * components(k);
 		});
 	}
@@ -55,12 +80,10 @@ private:
 	/// Of J, those that go with the k-th four numbers.
 	FourNumbers components(int k) const
 	{
-		const int i = 4 * k % dim;
-		return FourNumbers { J_[i], J_[(i + 1) % dim], J_[(i + 2) % dim],
-				     J_[(i + 3) % dim] };
+		return FourNumbers { J_[k], J_[(k + 1) % 3], J_[(k + 2) % 3], J_[k] };
 	}
 
-	const Vec<dim>& J_;
+	const Vec<3>& J_;
 };
 
 /// sum of w f over the nodes of blocks.

@@ -28,6 +28,9 @@ public:
 	double ofNode(int node) const { return ownOfNode_[node]; } ///< W_ss
 	/// W of a place that the nodes of the facet bear with these shares.
 	double ofPlace(int facet, const Shares& share) const;
+	/// W of a node, and of such a place, with a node.
+	double between(int node, int other) const;
+	double between(int facet, const Shares& share, int other) const;
 	/// v_s' += W_s's J.
 	void push(Vec<2>* v, int node, const Vec<2>& J) const;
 	void push(Vec<2>* v, int facet, const Shares& share, const Vec<2>& J) const;
@@ -36,6 +39,12 @@ private:
 	static constexpr int carriers = mostPartners<2>;
 
 	template <class Row> void pushRow(Vec<2>* v, int begin, const Vec<2>& J, Row&& row) const;
+	/// Which block of a row that begins with block `begin` a node is in; it may be none.
+	int blockInRow(int begin, int node) const
+	{
+		const int k = node / nodesPerBlock - begin;
+		return k < 0 ? k + blocks_ : k;
+	}
 
 	int blocks_ = 0;                              ///< of the ring
 	int width_ = 0;                               ///< of a row, in blocks
@@ -60,6 +69,18 @@ public:
 	int padding() const;
 	double ofNode(int node) const { return ownOfNode_[node]; }
 	double ofPlace(int facet, const Shares& share) const;
+	double between(int node, int other) const
+	{
+		const Stretch& row = stretch(node, other / nodesPerSegment);
+		const int place = other % nodesPerSegment;
+		return weights(row)[place / nodesPerBlock].of[place % nodesPerBlock];
+	}
+	double between(int facet, const Shares& share, int other) const
+	{
+		const auto& [a, b, c] = carriersOfFacet_[facet];
+		return share[0] * between(a, other) + share[1] * between(b, other) +
+		       share[2] * between(c, other);
+	}
 	void push(Vec<3>* v, const BlockSet* marked, int node, const Vec<3>& J) const;
 	void push(Vec<3>* v, const BlockSet* marked, int facet, const Shares& share,
 		  const Vec<3>& J) const;
@@ -122,17 +143,39 @@ inline double FacetMobility::ofPlace(int facet, const Shares& share) const
 	return detail::quadraticForm(ownOfFacet_[facet], share);
 }
 
-/// row(k) is the row of W at the k-th of its blocks.
+/// row(k) is the row of W at the k-th of its blocks. (Most rows do not meet the end of the ring,
+/// and in these nothing is asked from block to block.)
 template <class Row>
 void OutlineMobility::pushRow(Vec<2>* v, int begin, const Vec<2>& J, Row&& row) const
 {
 	const BlockPush<2> add(J);
-	double* ring = v[0].data();
-	int block = begin;
-	for (int k = 0; k < width_; ++k) {
-		add(ring + block * numbersPerBlock<2>, row(k));
-		block = block + 1 < blocks_ ? block + 1 : 0;
-	}
+	const int blocks = blocks_, width = width_;
+	double* first = v[begin * nodesPerBlock].data();
+	if (begin + width <= blocks)
+		for (int k = 0; k < width; ++k)
+			add(first + k * numbersPerBlock<2>, row(k));
+	else
+		for (int k = 0; k < width; ++k) {
+			if (begin + k == blocks) first -= blocks * numbersPerBlock<2>;
+			add(first + k * numbersPerBlock<2>, row(k));
+		}
+}
+
+inline double OutlineMobility::between(int node, int other) const
+{
+	const int k = blockInRow(beginOfNode_[node], other);
+	return k < width_ ? rowOfNode_[node * width_ + k].of[other % nodesPerBlock] : 0;
+}
+
+inline double OutlineMobility::between(int facet, const Shares& share, int other) const
+{
+	const int k = blockInRow(beginOfFacet_[facet], other);
+	if (k >= width_) return 0;
+	const BlockWeights* W = &rowOfFacet_[(facet * width_ + k) * carriers];
+	double sum = 0;
+	for (int i = 0; i < carriers; ++i)
+		sum += share[i] * W[i].of[other % nodesPerBlock];
+	return sum;
 }
 
 inline void OutlineMobility::push(Vec<2>* v, int node, const Vec<2>& J) const
@@ -144,11 +187,11 @@ inline void OutlineMobility::push(Vec<2>* v, int node, const Vec<2>& J) const
 inline void OutlineMobility::push(Vec<2>* v, int facet, const Shares& share, const Vec<2>& J) const
 {
 	const BlockWeights* W = &rowOfFacet_[facet * width_ * carriers];
-	pushRow(v, beginOfFacet_[facet], J, [&](int k) {
-		FourNumbers sum = share[0] * W[k * carriers].all();
-		for (int i = 1; i < carriers; ++i)
-			sum += share[i] * W[k * carriers + i].all();
-		return sum;
+	const auto [a, b, c, d] = share; // copies, which pushes do not change
+	pushRow(v, beginOfFacet_[facet], J, [=](int k) {
+		const BlockWeights* of = W + k * carriers;
+		return FourNumbers((a * of[0].all() + b * of[1].all()) +
+				   (c * of[2].all() + d * of[3].all()));
 	});
 }
 
