@@ -2,10 +2,13 @@
 #include "contact/ContactSolver.hpp"
 #include "contact/SweepPlan.hpp"
 
+#include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <deque>
 #include <map>
+#include <numeric>
+#include <random>
 #include <set>
 
 using namespace softgrain;
@@ -100,36 +103,82 @@ TEST_CASE("Plan of sweeps: every pair once, no body in two tasks of a colour", "
 	int task = 0, pair = 0;
 	for (int colour = 0; colour < plan.colours(); ++colour) {
 		std::map<int, int> taskOf; // bodies of this colour
-		int longest = static_cast<int>(pairs.size());
-		for (; task < plan.colourEnd[colour]; ++task) {
-			CHECK(plan.taskEnd[task] - pair <= longest);
-			longest = plan.taskEnd[task] - pair;
+		for (; task < plan.colourEnd[colour]; ++task)
 			for (; pair < plan.taskEnd[task]; ++pair)
 				for (int body : { pairs[plan.pairs[pair]].first,
 						  pairs[plan.pairs[pair]].second })
 					if (body >= 0)
 						CHECK(taskOf.emplace(body, task).first->second ==
 						      task);
-		}
 	}
 	CHECK(plan.tasks() < static_cast<int>(crowd.lists.size()) / 2); // of two pairs and more
 }
 
-TEST_CASE("Plan of sweeps: neighbours share tasks", "[contact]")
+namespace {
+
+/// Bodies in a square lattice, numbered at random as those of a packing are.
+std::vector<BodiesOfPair> latticeOf(int side)
 {
+	std::vector<int> number(side * side);
+	std::iota(number.begin(), number.end(), 0);
+	std::shuffle(number.begin(), number.end(), std::mt19937(1));
 	std::vector<BodiesOfPair> pairs;
-	constexpr int side = 32;
-	auto touch = [&](int a, int b) { pairs.push_back({ a, b }); };
+	auto touch = [&](int a, int b) { pairs.push_back({ number[a], number[b] }); };
 	for (int i = 0; i < side; ++i)
 		for (int j = 0; j + 1 < side; ++j) {
 			touch(i * side + j, i * side + j + 1);
 			touch(j * side + i, (j + 1) * side + i);
 		}
+	return pairs;
+}
+
+} // namespace
+
+TEST_CASE("Plan of sweeps: neighbours share tasks", "[contact]")
+{
+	constexpr int side = 32;
+	const std::vector<BodiesOfPair> pairs = latticeOf(side);
 	const SweepPlan plan = planSweeps(pairs, side * side);
 	CHECK(plan.taskEnd[plan.colourEnd[0] - 1] > static_cast<int>(pairs.size()) / 2);
-	CHECK(plan.colours() < 10);
+	CHECK(plan.colours() < 12);
 	// the plan of the same pairs is the same
 	CHECK(planSweeps(pairs, side * side).pairs == plan.pairs);
+}
+
+TEST_CASE("Plan of sweeps: shares are all tasks, and of the same bodies in all colours",
+	  "[contact]")
+{
+	constexpr int side = 40;
+	const std::vector<BodiesOfPair> pairs = latticeOf(side);
+	const SweepPlan plan = planSweeps(pairs, side * side);
+	for (int parts : { 1, 2, 3, 7 }) {
+		CAPTURE(parts);
+		std::vector<std::set<int>> partsOf(side *
+						   side); // those that have a pair of the body
+		int largest = 0, first = 0;
+		for (int colour = 0; colour < plan.colours(); ++colour) {
+			for (int part = 0; part < parts; ++part) {
+				const auto [begin, end] = plan.shareOf(colour, part, parts);
+				REQUIRE(begin == first);
+				REQUIRE(end >= begin);
+				first = end;
+				const int from = begin > 0 ? plan.taskEnd[begin - 1] : 0;
+				const int to = end > 0 ? plan.taskEnd[end - 1] : 0;
+				if (colour == 0) largest = std::max(largest, to - from);
+				for (int k = from; k < to; ++k)
+					for (int body : { pairs[plan.pairs[k]].first,
+							  pairs[plan.pairs[k]].second })
+						partsOf[body].insert(part);
+			}
+			REQUIRE(first == plan.colourEnd[colour]);
+		}
+		const int mean = plan.taskEnd[plan.colourEnd[0] - 1] / parts;
+		CHECK(largest <= mean + 24); // pairs of a cluster of 16 in a square lattice
+		const auto shared =
+			std::count_if(partsOf.begin(), partsOf.end(),
+				      [](const std::set<int>& p) { return p.size() > 1; });
+		CHECK(shared <= side * side * (parts - 1) / 8);
+	}
 }
 
 TEST_CASE("Plan of sweeps: tasks that share a cluster follow one another", "[contact]")

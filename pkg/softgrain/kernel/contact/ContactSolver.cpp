@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <omp.h>
 #include <stdexcept>
 #include <utility>
 
@@ -185,26 +186,26 @@ void ContactSolver<dim>::noteNodesInContact(std::vector<ContactBody<dim>>& bodie
 	});
 }
 
-/// (Tasks go to the threads in turn, the longest first: so each has about as much of a colour.)
 template <int dim>
 template <class Visit>
-void ContactSolver<dim>::forEachPair(SweepOrder order, Visit&& visit, int times)
+void ContactSolver<dim>::forEachPair(SweepOrder order, Visit&& visit, int times) const
 {
 	const int colours = plan_.colours();
 #pragma omp parallel num_threads(threads_) if (threads_ > 1)
 	for (int i = 0; i < colours; ++i) {
 		const int colour = order == SweepOrder::forwards ? i : colours - 1 - i;
-		const int begin = colour > 0 ? plan_.colourEnd[colour - 1] : 0;
-#pragma omp for schedule(static, 1)
-		for (int task = begin; task < plan_.colourEnd[colour]; ++task)
+		const auto [begin, end] =
+			plan_.shareOf(colour, omp_get_thread_num(), omp_get_num_threads());
+		for (int task = begin; task < end; ++task)
 			for (int turn = 0; turn < times; ++turn)
 				forEachPairOf(task, order, visit);
+#pragma omp barrier
 	}
 }
 
 template <int dim>
 template <class Visit>
-void ContactSolver<dim>::forEachPairOf(int task, SweepOrder order, Visit&& visit)
+void ContactSolver<dim>::forEachPairOf(int task, SweepOrder order, Visit&& visit) const
 {
 	const int begin = task > 0 ? plan_.taskEnd[task - 1] : 0, end = plan_.taskEnd[task];
 	if (order == SweepOrder::forwards)
@@ -373,11 +374,10 @@ template <int dim> void ContactSolver<dim>::separateRigidBodies(double dt)
 template <int dim> std::vector<ResidualSum> ContactSolver<dim>::residualsOfPairs() const
 {
 	std::vector<ResidualSum> sums(count_);
-#pragma omp parallel for schedule(static) num_threads(threads_) if (threads_ > 1)
-	for (int k = 0; k < count_; ++k) {
+	forEachPair(SweepOrder::forwards, [&](int k) {
 		fetchAfter(k, SweepOrder::forwards);
 		sums[k] = withPair(k, [](const auto& pair) { return pair.residual(); });
-	}
+	});
 	return sums;
 }
 

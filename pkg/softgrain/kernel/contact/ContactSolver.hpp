@@ -80,8 +80,9 @@ private:
 	void noteNodesInContact(std::vector<ContactBody<dim>>& bodies);
 	/// Calls with the numbers of all pairs, colour by colour, those of a task so many times in
 	/// a row; `visit` may not throw.
-	template <class Visit> void forEachPair(SweepOrder order, Visit&& visit, int times = 1);
-	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit);
+	template <class Visit>
+	void forEachPair(SweepOrder order, Visit&& visit, int times = 1) const;
+	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit) const;
 	/// Whether what sweeps work on is still there from the sweep before.
 	bool staysInCache() const;
 	/// Of pair k, if there is one.

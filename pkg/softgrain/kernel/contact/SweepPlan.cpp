@@ -52,25 +52,33 @@ private:
 	std::vector<int> begin_, neighbour_;
 };
 
-/// Number of the cluster of each body: neighbours of neighbours, breadth first.
+/// Number of the cluster of each body: neighbours of neighbours, breadth first, and each cluster
+/// beside an earlier one if there is room, so that neighbouring clusters have neighbouring numbers.
 std::vector<int> clustersOf(const Graph& graph, int bodies)
 {
 	constexpr int none = -1;
-	std::vector<int> cluster(bodies, none), members;
+	std::vector<int> cluster(bodies, none), gathered; // in the order of the clusters
 	int clusters = 0;
+	auto gather = [&](int first) {
+		std::size_t k = gathered.size(), end = k + bodiesPerCluster;
+		auto add = [&](int body) {
+			if (cluster[body] != none || gathered.size() >= end) return;
+			cluster[body] = clusters;
+			gathered.push_back(body);
+		};
+		add(first);
+		for (; k < gathered.size(); ++k)
+			graph.forEachNeighbour(gathered[k], add);
+		++clusters;
+	};
+	std::size_t grown = 0; // of `gathered`, those whose neighbours have all been met
 	for (int first = 0; first < bodies; ++first) {
 		if (cluster[first] != none) continue;
-		members.assign(1, first);
-		cluster[first] = clusters;
-		for (std::size_t k = 0; k < members.size(); ++k)
-			graph.forEachNeighbour(members[k], [&](int b) {
-				if (cluster[b] != none ||
-				    static_cast<int>(members.size()) >= bodiesPerCluster)
-					return;
-				cluster[b] = clusters;
-				members.push_back(b);
+		gather(first);
+		for (; grown < gathered.size(); ++grown)
+			graph.forEachNeighbour(gathered[grown], [&](int b) {
+				if (cluster[b] == none) gather(b);
 			});
-		++clusters;
 	}
 	return cluster;
 }
@@ -137,10 +145,7 @@ SweepPlan planSweeps(const std::vector<BodiesOfPair>& pairs, int bodies)
 	const auto tasks = tasksOf(pairs, cluster, order);
 	SweepPlan plan;
 	plan.pairs.reserve(pairs.size());
-	for (auto& colour : coloursOf(tasks, bodies)) {
-		std::stable_sort(colour.begin(), colour.end(), [](const Task* a, const Task* b) {
-			return a->end - a->begin > b->end - b->begin;
-		});
+	for (const auto& colour : coloursOf(tasks, bodies)) {
 		for (const Task* task : colour) {
 			plan.pairs.insert(plan.pairs.end(), order.begin() + task->begin,
 					  order.begin() + task->end);
@@ -149,6 +154,22 @@ SweepPlan planSweeps(const std::vector<BodiesOfPair>& pairs, int bodies)
 		plan.colourEnd.push_back(plan.tasks());
 	}
 	return plan;
+}
+
+std::pair<int, int> SweepPlan::shareOf(int colour, int part, int parts) const
+{
+	const int first = colour > 0 ? colourEnd[colour - 1] : 0, end = colourEnd[colour];
+	auto pairsBefore = [this](int task) { return task > 0 ? taskEnd[task - 1] : 0; };
+	const int pairs = pairsBefore(end) - pairsBefore(first);
+	// tasks the middle of which lies in the first k of `parts` shares of the pairs
+	auto endOf = [&](int k) {
+		const double limit = pairsBefore(first) + static_cast<double>(pairs) * k / parts;
+		int task = first;
+		while (task < end && pairsBefore(task) + taskEnd[task] < 2 * limit)
+			++task;
+		return task;
+	};
+	return { endOf(part), endOf(part + 1) };
 }
 
 } // namespace softgrain

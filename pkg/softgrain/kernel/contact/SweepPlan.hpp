@@ -1,6 +1,7 @@
 // In which order the pairs of bodies are swept, and which of them at the same time.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 namespace softgrain {
@@ -28,6 +29,9 @@ struct SweepPlan {
 
 	int colours() const { return static_cast<int>(colourEnd.size()); }
 	int tasks() const { return static_cast<int>(taskEnd.size()); }
+	/// Of the tasks of a colour the part-th of `parts` shares, from the first one to before the
+	/// last: about as many pairs in each, and mostly the same bodies in all colours.
+	std::pair<int, int> shareOf(int colour, int part, int parts) const;
 };
 
 /// Plan for pairs of so many bodies.
