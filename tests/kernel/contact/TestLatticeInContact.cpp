@@ -1,6 +1,7 @@
 // Grains as they are in a packing: with real tables, in contact on all sides.
 #include "Helpers.hpp"
 #include "contact/ContactSolver.hpp"
+#include "contact/CoulombCone.hpp"
 #include "contact/Search.hpp"
 #include "reference/GrainTemplate.hpp"
 
@@ -41,6 +42,20 @@ public:
 	}
 	Lattice(const Lattice&) = delete;
 
+	void findAllContacts()
+	{
+		const double reach = 0.02;
+		for (ContactList<dim>& list : lists_)
+			if (list.second < 0)
+				findContacts(body[list.first], reach, list);
+			else if (list.second != list.first)
+				findContacts(body[list.first], body[list.second], reach, list);
+			else {
+				ContactBody<dim> image;
+				image.becomeImage(body[list.first], list.image.shift);
+				findContacts(body[list.first], image, reach, list);
+			}
+	}
 	/// All velocities as at the start; grains at other places along the first axis have other
 	/// contacts.
 	void solve(ContactSolver<dim>& solver, double shear, int threads)
@@ -55,20 +70,10 @@ public:
 			b.updateGeometry();
 			b.prepareSolve();
 		}
+		findAllContacts();
 		std::vector<ContactList<dim>*> lists;
-		for (ContactList<dim>& list : lists_) {
-			const double reach = 0.02;
-			if (list.second < 0)
-				findContacts(body[list.first], reach, list);
-			else if (list.second != list.first)
-				findContacts(body[list.first], body[list.second], reach, list);
-			else {
-				ContactBody<dim> image;
-				image.becomeImage(body[list.first], list.image.shift);
-				findContacts(body[list.first], image, reach, list);
-			}
+		for (ContactList<dim>& list : lists_)
 			lists.push_back(&list);
-		}
 		solver.prepare(body, lists, 1e-3, {}, threads);
 		const SolverReport report = solver.solve();
 		CHECK(report.active > 100);
@@ -88,6 +93,26 @@ public:
 					      c.partner[i], largest, change);
 			}
 		return largest / change;
+	}
+
+	/// The problem of each list on its own, after the four sweeps of every step.
+	std::vector<ContactProblem<dim>> sweptAlone()
+	{
+		std::vector<ContactProblem<dim>> problems;
+		SolverSettings settings;
+		settings.tolerance = 1e9;
+		Random random(2);
+		for (ContactList<dim>& list : lists_) {
+			for (ContactBody<dim>& b : body)
+				b.prepareSolve();
+			for (Contact<dim>& c : list.contacts)
+				c.impulse = 0.1 * c.normal + 0.1 * random.vector<dim>();
+			ContactSolver<dim> solver;
+			solver.prepare(body, { &list }, 1e-3, settings);
+			CHECK(solver.solve().sweeps == 4);
+			problems.push_back(solver.problem());
+		}
+		return problems;
 	}
 
 private:
@@ -142,7 +167,38 @@ private:
 	std::vector<std::vector<Vec<dim>>> start_;
 };
 
+/// Impulses after two sweeps backwards and two forwards, each contact with the velocity that all
+/// impulses make.
+template <int dim> std::vector<Vec<dim>> sweptByHand(ContactProblem<dim> problem)
+{
+	problem.impulse = problem.start;
+	const int count = problem.contacts();
+	for (int visit = 0; visit < 4 * count; ++visit) {
+		const int place = visit % count;
+		const int k = visit < 2 * count ? count - 1 - place : place;
+		problem.impulse[k] = solvedContact<dim>(
+			problem.impulse[k], problem.velocity()[k], problem.normal[k],
+			problem.bias[k], 1 / problem.mobility(k), problem.friction[k]);
+	}
+	return problem.impulse;
+}
+
 } // namespace
+
+TEMPLATE_TEST_CASE_SIG("Solver: each contact is solved with what those before it did", "[contact]",
+		       ((int dim), dim), 2, 3)
+{
+	Lattice<dim> lattice;
+	lattice.findAllContacts();
+	int contacts = 0;
+	for (const ContactProblem<dim>& problem : lattice.sweptAlone()) {
+		const std::vector<Vec<dim>> byHand = sweptByHand(problem);
+		for (int k = 0; k < problem.contacts(); ++k)
+			CHECK((problem.impulse[k] - byHand[k]).norm() < 1e-11);
+		contacts += problem.contacts();
+	}
+	CHECK(contacts > 100);
+}
 
 TEMPLATE_TEST_CASE_SIG("Solver: grains in contact on all sides move as their impulses say",
 		       "[contact]", ((int dim), dim), 2, 3)
