@@ -7,6 +7,7 @@
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 
 using namespace softgrain;
 using namespace softgrain::testing;
@@ -95,16 +96,21 @@ public:
 		return largest / change;
 	}
 
-	/// The problem of each list on its own, after the four sweeps of every step.
-	std::vector<ContactProblem<dim>> sweptAlone()
+	/// The problem of each list on its own, after the four sweeps of every step; with W as it
+	/// is laid out for sweeps, or as a sparse table.
+	std::vector<ContactProblem<dim>> sweptAlone(bool laidOut)
 	{
 		std::vector<ContactProblem<dim>> problems;
 		SolverSettings settings;
 		settings.tolerance = 1e9;
 		Random random(2);
 		for (ContactList<dim>& list : lists_) {
-			for (ContactBody<dim>& b : body)
-				b.prepareSolve();
+			for (std::size_t g = 0; g < body.size(); ++g) {
+				body[g].velocity = start_[g];
+				body[g].surfaceMobility =
+					laidOut ? &template_->surfaceMobility : nullptr;
+				body[g].prepareSolve();
+			}
 			for (Contact<dim>& c : list.contacts)
 				c.impulse = 0.1 * c.normal + 0.1 * random.vector<dim>();
 			ContactSolver<dim> solver;
@@ -188,10 +194,11 @@ template <int dim> std::vector<Vec<dim>> sweptByHand(ContactProblem<dim> problem
 TEMPLATE_TEST_CASE_SIG("Solver: each contact is solved with what those before it did", "[contact]",
 		       ((int dim), dim), 2, 3)
 {
+	const bool laidOut = GENERATE(true, false);
 	Lattice<dim> lattice;
 	lattice.findAllContacts();
 	int contacts = 0;
-	for (const ContactProblem<dim>& problem : lattice.sweptAlone()) {
+	for (const ContactProblem<dim>& problem : lattice.sweptAlone(laidOut)) {
 		const std::vector<Vec<dim>> byHand = sweptByHand(problem);
 		for (int k = 0; k < problem.contacts(); ++k)
 			CHECK((problem.impulse[k] - byHand[k]).norm() < 1e-11);

@@ -77,6 +77,8 @@ template <int dim> void checkPushes(const GrainTemplate<dim>& grain, int every =
 	for (int s = 0; s < nodes; ++s) {
 		const Vec<dim> J = random.vector<dim>();
 		CHECK(surface.ofNode(s) == W(s, s));
+		for (int other = 0; other < nodes; ++other)
+			CHECK(surface.between(s, other) == W(s, other));
 		push<dim>(surface, marks.marked, v, s, J);
 		expected += W.col(s) * J.transpose();
 	}
@@ -87,6 +89,9 @@ template <int dim> void checkPushes(const GrainTemplate<dim>& grain, int every =
 		for (std::size_t i = 0; i < share.size(); ++i)
 			shares[carrier[i]] += share[i] = random.uniform(-0.2, 1);
 		const Vec<dim> J = random.vector<dim>();
+		for (int other = 0; other < nodes; ++other)
+			CHECK_THAT(surface.between(static_cast<int>(f), share, other),
+				   WithinAbs(shares.dot(W.col(other)), 1e-14 * W(other, other)));
 		const double own = shares.dot(W * shares);
 		CHECK_THAT(surface.ofPlace(static_cast<int>(f), share),
 			   WithinAbs(own, 1e-12 * own));

@@ -90,7 +90,8 @@ void ContactSolver<dim>::plan(const std::vector<ContactList<dim>*>& lists, int g
 	for (ContactList<dim>* list : lists) {
 		if (list->contacts.empty()) continue;
 		lists_.push_back(list);
-		bodiesOf_.push_back({ list->first, list->sharedSecond(grains) });
+		bodiesOf_.push_back(
+			{ list->first, list->sharedSecond(grains), rigidContactsPerPair });
 	}
 	if (rigidContacts)
 		for (const RigidContact<dim>& c : *rigidContacts) {
@@ -152,17 +153,17 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 			rigidPairs_[index].prepare(bodies, *lists_[pair], *partners, dt, settings);
 		else
 			pairs_[index].prepare(bodies, *lists_[pair], dt, settings,
-					      &constraints_[begin_[k]]);
+					      &constraints_[constraintsBegin_[k]]);
 	});
 }
 
 template <int dim> void ContactSolver<dim>::makeRoomForConstraints()
 {
 	std::size_t end = 0;
-	begin_.clear();
+	constraintsBegin_.assign(1, end);
 	for (int k = 0; k < count_; ++k) {
-		begin_.push_back(end);
 		if (slot_[k].kind == Kind::grains) end += lists_[plan_.pairs[k]]->contacts.size();
+		constraintsBegin_.push_back(end);
 	}
 	if (end > constraints_.size()) constraints_.resize(end);
 }
@@ -254,10 +255,12 @@ template <int dim> void ContactSolver<dim>::fetchForPrepare(int k) const
 	if (const auto* list = listOf(next + pairsAhead)) fetchBytes(list, list + 1);
 	if (const auto* list = listOf(next))
 		fetchBytes(list->contacts.data(), list->contacts.data() + list->contacts.size());
+	if (next < count_)
+		fetchBytes(constraints_.data() + constraintsBegin_[next],
+			   constraints_.data() + constraintsBegin_[next + 1]);
 	// a pair of another task may be changed by another thread while it is looked at
 	if (threads_ > 1 && next < count_ && slot_[next].task != slot_[k].task) return;
 	fetch(next, &PairSolver<dim>::fetchBodies);
-	fetch(next, &PairSolver<dim>::fetchConstraints);
 	fetch(next, &PairSolver<dim>::fetchVelocities);
 }
 

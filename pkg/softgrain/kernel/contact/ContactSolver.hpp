@@ -34,6 +34,7 @@ struct SolverReport {
 	bool converged = true; ///< residual <= tolerance within maxSweeps
 };
 
+/// A copy has to be prepared before it is asked anything: its pairs still look at the original.
 template <int dim> class ContactSolver {
 public:
 	/// Takes all contacts of `lists`, whose bodies are in `bodies`, and applies the impulses
@@ -148,10 +149,11 @@ private:
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare
 	std::vector<RigidPairSolver<dim>> rigidPairs_; ///< the same with rigid bodies
 	std::vector<RigidContactSolver<dim>> rigidContacts_; ///< the same of rigid bodies alone
-	/// Of the pairs of grains, pair after pair in the order of the sweeps, and where those of
-	/// each pair of `slot_` begin: memory is gone through as it lies.
+	/// Of the pairs of grains, pair after pair in the order of the sweeps, so that memory is
+	/// gone through as it lies; and where those of each pair of `slot_` begin, at last their
+	/// end.
 	std::vector<typename PairSolver<dim>::Constraint> constraints_;
-	std::vector<std::size_t> begin_;
+	std::vector<std::size_t> constraintsBegin_;
 	int count_ = 0;
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	std::vector<long> visits_;        ///< of contacts, by pairs on their own

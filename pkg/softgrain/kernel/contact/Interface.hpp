@@ -70,8 +70,8 @@ public:
 	/// What the law asks of the contacts in the step at hand: apply(c, p) hands its impulses
 	/// on; if the other body is rigid, so that there may be a restitution, approach(c) is u
 	/// half a step before t_n.
-	template <class Constraint, class Apply, class Approach>
-	void engage(Constraint& constraints, const std::vector<Contact<dim>>& contacts,
+	template <class Constraints, class Apply, class Approach>
+	void engage(Constraints& constraints, const std::vector<Contact<dim>>& contacts,
 		    const std::vector<ContactArea>& areas, bool onRigid, Apply&& apply,
 		    Approach&& approach);
 	/// What became of contact k in the step: reaction r', velocity u after it, with the gap of
@@ -101,8 +101,8 @@ private:
 };
 
 template <int dim>
-template <class Constraint, class Apply, class Approach>
-void PairInterface<dim>::engage(Constraint& constraints, const std::vector<Contact<dim>>& contacts,
+template <class Constraints, class Apply, class Approach>
+void PairInterface<dim>::engage(Constraints& constraints, const std::vector<Contact<dim>>& contacts,
 				const std::vector<ContactArea>& areas, bool onRigid, Apply&& apply,
 				Approach&& approach)
 {

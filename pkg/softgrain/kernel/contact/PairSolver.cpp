@@ -6,6 +6,7 @@
 #include "material/Lanes.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace softgrain {
 
@@ -167,6 +168,7 @@ template <int dim> void PairSolver<dim>::fetchContacts() const
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweep(SweepOrder order)
 {
+	assert(contacts() > 0);
 	const int step = order == SweepOrder::forwards ? 1 : -1;
 	return withFriction([&](auto&& friction) {
 		SweepChange sum;

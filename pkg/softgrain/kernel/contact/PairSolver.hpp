@@ -10,6 +10,8 @@
 #include "contact/SolverSettings.hpp"
 #include "contact/Sweep.hpp"
 
+#include <array>
+#include <cstddef>
 #include <vector>
 
 namespace softgrain {
@@ -40,9 +42,12 @@ public:
 		{
 		}
 		std::size_t size() const { return count_; }
-		Constraint& operator[](std::size_t k) const { return first_[k]; }
-		Constraint* begin() const { return first_; }
-		Constraint* end() const { return first_ + count_; }
+		Constraint& operator[](std::size_t k) { return first_[k]; }
+		const Constraint& operator[](std::size_t k) const { return first_[k]; }
+		Constraint* begin() { return first_; }
+		Constraint* end() { return first_ + count_; }
+		const Constraint* begin() const { return first_; }
+		const Constraint* end() const { return first_ + count_; }
 
 	private:
 		Constraint* first_ = nullptr;
@@ -54,13 +59,13 @@ public:
 	/// constraints are to be kept until the next call, one for each contact.
 	void prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>& list, double dt,
 		     const SolverSettings& settings, Constraint* room);
-	/// Ask for memory that will be worked on. All but the last may come before `prepare`: they
-	/// go by addresses of the last step then, and read nothing through them.
+	/// Ask for memory that will be worked on. The first two may come before `prepare`: they go
+	/// by addresses of the last step then, and read nothing through them.
 	void fetchBodies() const;      ///< `prepare`
-	void fetchConstraints() const; ///< `prepare`, `sweep`, `residual`
-	void fetchVelocities() const;  ///< the same
+	void fetchVelocities() const;  ///< `prepare`, `sweep`, `residual`
+	void fetchConstraints() const; ///< the last two
 	void fetchContacts() const;    ///< `finish`
-	/// Solves each contact once, the others held.
+	/// Solves each contact once, the others held; there must be one.
 	SweepChange sweep(SweepOrder order);
 	/// Solves all contacts together, those of other pairs held, until the violation (that of
 	/// `residual`) is at most so much or the cap is hit; returns the number of sweeps.

@@ -1,4 +1,5 @@
-// A sweep of nonlinear Gauss-Seidel over the contacts of a pair, of whichever kind.
+// A sweep of nonlinear Gauss-Seidel over the contacts of a pair. (Pairs of grains have one of their
+// own, PairSolver::sweep.)
 #pragma once
 
 #include <algorithm>

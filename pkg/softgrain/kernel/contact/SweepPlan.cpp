@@ -46,8 +46,8 @@ private:
 	template <class Visit>
 	static void forEachEdge(const std::vector<BodiesOfPair>& pairs, Visit&& visit)
 	{
-		for (const auto& [first, second] : pairs)
-			if (second >= 0) visit(first, second);
+		for (const BodiesOfPair& pair : pairs)
+			if (pair.second >= 0) visit(pair.first, pair.second);
 	}
 	std::vector<int> begin_, neighbour_;
 };
@@ -98,8 +98,8 @@ std::vector<Task> tasksOf(const std::vector<BodiesOfPair>& pairs, const std::vec
 	using Key = std::tuple<bool, int, int, int>; // across, clusters, number of the pair
 	std::vector<Key> keys;
 	keys.reserve(pairs.size());
-	for (const auto& [first, second] : pairs) {
-		const int a = cluster[first], b = second >= 0 ? cluster[second] : a;
+	for (const BodiesOfPair& pair : pairs) {
+		const int a = cluster[pair.first], b = pair.second >= 0 ? cluster[pair.second] : a;
 		keys.emplace_back(a != b, std::min(a, b), std::max(a, b), keys.size());
 	}
 	std::sort(keys.begin(), keys.end());
@@ -145,11 +145,18 @@ SweepPlan planSweeps(const std::vector<BodiesOfPair>& pairs, int bodies)
 	const auto tasks = tasksOf(pairs, cluster, order);
 	SweepPlan plan;
 	plan.pairs.reserve(pairs.size());
-	for (const auto& colour : coloursOf(tasks, bodies)) {
+	long work = 0;
+	for (auto& colour : coloursOf(tasks, bodies)) {
+		std::stable_sort(colour.begin(), colour.end(), [](const Task* a, const Task* b) {
+			return std::tie(a->first, a->second) < std::tie(b->first, b->second);
+		});
 		for (const Task* task : colour) {
-			plan.pairs.insert(plan.pairs.end(), order.begin() + task->begin,
-					  order.begin() + task->end);
+			for (int k = task->begin; k < task->end; ++k) {
+				plan.pairs.push_back(order[k]);
+				work += pairs[order[k]].work;
+			}
 			plan.taskEnd.push_back(static_cast<int>(plan.pairs.size()));
+			plan.workEnd.push_back(work);
 		}
 		plan.colourEnd.push_back(plan.tasks());
 	}
@@ -159,13 +166,13 @@ SweepPlan planSweeps(const std::vector<BodiesOfPair>& pairs, int bodies)
 std::pair<int, int> SweepPlan::shareOf(int colour, int part, int parts) const
 {
 	const int first = colour > 0 ? colourEnd[colour - 1] : 0, end = colourEnd[colour];
-	auto pairsBefore = [this](int task) { return task > 0 ? taskEnd[task - 1] : 0; };
-	const int pairs = pairsBefore(end) - pairsBefore(first);
-	// tasks the middle of which lies in the first k of `parts` shares of the pairs
+	auto workBefore = [this](int task) { return task > 0 ? workEnd[task - 1] : 0; };
+	const long before = workBefore(first), work = workBefore(end) - before;
+	// the task behind those whose middle lies within the first k of `parts` shares of the work
 	auto endOf = [&](int k) {
-		const double limit = pairsBefore(first) + static_cast<double>(pairs) * k / parts;
+		const double limit = before + static_cast<double>(work) * k / parts;
 		int task = first;
-		while (task < end && pairsBefore(task) + taskEnd[task] < 2 * limit)
+		while (task < end && workBefore(task) + workEnd[task] < 2 * limit)
 			++task;
 		return task;
 	};

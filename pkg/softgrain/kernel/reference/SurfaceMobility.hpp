@@ -6,6 +6,7 @@
 #include "reference/Outline.hpp"
 #include "reference/SparseRows.hpp"
 
+#include <array>
 #include <type_traits>
 
 namespace softgrain {
@@ -150,14 +151,14 @@ void OutlineMobility::pushRow(Vec<2>* v, int begin, const Vec<2>& J, Row&& row) 
 {
 	const BlockPush<2> add(J);
 	const int blocks = blocks_, width = width_;
-	double* first = v[begin * nodesPerBlock].data();
+	double* ring = v[0].data();
 	if (begin + width <= blocks)
 		for (int k = 0; k < width; ++k)
-			add(first + k * numbersPerBlock<2>, row(k));
+			add(ring + (begin + k) * numbersPerBlock<2>, row(k));
 	else
 		for (int k = 0; k < width; ++k) {
-			if (begin + k == blocks) first -= blocks * numbersPerBlock<2>;
-			add(first + k * numbersPerBlock<2>, row(k));
+			const int block = begin + k < blocks ? begin + k : begin + k - blocks;
+			add(ring + block * numbersPerBlock<2>, row(k));
 		}
 }
 
@@ -187,7 +188,7 @@ inline void OutlineMobility::push(Vec<2>* v, int node, const Vec<2>& J) const
 inline void OutlineMobility::push(Vec<2>* v, int facet, const Shares& share, const Vec<2>& J) const
 {
 	const BlockWeights* W = &rowOfFacet_[facet * width_ * carriers];
-	const auto [a, b, c, d] = share; // copies, which pushes do not change
+	const double a = share[0], b = share[1], c = share[2], d = share[3]; // pushes change none
 	pushRow(v, beginOfFacet_[facet], J, [=](int k) {
 		const BlockWeights* of = W + k * carriers;
 		return FourNumbers((a * of[0].all() + b * of[1].all()) +
