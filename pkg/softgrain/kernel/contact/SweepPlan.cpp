@@ -52,33 +52,25 @@ private:
 	std::vector<int> begin_, neighbour_;
 };
 
-/// Number of the cluster of each body: neighbours of neighbours, breadth first, and each cluster
-/// beside an earlier one if there is room, so that neighbouring clusters have neighbouring numbers.
+/// Number of the cluster of each body: neighbours of neighbours, breadth first.
 std::vector<int> clustersOf(const Graph& graph, int bodies)
 {
 	constexpr int none = -1;
-	std::vector<int> cluster(bodies, none), gathered; // in the order of the clusters
+	std::vector<int> cluster(bodies, none), members;
 	int clusters = 0;
-	auto gather = [&](int first) {
-		std::size_t k = gathered.size(), end = k + bodiesPerCluster;
-		auto add = [&](int body) {
-			if (cluster[body] != none || gathered.size() >= end) return;
-			cluster[body] = clusters;
-			gathered.push_back(body);
-		};
-		add(first);
-		for (; k < gathered.size(); ++k)
-			graph.forEachNeighbour(gathered[k], add);
-		++clusters;
-	};
-	std::size_t grown = 0; // of `gathered`, those whose neighbours have all been met
 	for (int first = 0; first < bodies; ++first) {
 		if (cluster[first] != none) continue;
-		gather(first);
-		for (; grown < gathered.size(); ++grown)
-			graph.forEachNeighbour(gathered[grown], [&](int b) {
-				if (cluster[b] == none) gather(b);
+		members.assign(1, first);
+		cluster[first] = clusters;
+		for (std::size_t k = 0; k < members.size(); ++k)
+			graph.forEachNeighbour(members[k], [&](int b) {
+				if (cluster[b] != none ||
+				    static_cast<int>(members.size()) >= bodiesPerCluster)
+					return;
+				cluster[b] = clusters;
+				members.push_back(b);
 			});
+		++clusters;
 	}
 	return cluster;
 }
@@ -116,6 +108,29 @@ std::vector<Task> tasksOf(const std::vector<BodiesOfPair>& pairs, const std::vec
 	return tasks;
 }
 
+/// Place of each cluster in a row in which neighbours are near each other: breadth first.
+std::vector<int> placesOf(const std::vector<Task>& tasks, int clusters)
+{
+	std::vector<BodiesOfPair> neighbours;
+	for (const Task& task : tasks)
+		if (task.across) neighbours.push_back({ task.first, task.second });
+	const Graph graph(neighbours, clusters);
+	constexpr int none = -1;
+	std::vector<int> place(clusters, none), row;
+	auto add = [&](int cluster) {
+		if (place[cluster] != none) return;
+		place[cluster] = static_cast<int>(row.size());
+		row.push_back(cluster);
+	};
+	std::size_t grown = 0; // of the row, those whose neighbours have been added
+	for (int first = 0; first < clusters; ++first) {
+		add(first);
+		for (; grown < row.size(); ++grown)
+			graph.forEachNeighbour(row[grown], add);
+	}
+	return place;
+}
+
 /// Puts each task into the first colour none of whose tasks shares a cluster with it.
 std::vector<std::vector<const Task*>> coloursOf(const std::vector<Task>& tasks, int clusters)
 {
@@ -145,10 +160,14 @@ SweepPlan planSweeps(const std::vector<BodiesOfPair>& pairs, int bodies)
 	const auto tasks = tasksOf(pairs, cluster, order);
 	SweepPlan plan;
 	plan.pairs.reserve(pairs.size());
+	const std::vector<int> place = placesOf(tasks, bodies);
+	auto placeOf = [&](const Task* task) {
+		return std::minmax(place[task->first], place[task->second]);
+	};
 	long work = 0;
 	for (auto& colour : coloursOf(tasks, bodies)) {
-		std::stable_sort(colour.begin(), colour.end(), [](const Task* a, const Task* b) {
-			return std::tie(a->first, a->second) < std::tie(b->first, b->second);
+		std::stable_sort(colour.begin(), colour.end(), [&](const Task* a, const Task* b) {
+			return placeOf(a) < placeOf(b);
 		});
 		for (const Task* task : colour) {
 			for (int k = task->begin; k < task->end; ++k) {

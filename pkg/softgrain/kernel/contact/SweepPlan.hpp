@@ -21,9 +21,9 @@ struct BodiesOfPair {
 /// Bodies are gathered in *clusters* of neighbours. The pairs within a cluster are one *task*,
 /// those between two clusters another: a task is swept by one thread, pair after pair, while its
 /// bodies are at hand in the cache. Tasks of one *colour* have no cluster in common, so threads
-/// share them; colours follow one another. Within a colour tasks are in the order of their
-/// clusters, neighbours beside each other, so that a thread meets the same bodies again. The plan
-/// depends on the pairs alone, however many threads follow it.
+/// share them; colours follow one another. Within a colour tasks of neighbouring clusters are near
+/// each other, so that a thread meets the same bodies again. The plan depends on the pairs alone,
+/// however many threads follow it.
 struct SweepPlan {
 	std::vector<int> pairs;     ///< numbers of the pairs, task by task
 	std::vector<int> taskEnd;   ///< number of pairs up to the end of each task
