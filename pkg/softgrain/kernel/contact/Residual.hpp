@@ -38,7 +38,8 @@ public:
 	double violation() const { return violation_; } ///< sum W |rho|^2
 	/// What the violation is to be compared with: the square of the residual's denominator.
 	double scale() const { return std::max(present_, wanted_); }
-	double value() const { return violation_ > 0 ? std::sqrt(violation_ / scale()) : 0; }
+	/// Not a number where an impulse or a velocity is none.
+	double value() const { return violation_ == 0 ? 0 : std::sqrt(violation_ / scale()); }
 
 private:
 	double violation_ = 0, present_ = 0, wanted_ = 0; ///< kg m^2/s^2

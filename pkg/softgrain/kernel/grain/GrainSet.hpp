@@ -154,7 +154,8 @@ public:
 				    double& /*after*/) const
 	{
 	}
-	/// What has to be done for several grains together before they move. Parallel.
+	/// What has to be done for several grains together before they move, if anything. Parallel.
+	virtual bool preparesMove() const { return false; }
 	virtual void prepareMove(int /*threads*/) {}
 	/// The new velocities become the present ones, and the grain moves by dt.
 	virtual void move(int g, double dt) = 0;

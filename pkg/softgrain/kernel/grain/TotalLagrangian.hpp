@@ -81,6 +81,7 @@ public:
 	void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 			 double& after) const override;
 	void addDampingLoss(int g, double kick, double& before, double& after) const override;
+	bool preparesMove() const override { return pointVelocities_.has_value(); }
 	void prepareMove(int threads) override;
 	void move(int g, double dt) override;
 	VelocityRange<dim> contactVelocityRange(int g) const override;

@@ -220,7 +220,7 @@ void System<dim>::fallAsleep(const std::vector<ContactList<dim>*>& lists, StepRe
 		const int k = indexInSet(g);
 		report.droppedEnergy += set.kineticEnergy(k);
 		report.droppedMomentum += set.fallAsleep(k).norm();
-		kinetic_[g] = 0;
+		if (!works_.empty()) works_[g].kinetic = 0;
 		resting_[g] = 0;
 	}
 	for (ContactList<dim>* list : lists) {

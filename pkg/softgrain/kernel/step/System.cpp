@@ -164,15 +164,24 @@ template <int dim> double System<dim>::kickTime(double dt) const
 	return continuation_.lastStep > 0 ? 0.5 * (continuation_.lastStep + dt) : dt;
 }
 
-/// Velocities without contact, of the nodes and of the contact nodes.
+/// Velocities without contact, of the nodes and of the contact nodes; stops if one is not finite.
 template <int dim>
 void System<dim>::predictVelocities(const std::vector<char>& touched, const StepSettings& settings)
 {
 	const double kick = kickTime(settings.dt);
+	finite_.resize(grains());
 	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		set.predictVelocities(k, kick, loads_[g]);
+		finite_[g] = set.hasFiniteVelocities(k);
 		if (touched[g]) gatherContacts(g, settings.trackEnergy || rebounds_);
 	});
+	stopAtInfinite();
+}
+
+template <int dim> void System<dim>::stopAtInfinite() const
+{
+	for (int g : awake_)
+		if (!finite_[g]) throw StepError(g, -1, "a nodal velocity is not finite");
 }
 
 template <int dim> void System<dim>::gatherContacts(int g, bool trackEnergy)
@@ -189,49 +198,55 @@ template <int dim> void System<dim>::gatherContacts(int g, bool trackEnergy)
 	body.prepareSolve();
 }
 
-/// The new velocities; stops before anything moves if one is not finite.
+/// Before anything moves, if the solve has led to what is no number: velocities were finite before.
 template <int dim>
-void System<dim>::correctVelocities(const std::vector<char>& touched, const StepSettings& settings)
+void System<dim>::checkImpulses(const SolverReport& solved, const std::vector<char>& touched,
+				const StepSettings& settings)
 {
-	finite_.resize(grains());
-	kinetic_.resize(grains());
+	if (std::isfinite(solved.residual)) return;
 	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		if (touched[g]) set.applyContactImpulses(k, bodies_[g].impulse);
 		finite_[g] = set.hasFiniteVelocities(k);
-		if (settings.trackEnergy) kinetic_[g] = set.kineticEnergy(k);
 	});
-	for (int g : awake_)
-		if (!finite_[g]) throw StepError(g, -1, "a nodal velocity is not finite");
+	stopAtInfinite();
+	throw std::runtime_error("a velocity of a rigid body in contact is not finite");
 }
 
-/// By grain.
+/// The new velocities of a grain, with the impulses of its contacts.
 template <int dim>
-std::vector<typename System<dim>::GrainWork> System<dim>::worksOfGrains(double kick, int threads)
+void System<dim>::correctVelocities(int g, const std::vector<char>& touched,
+				    const StepSettings& settings)
 {
-	std::vector<GrainWork> works(grains());
-	forEachOf(awake_, threads, [&](int g, GrainSet<dim>& set, int k) {
-		ContactWork::Halves &loads = works[g].loads, &damping = works[g].damping;
-		if (!loads_[g].isZero())
-			set.addLoadWork(k, kick, loads_[g], loads.before, loads.after);
-		set.addDampingLoss(k, kick, damping.before, damping.after);
-	});
-	return works;
+	GrainSet<dim>& set = setOf(g);
+	const int k = indexInSet(g);
+	if (touched[g]) set.applyContactImpulses(k, bodies_[g].impulse);
+	if (settings.trackEnergy) works_[g].kinetic = set.kineticEnergy(k);
+}
+
+/// Before the new velocities take the place of those that the works are of.
+template <int dim> void System<dim>::measureWorks(int g)
+{
+	GrainSet<dim>& set = setOf(g);
+	const int k = indexInSet(g);
+	ContactWork::Halves loads, damping;
+	if (!loads_[g].isZero()) set.addLoadWork(k, lastKick_, loads_[g], loads.before, loads.after);
+	set.addDampingLoss(k, lastKick_, damping.before, damping.after);
+	works_[g].loads = loads;
+	works_[g].damping = damping;
 }
 
 template <int dim>
-void System<dim>::balanceEnergy(const ContactWork& work, const StepSettings& settings,
-				double dropped)
+void System<dim>::balanceEnergy(const ContactWork& work, double dropped)
 {
 	energy_ = continuation_.sums;
 	energy_.kinetic = energy_.elastic = 0;
 	for (int g = 0; g < grains(); ++g)
 		energy_.elastic += setOf(g).report(indexInSet(g)).elasticEnergy;
-	const auto works = worksOfGrains(kickTime(settings.dt), settings.threads);
 	ContactWork::Halves loads, damping;
 	for (int g : awake_) { // one after the other, whoever computed it
-		energy_.kinetic += kinetic_[g];
-		loads += works[g].loads;
-		damping += works[g].damping;
+		energy_.kinetic += works_[g].kinetic;
+		loads += works_[g].loads;
+		damping += works_[g].damping;
 	}
 	auto book = [this](double EnergyBalance::* sum, const ContactWork::Halves& halves) {
 		energy_.*sum += halves.before; // the first half is done when t_n is reached
@@ -294,17 +309,40 @@ void System<dim>::chooseInactiveGrains(std::vector<ContactList<dim>*>& lists,
 	report.sleepingGrains = static_cast<int>(asleep_.size());
 }
 
-/// To t_{n+1}.
-template <int dim> void System<dim>::move(const StepSettings& settings)
+/// To t_{n+1}. What is done to a grain is done in one go where nothing has to be known of others in
+/// between: each pass over all grains would fetch their nodes from memory again.
+template <int dim>
+void System<dim>::move(const std::vector<ContactList<dim>*>& lists,
+		       const std::vector<char>& touched, const StepSettings& settings,
+		       StepReport& report)
 {
-	for (const auto& set : sets_)
-		set->prepareMove(settings.threads);
-	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+	if (settings.trackEnergy) works_.resize(grains());
+	auto correct = [&](int g, GrainSet<dim>&, int) { correctVelocities(g, touched, settings); };
+	auto advance = [&](int g, GrainSet<dim>& set, int k) {
+		if (settings.trackEnergy) measureWorks(g);
 		set.move(k, settings.dt);
 		followMotion(g, settings.dt);
-	});
+	};
+	const bool together = std::any_of(sets_.begin(), sets_.end(),
+					  [](const auto& set) { return set->preparesMove(); });
+	if (!together && rested_.empty()) {
+		forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+			correct(g, set, k);
+			advance(g, set, k);
+		});
+		return;
+	}
+	forEachOf(awake_, settings.threads, correct);
+	fallAsleep(lists, report);
+	for (const auto& set : sets_)
+		set->prepareMove(settings.threads);
+	forEachOf(awake_, settings.threads, advance);
+}
+
+template <int dim> void System<dim>::endStep(double dt)
+{
 	listGrains();
-	continuation_.lastStep = settings.dt;
+	continuation_.lastStep = dt;
 	++continuation_.steps;
 	forcesFresh_ = false;
 }
@@ -334,16 +372,15 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	report.solver = solver_.solve();
 	solver_.separateRigidBodies(settings.dt);
 	clock.end("solve");
-	correctVelocities(touched, settings);
-	clock.end("correctVelocities");
-	fallAsleep(lists, report);
+	checkImpulses(report.solver, touched, settings);
+	move(lists, touched, settings, report);
+	clock.end("move");
 	if (settings.trackEnergy) {
-		balanceEnergy(workOfContacts(), settings, report.droppedEnergy);
+		balanceEnergy(workOfContacts(), report.droppedEnergy);
 		if (settings.trackRigidBodies) balanceRigidBodies();
 		clock.end("balanceEnergy");
 	}
-	move(settings);
-	clock.end("move");
+	endStep(settings.dt);
 	report.work.points = std::exchange(updatedPoints_, 0);
 	report.work.visits = report.solver.visits;
 	return report;

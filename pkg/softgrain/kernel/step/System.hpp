@@ -223,8 +223,9 @@ private:
 	struct Place {
 		int set, index;
 	};
-	/// Done on a grain in a step besides contact.
+	/// Of a grain in a step, J: its energy at t_n, and what was done on it besides contact.
 	struct GrainWork {
+		double kinetic = 0;
 		ContactWork::Halves loads, damping;
 	};
 	/// A ball about a grain's outline.
@@ -247,7 +248,9 @@ private:
 	void chooseInactiveGrains(std::vector<ContactList<dim>*>& lists,
 				  const std::vector<char>& touched, const StepSettings& settings,
 				  StepReport& report);
-	void move(const StepSettings& settings);
+	void move(const std::vector<ContactList<dim>*>& lists, const std::vector<char>& touched,
+		  const StepSettings& settings, StepReport& report);
+	void endStep(double dt);
 	void chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings);
 	void listGrains();
 	std::vector<int> ratesOf(const std::vector<double>& timeSteps) const;
@@ -275,9 +278,13 @@ private:
 	double rigidAreaMobility(const ContactList<dim>& list) const;
 	void predictVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void gatherContacts(int g, bool trackEnergy);
-	void correctVelocities(const std::vector<char>& touched, const StepSettings& settings);
-	std::vector<GrainWork> worksOfGrains(double kick, int threads);
-	void balanceEnergy(const ContactWork& work, const StepSettings& settings, double dropped);
+	void stopAtInfinite() const;
+	void checkImpulses(const SolverReport& solved, const std::vector<char>& touched,
+			   const StepSettings& settings);
+	void correctVelocities(int g, const std::vector<char>& touched,
+			       const StepSettings& settings);
+	void measureWorks(int g);
+	void balanceEnergy(const ContactWork& work, double dropped);
 	void balanceRigidBodies();
 
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
@@ -303,9 +310,9 @@ private:
 	std::vector<int> rate_; ///< by grain
 	bool multirate_ = false, ratesChosen_ = false;
 	ContactSolver<dim> solver_;
-	std::vector<char> finite_;    ///< by grain, of the step at hand
-	std::vector<double> kinetic_; ///< by grain, J; only where energies are tracked
-	EnergyBalance energy_;        ///< at the last t_n
+	std::vector<char> finite_;     ///< by grain, of the step at hand
+	std::vector<GrainWork> works_; ///< by grain; only where energies are tracked
+	EnergyBalance energy_;         ///< at the last t_n
 	Continuation continuation_;
 	double lastKick_ = 0;
 	double gridSpacing_ = 0; ///< ContactGeometry::nodes: the largest h of all grains, m
