@@ -4,7 +4,6 @@
 #include "Require.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftBodies.hpp"
-#include "SoftInteractions.hpp"
 #include "Timing.hpp"
 
 #include <limits>
@@ -105,7 +104,7 @@ void SoftGrainIntegrator::advance()
 	clock_.end("updateForces");
 	chooseTimeStep();
 	clock_.end("chooseTimeStep");
-	const SoftInteractions interactions(*scene, assembly_, wrapped);
+	const SoftInteractions interactions(*scene, assembly_, order_, wrapped);
 	interactions.check(maxOverlap);
 	interactions.moveImages();
 	clock_.end("softInteractions");

@@ -3,6 +3,7 @@
 #include "EnergyBooks.hpp"
 #include "RigidContacts.hpp"
 #include "RigidPartners.hpp"
+#include "SoftInteractions.hpp"
 #include "Yade.hpp"
 #include "assembly/GrainAssembly.hpp"
 
@@ -91,6 +92,7 @@ private:
 
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
 	std::shared_ptr<softgrain::GrainAssembly> withoutGrains_; ///< for scenes of rigid bodies
+	InteractionOrder order_;
 	RigidPartners partners_;
 	RigidContacts rigidContacts_;
 	EnergyBooks energyBooks_;

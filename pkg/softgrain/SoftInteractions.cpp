@@ -83,11 +83,14 @@ bool isOfSoftGrains(const Interaction& I, Kinds& kinds, const BodyContainer& bod
 	return I.isReal();
 }
 
+/// An interaction is asked for so many turns of a pass before it is looked at.
+constexpr std::size_t interactionAhead = 24;
+
 /// In the k-th turn of a pass: of interactions some turns away, what will be read of them. (Memory
 /// takes some 100 ns to come, a turn of the shortest pass a tenth of that.)
 void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
 {
-	constexpr std::size_t interactionAhead = 24, partsAhead = 16, pairAhead = 8;
+	constexpr std::size_t partsAhead = 16, pairAhead = 8;
 	constexpr int pairSize = 640; // of a PairContacts in 2D, bytes; in 3D it is longer
 	const std::size_t count = interactions.size();
 	if (k + interactionAhead < count) {
@@ -141,15 +144,46 @@ void describePair(const Scene& scene, const Interaction& I, const Vec3& normal, 
 
 } // namespace
 
+const std::vector<Interaction*>& InteractionOrder::of(InteractionContainer& all)
+{
+	present_.clear();
+	for (std::size_t k = 0; k < all.size(); ++k)
+		present_.push_back(all[k].get());
+	if (present_ != sortedFrom_ || !isSorted()) {
+		sortedFrom_ = sorted_ = present_;
+		std::sort(sorted_.begin(), sorted_.end(), isBefore);
+	}
+	return sorted_;
+}
+
+bool InteractionOrder::isBefore(const Interaction* a, const Interaction* b)
+{
+	return std::minmax(a->getId1(), a->getId2()) < std::minmax(b->getId1(), b->getId2());
+}
+
+/// Asks for what comes next in memory.
+bool InteractionOrder::isSorted() const
+{
+	for (std::size_t k = 1; k < sorted_.size(); ++k) {
+		if (k + interactionAhead < sorted_.size()) {
+			const Interaction* I = sorted_[k + interactionAhead];
+			softgrain::fetchBytes(I, I + 1);
+		}
+		if (!isBefore(sorted_[k - 1], sorted_[k])) return false;
+	}
+	return true;
+}
+
 SoftInteractions::SoftInteractions(Scene& scene,
 				   const std::shared_ptr<softgrain::GrainAssembly>& assembly,
-				   const std::set<int>& wrapped)
+				   InteractionOrder& order, const std::set<int>& wrapped)
 	: scene_(scene)
 	, assembly_(assembly)
 {
 	if (assembly->grains() == 0) return;
 	assembly->searchMemory.beginRun(scene.interactions->size());
-	collect();
+	// the container's order depends on threads and history; sums of forces must not
+	collect(order.of(*scene.interactions));
 	for (std::size_t k = 0; k < interactions_.size(); ++k) {
 		fetchAhead(interactions_, k);
 		renew(*interactions_[k], wrapped);
@@ -157,28 +191,15 @@ SoftInteractions::SoftInteractions(Scene& scene,
 	}
 }
 
-void SoftInteractions::collect()
+void SoftInteractions::collect(const std::vector<Interaction*>& all)
 {
-	constexpr std::size_t interactionAhead = 24, geometryAhead = 12;
-	auto& all = *scene_.interactions;
-	if (all.size() == 0) return;
+	constexpr std::size_t geometryAhead = 12;
 	Kinds kinds(*scene_.bodies, *assembly_);
 	for (std::size_t k = 0; k < all.size(); ++k) {
-		if (k + interactionAhead < all.size()) {
-			const Interaction* I = all[k + interactionAhead].get();
-			softgrain::fetchBytes(I, I + 1);
-		}
 		if (k + geometryAhead < all.size())
 			__builtin_prefetch(all[k + geometryAhead]->geom.get());
-		if (isOfSoftGrains(*all[k], kinds, *scene_.bodies))
-			interactions_.push_back(all[k].get());
+		if (isOfSoftGrains(*all[k], kinds, *scene_.bodies)) interactions_.push_back(all[k]);
 	}
-	// the container's order depends on threads and history; sums of forces must not
-	std::sort(interactions_.begin(), interactions_.end(),
-		  [](const Interaction* a, const Interaction* b) {
-			  return std::minmax(a->getId1(), a->getId2()) <
-				 std::minmax(b->getId1(), b->getId2());
-		  });
 }
 
 /// Grains added, erased or changed since the InteractionLoop have other indices now, and contacts

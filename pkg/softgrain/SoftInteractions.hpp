@@ -14,6 +14,20 @@ namespace yade {
 class RigidPartners;
 class SoftGrain;
 
+/// All interactions of a scene by the ids of their bodies, an order that seldom changes from step
+/// to step.
+class InteractionOrder {
+public:
+	const std::vector<Interaction*>& of(InteractionContainer& all);
+
+private:
+	static bool isBefore(const Interaction* a, const Interaction* b);
+	/// What stands at an address may be another interaction by now.
+	bool isSorted() const;
+
+	std::vector<Interaction*> present_, sortedFrom_, sorted_;
+};
+
 /// Made in every step. What a step needs is done in the order in which the functions stand here.
 class SoftInteractions {
 public:
@@ -22,7 +36,7 @@ public:
 	/// are searched again. Throws std::runtime_error for pairs for which there is no contact
 	/// treatment.
 	SoftInteractions(Scene& scene, const std::shared_ptr<softgrain::GrainAssembly>& assembly,
-			 const std::set<int>& wrapped);
+			 InteractionOrder& order, const std::set<int>& wrapped);
 
 	/// Throws for rigid bodies and interfaces that are not admissible, saying which, and for an
 	/// overlap beyond `maxOverlap` (SoftGrainIntegrator.maxOverlap).
@@ -44,7 +58,7 @@ private:
 		Vector3r onBody2; ///< N
 	};
 
-	void collect();
+	void collect(const std::vector<Interaction*>& all);
 	void renew(Interaction& I, const std::set<int>& wrapped) const;
 	const Body& rigidBodyOf(const Interaction& I) const;
 	const SoftGrain& softGrainOf(const Interaction& I) const;

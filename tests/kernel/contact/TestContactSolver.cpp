@@ -40,7 +40,8 @@ struct Ball {
 	void solve(double dt, const SolverSettings& settings = {})
 	{
 		std::vector<ContactList<2>*> lists { &list };
-		solver.prepare(body, lists, dt, settings);
+		solver.plan(lists, static_cast<int>(body.size()));
+		solver.prepare(body, dt, settings);
 		solver.solve();
 	}
 };
@@ -138,7 +139,8 @@ TEMPLATE_TEST_CASE_SIG("Solver: residual sees what is not solved", "[contact]", 
 			all[c]->impulse = (1 + share) * solution[c];
 		problem.restart();
 		auto lists = problem.lists();
-		solver.prepare(problem.body, lists, problem.dt, problem.settings);
+		solver.plan(lists, static_cast<int>(problem.body.size()));
+		solver.prepare(problem.body, problem.dt, problem.settings);
 		const double residual = solver.residual();
 		CAPTURE(share, residual);
 		CHECK(residual > 0.1 * share);
@@ -213,7 +215,8 @@ TEST_CASE("Solver: nothing to do", "[contact]")
 	std::vector<ContactBody<2>> bodies;
 	std::vector<ContactList<2>*> lists;
 	ContactSolver<2> solver;
-	solver.prepare(bodies, lists, 1, {});
+	solver.plan(lists, static_cast<int>(bodies.size()));
+	solver.prepare(bodies, 1, {});
 	const SolverReport report = solver.solve();
 	CHECK(report.converged);
 	CHECK(report.sweeps == 0);

@@ -197,7 +197,8 @@ TEMPLATE_TEST_CASE_SIG("two bodies rebound with Newton's coefficient", "[interfa
 		SolverSettings settings;
 		settings.tolerance = 1e-12;
 		ContactSolver<dim> solver;
-		solver.prepare(body, { &list }, 0.1, settings, 1, &partner);
+		solver.plan({ &list }, static_cast<int>(body.size()), &partner);
+		solver.prepare(body, 0.1, settings);
 		solver.solve();
 		// not even a perfectly plastic impact leaves the gap at hand unused
 		const double relative = restitution > 0 ? 4 * restitution : -0.01 / 0.1;

@@ -75,7 +75,8 @@ public:
 		std::vector<ContactList<dim>*> lists;
 		for (ContactList<dim>& list : lists_)
 			lists.push_back(&list);
-		solver.prepare(body, lists, 1e-3, {}, threads);
+		solver.plan(lists, static_cast<int>(body.size()));
+		solver.prepare(body, 1e-3, {}, threads);
 		const SolverReport report = solver.solve();
 		CHECK(report.active > 100);
 		CHECK(report.converged);
@@ -114,7 +115,8 @@ public:
 			for (Contact<dim>& c : list.contacts)
 				c.impulse = 0.1 * c.normal + 0.1 * random.vector<dim>();
 			ContactSolver<dim> solver;
-			solver.prepare(body, { &list }, 1e-3, settings);
+			solver.plan({ &list }, static_cast<int>(body.size()));
+			solver.prepare(body, 1e-3, settings);
 			CHECK(solver.solve().sweeps == 4);
 			problems.push_back(solver.problem());
 		}

@@ -96,7 +96,8 @@ struct TwoPairs {
 		settings.tolerance = tolerance;
 		settings.maxSweeps = 1000;
 		ContactSolver<2> solver;
-		solver.prepare(body, { &planes[0], &planes[1] }, 1, settings);
+		solver.plan({ &planes[0], &planes[1] }, static_cast<int>(body.size()));
+		solver.prepare(body, 1, settings);
 		return solver.solve();
 	}
 	void forget(int b)

@@ -22,7 +22,8 @@ template <int dim> struct RigidBodies {
 	{
 		settings.tolerance = tolerance;
 		settings.maxSweeps = maxSweeps;
-		solver.prepare(none, {}, 1, settings, threads, &body, &contacts);
+		solver.plan({}, static_cast<int>(none.size()), &body, &contacts);
+		solver.prepare(none, 1, settings, threads);
 		return solver.solve();
 	}
 	Vec<dim> velocityAt(const RigidContact<dim>& c) const

@@ -79,7 +79,8 @@ template <int dim> struct Mixture {
 		std::vector<ContactList<dim>*> pointers;
 		for (ContactList<dim>& list : lists)
 			pointers.push_back(&list);
-		solver.prepare(body, pointers, 1, settings, 1, &partner);
+		solver.plan(pointers, static_cast<int>(body.size()), &partner);
+		solver.prepare(body, 1, settings);
 		return solver.solve();
 	}
 	/// Relative velocity at the contact of a list.

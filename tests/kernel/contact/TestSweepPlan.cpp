@@ -76,7 +76,8 @@ std::vector<double> solved(ContactSolver<2>& solver, Crowd& crowd,
 	SolverSettings settings;
 	settings.tolerance = 1e-6;
 	settings.maxSweeps = 1000;
-	solver.prepare(crowd.body, lists, 1, settings, threads);
+	solver.plan(lists, static_cast<int>(crowd.body.size()));
+	solver.prepare(crowd.body, 1, settings, threads);
 	const SolverReport report = solver.solve();
 	CHECK(report.converged);
 	CHECK(report.active > 100);

@@ -116,7 +116,8 @@ template <int dim> struct Problem {
 	{
 		restart();
 		auto l = lists();
-		solver.prepare(body, l, dt, settings);
+		solver.plan(l, static_cast<int>(body.size()));
+		solver.prepare(body, dt, settings);
 		return solver.solve();
 	}
 

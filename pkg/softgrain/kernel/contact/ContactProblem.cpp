@@ -66,7 +66,8 @@ template <int dim> SolverReport solve(ContactProblem<dim>& problem, double toler
 	settings.overlapSpeed = std::numeric_limits<double>::infinity();
 
 	ContactSolver<dim> solver;
-	solver.prepare(bodies, pointers, 1, settings);
+	solver.plan(pointers, static_cast<int>(bodies.size()));
+	solver.prepare(bodies, 1, settings);
 	const SolverReport report = solver.solve();
 	problem.impulse.resize(problem.contacts());
 	for (int k = 0; k < problem.contacts(); ++k)

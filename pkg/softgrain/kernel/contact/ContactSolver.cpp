@@ -82,16 +82,21 @@ double commonLevel(const std::vector<ResidualSum>& pairs, double total)
 
 template <int dim>
 void ContactSolver<dim>::plan(const std::vector<ContactList<dim>*>& lists, int grains,
-			      const std::vector<RigidPartner<dim>>* partners,
-			      const std::vector<RigidContact<dim>>* rigidContacts)
+			      std::vector<RigidPartner<dim>>* partners,
+			      std::vector<RigidContact<dim>>* rigidContacts)
 {
 	lists_.clear();
 	bodiesOf_.clear();
+	listed_.clear();
+	partners_ = partners;
+	contactsOfRigid_ = rigidContacts;
 	for (ContactList<dim>* list : lists) {
 		if (list->contacts.empty()) continue;
 		lists_.push_back(list);
 		bodiesOf_.push_back(
 			{ list->first, list->sharedSecond(grains), rigidContactsPerPair });
+		listed_.push_back(
+			{ list->rigid ? Kind::grainOnRigid : Kind::grains, list->contacts.size() });
 	}
 	if (rigidContacts)
 		for (const RigidContact<dim>& c : *rigidContacts) {
@@ -99,45 +104,50 @@ void ContactSolver<dim>::plan(const std::vector<ContactList<dim>*>& lists, int g
 				(*partners)[c.first].moves() && (*partners)[c.second].moves();
 			const int first = (*partners)[c.first].moves() ? c.first : c.second;
 			bodiesOf_.push_back({ grains + first, both ? grains + c.second : -1 });
+			listed_.push_back({ Kind::rigid, 1 });
 		}
 	count_ = static_cast<int>(bodiesOf_.size());
-	change_.resize(count_);
 	const int bodies = grains + (partners ? static_cast<int>(partners->size()) : 0);
-	if (bodies == plannedBodies_ && bodiesOf_ == planned_) return;
-	plan_ = planSweeps(bodiesOf_, bodies);
-	planned_ = bodiesOf_;
-	plannedBodies_ = bodies;
+	if (bodies != plannedBodies_ || bodiesOf_ != planned_) {
+		plan_ = planSweeps(bodiesOf_, bodies);
+		planned_ = bodiesOf_;
+		plannedBodies_ = bodies;
+	}
+	makeRoom();
 }
 
-template <int dim>
-void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
-				 const std::vector<ContactList<dim>*>& lists, double dt,
-				 const SolverSettings& settings, int threads,
-				 std::vector<RigidPartner<dim>>* partners,
-				 std::vector<RigidContact<dim>>* rigidContacts)
+/// A solver for each pair, and constraints for its contacts.
+template <int dim> void ContactSolver<dim>::makeRoom()
 {
-	settings_ = settings;
-	plan(lists, static_cast<int>(bodies.size()), partners, rigidContacts);
-	const int listed = static_cast<int>(lists_.size());
-	int used[3] = { 0, 0, 0 };
+	change_.resize(count_);
 	slot_.clear();
-	for (int task = 0; task < plan_.tasks(); ++task)
-		while (static_cast<int>(slot_.size()) < plan_.taskEnd[task]) {
-			const int pair = plan_.pairs[slot_.size()];
-			const Kind kind = pair >= listed        ? Kind::rigid
-					  : lists_[pair]->rigid ? Kind::grainOnRigid
-								: Kind::grains;
-			slot_.push_back({ kind, used[static_cast<int>(kind)]++, task });
-		}
-	auto holdAtLeast = [](auto& solvers, int count) {
-		if (solvers.size() < static_cast<std::size_t>(count)) solvers.resize(count);
+	constraintsBegin_.clear();
+	std::size_t constraints = 0;
+	int used[3] = { 0, 0, 0 };
+	for (int k = 0, task = 0; k < count_; ++k) {
+		while (k == plan_.taskEnd[task])
+			++task;
+		const Listed& pair = listed_[plan_.pairs[k]];
+		slot_.push_back({ pair.kind, used[static_cast<int>(pair.kind)]++, task });
+		constraintsBegin_.push_back(constraints);
+		if (pair.kind == Kind::grains) constraints += pair.contacts;
+	}
+	constraintsBegin_.push_back(constraints);
+	auto holdAtLeast = [](auto& kept, std::size_t count) {
+		if (kept.size() < count) kept.resize(count);
 	};
 	holdAtLeast(pairs_, used[0]);
 	holdAtLeast(rigidPairs_, used[1]);
 	holdAtLeast(rigidContacts_, used[2]);
+	holdAtLeast(constraints_, constraints);
+}
 
-	makeRoomForConstraints();
-
+template <int dim>
+void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, double dt,
+				 const SolverSettings& settings, int threads)
+{
+	settings_ = settings;
+	const int listed = static_cast<int>(lists_.size());
 	const int work = listed + (count_ - listed) / rigidContactsPerPair;
 	threads_ = threadsFor(work / std::max(plan_.colours(), 1), threads, pairsPerThread);
 	if (dim == 3) noteNodesInContact(bodies);
@@ -147,25 +157,14 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies,
 		const int index = slot_[k].index;
 		const int pair = plan_.pairs[k];
 		if (kind == Kind::rigid)
-			rigidContacts_[index].prepare((*rigidContacts)[pair - listed], *partners,
-						      dt);
+			rigidContacts_[index].prepare((*contactsOfRigid_)[pair - listed],
+						      *partners_, dt);
 		else if (kind == Kind::grainOnRigid)
-			rigidPairs_[index].prepare(bodies, *lists_[pair], *partners, dt, settings);
+			rigidPairs_[index].prepare(bodies, *lists_[pair], *partners_, dt, settings);
 		else
 			pairs_[index].prepare(bodies, *lists_[pair], dt, settings,
 					      &constraints_[constraintsBegin_[k]]);
 	});
-}
-
-template <int dim> void ContactSolver<dim>::makeRoomForConstraints()
-{
-	std::size_t end = 0;
-	constraintsBegin_.assign(1, end);
-	for (int k = 0; k < count_; ++k) {
-		if (slot_[k].kind == Kind::grains) end += lists_[plan_.pairs[k]]->contacts.size();
-		constraintsBegin_.push_back(end);
-	}
-	if (end > constraints_.size()) constraints_.resize(end);
 }
 
 template <int dim>

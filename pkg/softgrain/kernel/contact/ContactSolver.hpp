@@ -37,16 +37,17 @@ struct SolverReport {
 /// A copy has to be prepared before it is asked anything: its pairs still look at the original.
 template <int dim> class ContactSolver {
 public:
-	/// Takes all contacts of `lists`, whose bodies are in `bodies`, and applies the impulses
-	/// left by the last step, made admissible for the present normals. The order of the lists
-	/// decides on the plan of the sweeps. Lists with a rigid body name their entry of
-	/// `partners`, whose velocities the impulses change too; so do the contacts of rigid bodies
-	/// with each other, which come after the lists.
-	void prepare(std::vector<ContactBody<dim>>& bodies,
-		     const std::vector<ContactList<dim>*>& lists, double dt,
-		     const SolverSettings& settings, int threads = 1,
-		     std::vector<RigidPartner<dim>>* partners = nullptr,
-		     std::vector<RigidContact<dim>>* rigidContacts = nullptr);
+	/// Takes all contacts of `lists` between so many grains. The order of the lists decides on
+	/// the plan of the sweeps. Lists with a rigid body name their entry of `partners`, whose
+	/// velocities the impulses change too; so do the contacts of rigid bodies with each other,
+	/// which come after the lists.
+	void plan(const std::vector<ContactList<dim>*>& lists, int grains,
+		  std::vector<RigidPartner<dim>>* partners = nullptr,
+		  std::vector<RigidContact<dim>>* rigidContacts = nullptr);
+	/// With the bodies of the grains: applies the impulses left by the last step, made
+	/// admissible for the present normals.
+	void prepare(std::vector<ContactBody<dim>>& bodies, double dt,
+		     const SolverSettings& settings, int threads = 1);
 	/// Gauss-Seidel sweeps: two backwards and two forwards (in one direction alone, few sweeps
 	/// a step shake grains at rest: doc/decisions/0010-grains-at-rest.md), then the pairs in
 	/// which the residual sits, each on its own (doc/decisions/0026-pairs-on-their-own.md).
@@ -71,11 +72,7 @@ public:
 	ContactProblem<dim> problem() const;
 
 private:
-	/// Puts the pairs in the order of the sweeps.
-	void plan(const std::vector<ContactList<dim>*>& lists, int grains,
-		  const std::vector<RigidPartner<dim>>* partners,
-		  const std::vector<RigidContact<dim>>* rigidContacts);
-	void makeRoomForConstraints();
+	void makeRoom();
 	/// ContactBody::noteContactAt; before any impulse is applied, since what it moves other
 	/// pairs ask for.
 	void noteNodesInContact(std::vector<ContactBody<dim>>& bodies);
@@ -134,6 +131,11 @@ private:
 		if (slot.kind == Kind::grains) visit(pairs_[slot.index]);
 	}
 
+	/// A pair as it comes, before the plan.
+	struct Listed {
+		Kind kind;
+		std::size_t contacts;
+	};
 	/// Where a pair is kept.
 	struct Slot {
 		Kind kind;
@@ -143,7 +145,10 @@ private:
 	SweepPlan plan_;
 	std::vector<ContactList<dim>*> lists_; ///< lists with contacts
 	std::vector<BodiesOfPair> bodiesOf_;   ///< of these, then of the rigid contacts
-	std::vector<BodiesOfPair> planned_;    ///< those that `plan_` is for
+	std::vector<Listed> listed_;           ///< the same
+	std::vector<RigidPartner<dim>>* partners_ = nullptr;
+	std::vector<RigidContact<dim>>* contactsOfRigid_ = nullptr;
+	std::vector<BodiesOfPair> planned_; ///< those that `plan_` is for
 	int plannedBodies_ = 0;
 	std::vector<Slot> slot_;                       ///< task by task
 	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare

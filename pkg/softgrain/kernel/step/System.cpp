@@ -229,14 +229,14 @@ template <int dim> void System<dim>::measureWorks(int g)
 	GrainSet<dim>& set = setOf(g);
 	const int k = indexInSet(g);
 	ContactWork::Halves loads, damping;
-	if (!loads_[g].isZero()) set.addLoadWork(k, lastKick_, loads_[g], loads.before, loads.after);
+	if (!loads_[g].isZero())
+		set.addLoadWork(k, lastKick_, loads_[g], loads.before, loads.after);
 	set.addDampingLoss(k, lastKick_, damping.before, damping.after);
 	works_[g].loads = loads;
 	works_[g].damping = damping;
 }
 
-template <int dim>
-void System<dim>::balanceEnergy(const ContactWork& work, double dropped)
+template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, double dropped)
 {
 	energy_ = continuation_.sums;
 	energy_.kinetic = energy_.elastic = 0;
@@ -360,14 +360,15 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	clock.end("sortLists");
 	chooseInactiveGrains(lists, touched, settings, report);
 	clock.end("chooseInactiveGrains");
+	solver_.plan(lists, grains(), &partners_, &rigidContacts_); // while lists are in the caches
+	clock.end("plan");
 	if (gridSpacing_ > 0) useGridNodes(lists);
 	beginInterfaces(lists, report.kick, settings.dt);
 	predictVelocities(touched, settings);
 	measureBonds(lists);
 	clock.end("predictVelocities");
 	if (settings.trackRigidBodies) free_ = partners_;
-	solver_.prepare(bodies_, lists, settings.dt, settings.solver, settings.threads, &partners_,
-			&rigidContacts_);
+	solver_.prepare(bodies_, settings.dt, settings.solver, settings.threads);
 	clock.end("prepare");
 	report.solver = solver_.solve();
 	solver_.separateRigidBodies(settings.dt);
