@@ -169,16 +169,11 @@ softgrain::GrainLoad SoftBodies::loadOf(int g, const NewtonIntegrator& newton,
 	return load;
 }
 
-void SoftBodies::publishMotions(const CellFlow& flow, int threads) const
+void SoftBodies::publishSleepers(const CellFlow& flow) const
 {
-	const int count = assembly_.grains();
-#pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
-	for (int g = 0; g < count; ++g) {
-		const bool asleep = assembly_.isAsleep(g);
-		const bool known = asleep && assembly_.isPublishedAsleep(g);
-		assembly_.setPublishedAsleep(g, asleep);
-		if (!known) publishMotion(g, flow);
-	}
+	for (int g = 0; g < assembly_.grains(); ++g)
+		if (!assembly_.isPublishedAsleep(g) && assembly_.isAsleep(g))
+			publishMotion(g, flow);
 }
 
 void SoftBodies::publishMotion(int g, const CellFlow& flow) const
@@ -186,6 +181,7 @@ void SoftBodies::publishMotion(int g, const CellFlow& flow) const
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
 	const Real dt = scene_.dt;
 	State& state = *body.state;
+	assembly_.setPublishedAsleep(g, assembly_.isAsleep(g));
 	softgrain::GrainMotion& written = static_cast<SoftGrain&>(*body.shape).written;
 	written = assembly_.motion(g);
 	state.angVel = written.angularVelocity - flow.spinChange;
@@ -202,11 +198,15 @@ void SoftBodies::publishMotion(int g, const CellFlow& flow) const
 }
 
 /// (A grain that sleeps is where it was.)
-bool SoftBodies::needCollider(Real reach) const
+bool SoftBodies::needCollider(Real reach, int threads) const
 {
-	for (int g = 0; g < assembly_.grains(); ++g)
-		if (!assembly_.isPublishedAsleep(g) && !isInItsBox(g, reach)) return true;
-	return false;
+	const int count = assembly_.grains();
+	bool needed = false;
+#pragma omp parallel for schedule(static) reduction(|| : needed)                                   \
+	num_threads(softgrain::threadsFor(count, threads))
+	for (int g = 0; g < count; ++g)
+		needed = needed || (!assembly_.isPublishedAsleep(g) && !isInItsBox(g, reach));
+	return needed;
 }
 
 bool SoftBodies::isInItsBox(int g, Real reach) const

@@ -33,17 +33,19 @@ public:
 	void applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const;
 	/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt
 	/// to pos, and turns ori by angVel dt; it lands on the grain.
-	void publishMotions(const CellFlow& flow, int threads) const;
-	/// After `publishMotions`: whether an outline is about to leave the box that the collider
+	void publishMotion(int g, const CellFlow& flow) const;
+	/// The same for grains that were asleep already and lie where they are written to be,
+	/// unless State is not what was written.
+	void publishSleepers(const CellFlow& flow) const;
+	/// After that: whether an outline is about to leave the box that the collider
 	/// knows, which watches State.pos only. `reach`: gap at which contact may start beyond the
 	/// usual, m.
-	bool needCollider(Real reach) const;
+	bool needCollider(Real reach, int threads) const;
 
 private:
 	bool applyUserMotion(int g, const CellFlow& flow) const;
 	softgrain::GrainLoad loadOf(int g, const NewtonIntegrator& newton,
 				    const CellFlow& flow) const;
-	void publishMotion(int g, const CellFlow& flow) const;
 	bool isInItsBox(int g, Real reach) const;
 
 	Scene& scene_;

@@ -115,18 +115,21 @@ void SoftGrainIntegrator::advance()
 	if (tracksRigidBodies()) partners_.addFreeBodies();
 	clock_.end("applyLoads");
 
-	const auto report = assembly_->step(settings(), interactions.pairs(), partners_.motions(),
+	softgrain::StepSettings step = settings();
+	step.moved = [&](int g) { bodies.publishMotion(g, flow); };
+	const auto report = assembly_->step(step, interactions.pairs(), partners_.motions(),
 					    rigidContacts_.descriptions());
 
+	if (report.sleepingGrains > 0) bodies.publishSleepers(flow);
+	if (bodies.needCollider(interfaceRange, threads())) scene->doSort = true;
+	clock_.end("callColliderIfNeeded");
+	keepBooks(report);
+	// last, for the shortest way from its threads to those of NewtonIntegrator: on a long one
+	// they would fall asleep
 	interactions.publish(partners_, threads());
 	rigidContacts_.publish(*scene);
 	partners_.moveApart();
 	clock_.end("publishForces");
-	bodies.publishMotions(flow, threads());
-	clock_.end("publishMotions");
-	keepBooks(report);
-	if (bodies.needCollider(interfaceRange)) scene->doSort = true;
-	clock_.end("callColliderIfNeeded");
 	publishTimes();
 }
 

@@ -6,7 +6,6 @@
 #include "assembly/RigidInKernel.hpp"
 
 #include <functional>
-#include <mutex>
 
 namespace yade {
 
@@ -74,9 +73,9 @@ public:
 	~SearchTimer()
 	{
 		if (!TimingInfo::enabled) return;
-		static std::mutex mutex;
 		const auto now = TimingInfo::getNow();
-		const std::lock_guard<std::mutex> lock(mutex);
+// threads that wait for a moment are not put to sleep, which would take longer than a search
+#pragma omp critical(softgrainSearchTimes)
 		addTime(*functor_.timingDeltas, "findContacts", now - start_, 1);
 	}
 

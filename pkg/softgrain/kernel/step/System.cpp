@@ -322,6 +322,7 @@ void System<dim>::move(const std::vector<ContactList<dim>*>& lists,
 		if (settings.trackEnergy) measureWorks(g);
 		set.move(k, settings.dt);
 		followMotion(g, settings.dt);
+		settings.moved(g);
 	};
 	const bool together = std::any_of(sets_.begin(), sets_.end(),
 					  [](const auto& set) { return set->preparesMove(); });

@@ -9,6 +9,7 @@
 #include "step/PhaseClock.hpp"
 
 #include <atomic>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -86,6 +87,9 @@ struct StepSettings {
 	bool sleep = true;             ///< damped grains that came to rest are left alone
 	int threads = 1;
 	PhaseClock* clock = nullptr; ///< gets the times of the phases
+	/// Called with each grain that has been moved, by the thread that moved it and has all of
+	/// it in its caches; must throw nothing.
+	std::function<void(int)> moved = [](int) {};
 };
 
 /// What a run needs besides the nodal state and the impulses to go on from where another stopped.
