@@ -253,6 +253,61 @@ TEMPLATE_TEST_CASE_SIG(
 	CHECK(scene.state() != before);
 }
 
+TEMPLATE_TEST_CASE_SIG(
+	"System: an impulse that is not finite stops the step and leaves the positions", "[step]",
+	((int dim), dim), 2, 3)
+{
+	Scene<dim> scene; // the first grain is not touched
+	scene.add(grainsAt<dim>(
+		0.35, { -0.05 * Vec<dim>::Unit(0), Vec<dim>::Zero(), 0.0199 * Vec<dim>::Unit(0) }));
+	scene.addPairs(0.3);
+	scene.advance(1e-6);
+	ContactList<dim>& list = scene.lists.back();
+	REQUIRE(!list.contacts.empty());
+	const Vec<dim> found = list.contacts[0].impulse;
+	list.contacts[0].impulse[0] = std::nan("");
+	const auto before = scene.state();
+	try {
+		scene.advance(1e-6);
+		FAIL("no StepError");
+	} catch (const StepError& error) {
+		CHECK(error.grain == 1);
+		CHECK(error.point == -1);
+	}
+	CHECK(scene.state() == before);
+	for (Contact<dim>& contact : list.contacts) // and it can go on
+		contact.impulse = found;
+	scene.advance(1e-6);
+	CHECK(scene.state() != before);
+}
+
+TEST_CASE("System: the host is told of each grain once, when it has moved", "[step]")
+{
+	for (VelocityUpdate update : { VelocityUpdate::nodal, VelocityUpdate::flip }) {
+		Scene<2> scene;
+		Batch<2> batch = grainsAt<2>(0.35, { { 0, 0 }, { 0.03, 0 }, { 0.06, 0 } });
+		for (int g = 0; g < batch.grains(); ++g)
+			setVelocity<2>(batch, g, { 1, 2 });
+		Scheme scheme;
+		scheme.velocityUpdate = update;
+		scene.add(std::make_unique<TotalLagrangian<2>>(std::move(batch), scheme));
+		std::vector<std::vector<Vec<2>>> told(3);
+		scene.settings.moved = [&](int g) {
+			CHECK(told[g].empty());
+			told[g].push_back(scene.whole(g).centre);
+		};
+		std::vector<Vec<2>> before;
+		for (int g = 0; g < 3; ++g)
+			before.push_back(scene.whole(g).centre);
+		scene.advance(1e-6);
+		for (int g = 0; g < 3; ++g) {
+			REQUIRE(told[g].size() == 1);
+			CHECK(told[g][0] == scene.whole(g).centre);
+			CHECK(told[g][0] != before[g]);
+		}
+	}
+}
+
 TEST_CASE("System: time step, stiffening and reach", "[step]")
 {
 	Scene<2> scene;
