@@ -34,8 +34,7 @@ public:
 	/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt
 	/// to pos, and turns ori by angVel dt; it lands on the grain.
 	void publishMotion(int g, const CellFlow& flow) const;
-	/// The same for grains that were asleep already and lie where they are written to be,
-	/// unless State is not what was written.
+	/// The same for grains that sleep, which nobody moves, where State was changed.
 	void publishSleepers(const CellFlow& flow) const;
 	/// After that: whether an outline is about to leave the box that the collider
 	/// knows, which watches State.pos only. `reach`: gap at which contact may start beyond the
