@@ -168,7 +168,8 @@ def make_soft(options):
 
 def centres():
     """Centres of mass of the grains: array (n, 2)."""
-    return np.array([b.state.pos for b in sg.soft_bodies()])[:, :2]
+    places = [b.state.pos for b in sg.soft_bodies()]
+    return np.array([(x[0], x[1]) for x in places])
 
 
 def _finite(value):

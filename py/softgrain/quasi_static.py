@@ -83,12 +83,12 @@ def _weighed_mass(body):
 
 
 def _mean_contact_force():
-    forces = [
-        (i.phys.normalForce + i.phys.shearForce).norm()
+    bearing = [
+        phys
         for i in O.interactions
-        if i.isReal and isinstance(i.phys, wrapper.SoftPhys) and i.phys.activeContacts > 0
+        if i.isReal and isinstance(phys := i.phys, wrapper.SoftPhys) and phys.activeContacts > 0
     ]
-    return _mean(forces)
+    return _mean([(phys.normalForce + phys.shearForce).norm() for phys in bearing])
 
 
 def _mean(values):
