@@ -83,8 +83,14 @@ bool isOfSoftGrains(const Interaction& I, Kinds& kinds, const BodyContainer& bod
 	return I.isReal();
 }
 
-/// An interaction is asked for so many turns of a pass before it is looked at.
-constexpr std::size_t interactionAhead = 24;
+/// In the k-th turn of a pass: asks for the interaction that will be looked at some turns later.
+void fetchInteraction(const std::vector<Interaction*>& interactions, std::size_t k)
+{
+	constexpr std::size_t ahead = 24;
+	if (k + ahead >= interactions.size()) return;
+	const Interaction* I = interactions[k + ahead];
+	softgrain::fetchBytes(I, I + 1);
+}
 
 /// In the k-th turn of a pass: of interactions some turns away, what will be read of them. (Memory
 /// takes some 100 ns to come, a turn of the shortest pass a tenth of that.)
@@ -93,10 +99,7 @@ void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
 	constexpr std::size_t partsAhead = 16, pairAhead = 8;
 	constexpr int pairSize = 640; // of a PairContacts in 2D, bytes; in 3D it is longer
 	const std::size_t count = interactions.size();
-	if (k + interactionAhead < count) {
-		const Interaction* I = interactions[k + interactionAhead];
-		softgrain::fetchBytes(I, I + 1);
-	}
+	fetchInteraction(interactions, k);
 	if (k + partsAhead < count) {
 		const Interaction& I = *interactions[k + partsAhead];
 		const auto* geom = static_cast<const SoftGeom*>(I.geom.get());
@@ -161,14 +164,11 @@ bool InteractionOrder::isBefore(const Interaction* a, const Interaction* b)
 	return std::minmax(a->getId1(), a->getId2()) < std::minmax(b->getId1(), b->getId2());
 }
 
-/// Asks for what comes next in memory.
+/// (The first pass over the interactions in a step.)
 bool InteractionOrder::isSorted() const
 {
 	for (std::size_t k = 1; k < sorted_.size(); ++k) {
-		if (k + interactionAhead < sorted_.size()) {
-			const Interaction* I = sorted_[k + interactionAhead];
-			softgrain::fetchBytes(I, I + 1);
-		}
+		fetchInteraction(sorted_, k);
 		if (!isBefore(sorted_[k - 1], sorted_[k])) return false;
 	}
 	return true;

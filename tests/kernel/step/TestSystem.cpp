@@ -7,12 +7,15 @@
 #include <atomic>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 #include <dlfcn.h>
 #include <limits>
 #include <pthread.h>
 
 using namespace softgrain;
 using namespace softgrain::testing;
+using Catch::Matchers::ContainsSubstring;
 
 namespace {
 std::atomic<int> threadsMade = 0;
@@ -63,6 +66,19 @@ template <int dim> Mat<dim> angularMomentum(const Scene<dim>& scene)
 			       batch.v.get(lane, I).transpose();
 	}
 	return sum - sum.transpose();
+}
+
+/// What stops the next step, which leaves the state as it was.
+template <int dim> StepError failureOfStep(Scene<dim>& scene)
+{
+	const auto before = scene.state();
+	try {
+		scene.advance(1e-6);
+	} catch (const StepError& error) {
+		CHECK(scene.state() == before);
+		return error;
+	}
+	throw std::logic_error("no StepError");
 }
 
 /// Grains of two batches, enough for three threads, that are squeezed between planes with friction.
@@ -216,16 +232,10 @@ TEMPLATE_TEST_CASE_SIG("System: an inverted point stops the step and leaves the 
 		0.35,
 		{ 0.1 * Vec<dim>::Unit(1) })); // so that the index in the system is not the lane
 	scene.add(std::move(batch));
-	const auto before = scene.state();
-	try {
-		scene.advance(1e-6);
-		FAIL("no StepError");
-	} catch (const StepError& error) {
-		CHECK(error.grain == 2);
-		CHECK(error.point == point);
-		CHECK(std::string(error.what()).find("inverted") != std::string::npos);
-	}
-	CHECK(scene.state() == before);
+	const StepError error = failureOfStep(scene);
+	CHECK(error.grain == 2);
+	CHECK(error.point == point);
+	CHECK(std::string(error.what()).find("inverted") != std::string::npos);
 }
 
 TEMPLATE_TEST_CASE_SIG(
@@ -239,14 +249,9 @@ TEMPLATE_TEST_CASE_SIG(
 	load.acceleration[0] = std::numeric_limits<double>::infinity();
 	scene.system.setLoad(1, load);
 	const auto before = scene.state();
-	try {
-		scene.advance(1e-6);
-		FAIL("no StepError");
-	} catch (const StepError& error) {
-		CHECK(error.grain == 1);
-		CHECK(error.point == -1);
-	}
-	CHECK(scene.state() == before);
+	const StepError error = failureOfStep(scene);
+	CHECK(error.grain == 1);
+	CHECK(error.point == -1);
 	load.acceleration[0] = 1; // and it can go on
 	scene.system.setLoad(1, load);
 	scene.advance(1e-6);
@@ -267,18 +272,29 @@ TEMPLATE_TEST_CASE_SIG(
 	const Vec<dim> found = list.contacts[0].impulse;
 	list.contacts[0].impulse[0] = std::nan("");
 	const auto before = scene.state();
-	try {
-		scene.advance(1e-6);
-		FAIL("no StepError");
-	} catch (const StepError& error) {
-		CHECK(error.grain == 1);
-		CHECK(error.point == -1);
-	}
-	CHECK(scene.state() == before);
+	const StepError error = failureOfStep(scene);
+	CHECK(error.grain == 1);
+	CHECK(error.point == -1);
 	for (Contact<dim>& contact : list.contacts) // and it can go on
 		contact.impulse = found;
 	scene.advance(1e-6);
 	CHECK(scene.state() != before);
+}
+
+TEST_CASE("System: a rigid body whose velocity is not finite stops the step", "[step]")
+{
+	Scene<2> scene; // with a grain that it does not touch
+	scene.add(grainsAt<2>(0.35, { { 0, 0 } }));
+	std::vector<RigidPartner<2>>& partners = scene.system.rigidPartners();
+	partners.resize(2);
+	for (RigidPartner<2>& partner : partners)
+		partner.inverseMass.setOnes();
+	scene.system.rigidContacts() = { { 0, 1, { 1, 0 }, { 1, 0 }, 0, 1, 0, { 0, 0 } } };
+	scene.advance(1e-6);
+	partners[1].velocity[0] = std::nan("");
+	const auto before = scene.state();
+	CHECK_THROWS_WITH(scene.advance(1e-6), ContainsSubstring("rigid body"));
+	CHECK(scene.state() == before);
 }
 
 TEST_CASE("System: the host is told of each grain once, when it has moved", "[step]")

@@ -4,6 +4,9 @@
 #include "contact/Residual.hpp"
 
 #include <limits>
+#include <map>
+#include <stdexcept>
+#include <utility>
 
 namespace softgrain {
 
@@ -36,6 +39,81 @@ template <int dim> double ContactProblem<dim>::residual() const
 	}
 	return sum.value();
 }
+
+// --- taken out of a solver
+// ------------------------------------------------------------------------
+
+template <int dim>
+template <class Visit>
+void ContactSolver<dim>::forEachConstraint(Visit&& visit) const
+{
+	for (int k = 0; k < count_; ++k)
+		withGrainPair(k, [&](const auto& pair) {
+			for (const auto& c : pair.constraints())
+				visit(pair, c);
+		});
+}
+
+template <int dim> SparseRows<double> ContactSolver<dim>::delassus() const
+{
+	using Share = std::pair<int, double>; // of a contact in a node
+	std::map<std::pair<const ContactBody<dim>*, int>, std::vector<Share>> at;
+	int contacts = 0;
+	forEachConstraint([&](const auto& pair, const auto& c) {
+		pair.forEachShare(c, [&](const ContactBody<dim>* body, int node, double w) {
+			at[{ body, node }].push_back({ contacts, w });
+		});
+		++contacts;
+	});
+	SparseRows<double> rows;
+	forEachConstraint([&](const auto& pair, const auto& c) {
+		std::map<int, double> row;
+		pair.forEachShare(c, [&](const ContactBody<dim>* body, int node, double w) {
+			const SparseRows<double>& table = *body->delassus;
+			for (int e = table.begin(node); e < table.end(node); ++e) {
+				const auto found = at.find({ body, table.column[e] });
+				if (found == at.end()) continue;
+				for (const auto& [l, share] : found->second)
+					row[l] += w * share * body->delassusScale * table.value[e];
+			}
+		});
+		for (const auto& [l, W] : row)
+			rows.append(l, W);
+		rows.closeRow();
+	});
+	return rows;
+}
+
+template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
+{
+	ContactProblem<dim> problem;
+	if (movesRigidBodies())
+		throw std::logic_error(
+			"the contact problem cannot be given as data: a rigid body that "
+			"contact moves takes part, whose blocks of W are no multiples of "
+			"the identity");
+	problem.delassus = delassus();
+	for (int k = 0; k < count_; ++k)
+		withGrainPair(k, [&](const auto& pair) {
+			problem.start.insert(problem.start.end(), pair.start().begin(),
+					     pair.start().end());
+		});
+	forEachConstraint([&](const auto& pair, const auto& c) {
+		problem.freeVelocity.push_back(pair.velocity(c));
+		problem.normal.push_back(c.normal);
+		problem.bias.push_back(c.bias);
+		problem.friction.push_back(pair.friction(c));
+		problem.impulse.push_back(c.impulse);
+	});
+	for (int k = 0; k < problem.contacts(); ++k) // takes out what the impulses did
+		for (int e = problem.delassus.begin(k); e < problem.delassus.end(k); ++e)
+			problem.freeVelocity[k] -= problem.delassus.value[e] *
+						   problem.impulse[problem.delassus.column[e]];
+	return problem;
+}
+
+// --- solved on its own
+// ----------------------------------------------------------------------------
 
 /// The contacts become the nodes of one body, each against a plane of its own.
 template <int dim> SolverReport solve(ContactProblem<dim>& problem, double tolerance, int maxSweeps)
@@ -77,6 +155,8 @@ template <int dim> SolverReport solve(ContactProblem<dim>& problem, double toler
 
 template struct ContactProblem<2>;
 template struct ContactProblem<3>;
+template ContactProblem<2> ContactSolver<2>::problem() const;
+template ContactProblem<3> ContactSolver<3>::problem() const;
 template SolverReport solve(ContactProblem<2>&, double, int);
 template SolverReport solve(ContactProblem<3>&, double, int);
 

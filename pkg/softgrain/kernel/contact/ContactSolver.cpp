@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <omp.h>
 #include <stdexcept>
@@ -216,17 +215,6 @@ void ContactSolver<dim>::forEachPairOf(int task, SweepOrder order, Visit&& visit
 			visit(k);
 }
 
-template <int dim>
-template <class Visit>
-void ContactSolver<dim>::forEachConstraint(Visit&& visit) const
-{
-	for (int k = 0; k < count_; ++k)
-		withGrainPair(k, [&](const auto& pair) {
-			for (const auto& c : pair.constraints())
-				visit(pair, c);
-		});
-}
-
 template <int dim> bool ContactSolver<dim>::staysInCache() const { return count_ <= pairsInCache; }
 
 template <int dim>
@@ -406,64 +394,6 @@ template <int dim> ContactWork ContactSolver<dim>::rigidWork() const
 	for (int k = 0; k < count_; ++k)
 		if (slot_[k].kind == Kind::rigid) work += rigidContacts_[slot_[k].index].work();
 	return work;
-}
-
-template <int dim> SparseRows<double> ContactSolver<dim>::delassus() const
-{
-	using Share = std::pair<int, double>; // of a contact in a node
-	std::map<std::pair<const ContactBody<dim>*, int>, std::vector<Share>> at;
-	int contacts = 0;
-	forEachConstraint([&](const auto& pair, const auto& c) {
-		pair.forEachShare(c, [&](const ContactBody<dim>* body, int node, double w) {
-			at[{ body, node }].push_back({ contacts, w });
-		});
-		++contacts;
-	});
-	SparseRows<double> rows;
-	forEachConstraint([&](const auto& pair, const auto& c) {
-		std::map<int, double> row;
-		pair.forEachShare(c, [&](const ContactBody<dim>* body, int node, double w) {
-			const SparseRows<double>& table = *body->delassus;
-			for (int e = table.begin(node); e < table.end(node); ++e) {
-				const auto found = at.find({ body, table.column[e] });
-				if (found == at.end()) continue;
-				for (const auto& [l, share] : found->second)
-					row[l] += w * share * body->delassusScale * table.value[e];
-			}
-		});
-		for (const auto& [l, W] : row)
-			rows.append(l, W);
-		rows.closeRow();
-	});
-	return rows;
-}
-
-template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
-{
-	ContactProblem<dim> problem;
-	if (movesRigidBodies())
-		throw std::logic_error(
-			"the contact problem cannot be given as data: a rigid body that "
-			"contact moves takes part, whose blocks of W are no multiples of "
-			"the identity");
-	problem.delassus = delassus();
-	for (int k = 0; k < count_; ++k)
-		withGrainPair(k, [&](const auto& pair) {
-			problem.start.insert(problem.start.end(), pair.start().begin(),
-					     pair.start().end());
-		});
-	forEachConstraint([&](const auto& pair, const auto& c) {
-		problem.freeVelocity.push_back(pair.velocity(c));
-		problem.normal.push_back(c.normal);
-		problem.bias.push_back(c.bias);
-		problem.friction.push_back(pair.friction(c));
-		problem.impulse.push_back(c.impulse);
-	});
-	for (int k = 0; k < problem.contacts(); ++k) // takes out what the impulses did
-		for (int e = problem.delassus.begin(k); e < problem.delassus.end(k); ++e)
-			problem.freeVelocity[k] -= problem.delassus.value[e] *
-						   problem.impulse[problem.delassus.column[e]];
-	return problem;
 }
 
 template class ContactSolver<2>;

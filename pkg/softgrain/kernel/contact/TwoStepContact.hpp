@@ -55,7 +55,8 @@ template <int dim> struct TwoStepContact {
 	{
 		const Vec<dim>& n = normal;
 		const double before = impulse.dot(n);
-		const double after = std::max(0., before - (u.dot(n) + bias) / Wn);
+		const double wanted = before - (u.dot(n) + bias) / Wn;
+		const double after = 0 > wanted ? 0 : wanted; // nan stays
 		if (after == 0) return Vec<dim>::Zero();
 		u += (after - before) * ofNormal;
 		const Vec<dim> sliding = u - u.dot(n) * n;

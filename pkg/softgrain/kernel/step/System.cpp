@@ -209,7 +209,8 @@ void System<dim>::checkImpulses(const SolverReport& solved, const std::vector<ch
 		finite_[g] = set.hasFiniteVelocities(k);
 	});
 	stopAtInfinite();
-	throw std::runtime_error("a velocity of a rigid body in contact is not finite");
+	throw std::runtime_error("a velocity of a rigid body in contact is not finite. Hint: look "
+				 "at its State and at what acts on it");
 }
 
 /// The new velocities of a grain, with the impulses of its contacts.
