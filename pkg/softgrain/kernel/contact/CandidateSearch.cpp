@@ -74,9 +74,12 @@ void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other,
 		    double within, ContactList<dim>& list)
 {
 	ContactCandidates<dim>& candidates = list.candidates;
+	int last = -1; // facet of the node before: most others are farther
 	forNodesNear(body, other, within, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
-		const auto place = nearestPlace(x, other, facets, anyFacet);
+		const auto start = last < 0 ? PlaceOnOutline<dim>() : placeOnFacet(x, other, last);
+		const auto place = nearestPlace(x, other, facets, anyFacet, start);
+		last = place.facet;
 		const double gap = contactAt(x, other, place).gap;
 		if (gap < within)
 			candidates.nodes.push_back(
@@ -98,31 +101,42 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 	findCandidates(second, first, 1, within, list);
 }
 
-/// Whether of both facets beside this one no place but the common end is near to `x`.
-bool isBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
+/// A place on a facet, its share of the way along it.
+struct PlaceAlong {
+	int facet;
+	double t;
+};
+
+/// The place on a facet nearest to `x` if it is not an end, and of both facets beside it no place
+/// but the common end is near.
+std::optional<PlaceAlong> placeBeneath(const Vec<2>& x, const ContactBody<2>& body, int facet)
 {
 	const auto& [before, begin, end, after] = body.mesh->carriers(facet);
-	const auto isBehind = [&](int node, int next) {
+	auto isAhead = [&](int node, int next) {
 		const Vec<2>& corner = body.position[node];
-		return (x - corner).dot(body.position[next] - corner) <= 0;
+		return (x - corner).dot(body.position[next] - corner) > 0;
 	};
-	return isBehind(begin, before) && isBehind(end, after);
+	if (isAhead(begin, before) || isAhead(end, after)) return std::nullopt;
+	const Vec<2> edge = body.position[end] - body.position[begin];
+	const double t = (x - body.position[begin]).dot(edge) / edge.squaredNorm();
+	if (!(t > 0 && t < 1)) return std::nullopt;
+	return PlaceAlong { facet, t };
 }
 
 /// Nearest place to `x`, from facet to facet as long as the next is nearer (of two as near, as at a
 /// common end, the first in order).
-PlaceOnOutline<2> followOutline(const Vec<2>& x, const ContactBody<2>& body, int facet)
+PlaceAlong followOutline(const Vec<2>& x, const ContactBody<2>& body, int facet)
 {
+	if (const auto place = placeBeneath(x, body, facet)) return *place;
 	const int count = static_cast<int>(body.mesh->facet.size());
 	PlaceOnOutline<2> best = placeOnFacet<2>(x, body, facet);
-	if (best.weight[0] > 0 && best.weight[1] > 0 && isBelow(x, body, facet)) return best;
 	for (int step : { 1, count - 1 })
 		while (true) {
 			const auto next = placeOnFacet<2>(x, body, (best.facet + step) % count);
 			if (!comesBefore(next, best)) break;
 			best = next;
 		}
-	return best;
+	return { best.facet, best.weight[1] };
 }
 
 /// Measures the candidates that may be within reach, some at a time.
@@ -144,7 +158,7 @@ public:
 		const auto place = followOutline(x, other(node), node.facet);
 		node.facet = place.facet;
 		candidate_[lanes_.count()] = &node;
-		lanes_.add(x, other(node), place.facet, place.weight[1]);
+		lanes_.add(x, other(node), place.facet, place.t);
 		if (lanes_.isFull()) measure();
 	}
 	/// Those that are left.

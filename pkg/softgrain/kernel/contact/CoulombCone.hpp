@@ -12,7 +12,7 @@ namespace softgrain {
 /// it a sliding contact would open, u_n = mu |u_t|. `n` is a unit vector, the friction finite.
 template <int dim> Vec<dim> onCone(const Vec<dim>& r, const Vec<dim>& n, double friction)
 {
-	const double along = r.dot(n), normal = 0 > along ? 0 : along; // nan stays
+	const double normal = std::max(r.dot(n), 0.); // nan stays
 	const double bound = friction * normal;
 	if constexpr (dim == 2) { // without branches, which no processor would foresee
 		const Vec<dim> t(-n[1], n[0]);
