@@ -45,27 +45,4 @@ template <int dim> double largestNorm(const Vec<dim>* vectors, std::size_t count
 	return std::sqrt(squared);
 }
 
-/// Velocities of some nodes: none differs from `middle` by more than `spread`, m/s.
-template <int dim> struct VelocityRange {
-	Vec<dim> middle = Vec<dim>::Zero();
-	double spread = 0;
-
-	double fastest() const { return middle.norm() + spread; }
-};
-
-/// The middle is that of the box of the vectors; there is at least one.
-template <int dim> VelocityRange<dim> rangeOf(const std::vector<Vec<dim>>& vectors)
-{
-	Vec<dim> low = vectors[0], high = vectors[0];
-	for (const Vec<dim>& v : vectors) {
-		low = low.cwiseMin(v);
-		high = high.cwiseMax(v);
-	}
-	const Vec<dim> middle = 0.5 * (low + high);
-	double squared = 0;
-	for (const Vec<dim>& v : vectors)
-		squared = std::max(squared, (v - middle).squaredNorm());
-	return { middle, std::sqrt(squared) };
-}
-
 } // namespace softgrain

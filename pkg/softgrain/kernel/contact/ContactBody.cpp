@@ -25,16 +25,9 @@ Vec<3> facetNormal(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
 
 template <int dim> void ContactBody<dim>::updateGeometry()
 {
-	box = { position[0], position[0] };
-	for (const Vec<dim>& x : position) {
-		box.low = box.low.cwiseMin(x);
-		box.high = box.high.cwiseMax(x);
-	}
-	box = box.grown(nodeRadius);
-	double squaredRadius = 0;
-	for (const Vec<dim>& x : position)
-		squaredRadius = std::max(squaredRadius, (x - box.centre()).squaredNorm());
-	circumradius = std::sqrt(squaredRadius);
+	const Extent<dim> extent = extentOf(position);
+	box = Box<dim> { extent.low, extent.high }.grown(nodeRadius);
+	circumradius = farthestFrom<dim>(box.centre(), position);
 	if (!hasFacets()) return;
 	normal.assign(position.size(), Vec<dim>::Zero());
 	double squaredEdge = 0;
@@ -47,8 +40,7 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 		}
 	}
 	longestEdge = std::sqrt(squaredEdge);
-	for (Vec<dim>& n : normal)
-		n.normalize();
+	normalizeAll(normal);
 }
 
 template <int dim> std::vector<int> ContactBody<dim>::nodesIn(const Box<dim>& region) const

@@ -2,6 +2,7 @@
 // table that turns impulses on them into velocities of them. Nothing of the background grid.
 #pragma once
 
+#include "Extent.hpp"
 #include "Vector.hpp"
 #include "contact/CommonGrid.hpp"
 #include "reference/Outline.hpp"
