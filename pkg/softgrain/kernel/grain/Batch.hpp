@@ -8,6 +8,7 @@
 #include "material/Lanes.hpp"
 #include "reference/GrainTemplate.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -15,25 +16,43 @@
 
 namespace softgrain {
 
-/// One vector per node and grain, the nodes of a grain side by side.
+/// One vector per node and grain, the nodes of a grain side by side. Grains that were exchanged lie
+/// in the memory of the other field, which has to live as long; a copy has all of its own.
 template <int dim> class NodalField {
 public:
+	NodalField() = default;
+	NodalField(NodalField&&) = default;
+	NodalField(const NodalField& other)
+	{
+		resize(static_cast<int>(other.grain_.size()), other.nodes_);
+		for (std::size_t g = 0; g < grain_.size(); ++g)
+			std::copy_n(other.grain_[g], nodes_, grain_[g]);
+	}
+
 	void resize(int grains, int nodes)
 	{
 		nodes_ = nodes;
 		data_.assign(static_cast<std::size_t>(grains) * nodes, Vec<dim>::Zero());
+		grain_.clear();
+		for (int g = 0; g < grains; ++g)
+			grain_.push_back(data_.data() + static_cast<std::size_t>(g) * nodes);
 	}
 	/// The vectors of all nodes of a grain.
-	Vec<dim>* of(int grain) { return data_.data() + static_cast<std::size_t>(grain) * nodes_; }
-	const Vec<dim>* of(int grain) const { return const_cast<NodalField*>(this)->of(grain); }
+	Vec<dim>* of(int grain) { return grain_[grain]; }
+	const Vec<dim>* of(int grain) const { return grain_[grain]; }
 
 	const Vec<dim>& get(int grain, int I) const { return of(grain)[I]; }
 	void set(int grain, int I, const Vec<dim>& value) { of(grain)[I] = value; }
-	void swap(NodalField& other) { std::swap(*this, other); }
+	/// A grain's vectors for those in another field: less memory to go through than a copy.
+	void exchange(int grain, NodalField& other)
+	{
+		std::swap(grain_[grain], other.grain_[grain]);
+	}
 
 private:
 	int nodes_ = 0;
 	std::vector<Vec<dim>> data_;
+	std::vector<Vec<dim>*> grain_; ///< its first node
 };
 
 /// The numbers of a grain, for saving, and back.
@@ -87,7 +106,8 @@ template <int dim> struct Batch {
 	NodalField<dim> x;     ///< nodal positions relative to the grain's origin at t_n, m
 	NodalField<dim> v;     ///< nodal velocities at t_n - dt/2, m/s
 	NodalField<dim> force; ///< internal force at t_n, N (2D: N/m)
-	NodalField<dim> vNext; ///< nodal velocities at t_n + dt/2, being computed
+	/// Nodal velocities at t_n + dt/2, being computed; of no meaning between steps.
+	NodalField<dim> vNext;
 	std::vector<BulkReport> report;
 
 	int grains() const { return static_cast<int>(grain.size()); }

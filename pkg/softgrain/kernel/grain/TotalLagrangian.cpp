@@ -325,12 +325,9 @@ template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
 	holder_.followMove(batch_, g, dt);
 	const Vec<dim>* vNext = batch_.vNext.of(g);
 	Vec<dim>* x = batch_.x.of(g);
-	Vec<dim>* v = batch_.v.of(g);
-	const bool copies = !pointVelocities_;
-	for (int I = 0, count = nodes(); I < count; ++I) {
+	for (int I = 0, count = nodes(); I < count; ++I)
 		addScaled<dim>(x[I], dt, vNext[I]);
-		if (copies) v[I] = vNext[I];
-	}
+	if (!pointVelocities_) batch_.v.exchange(g, batch_.vNext);
 }
 
 namespace {
