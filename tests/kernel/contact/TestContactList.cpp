@@ -19,7 +19,7 @@ TEMPLATE_TEST_CASE_SIG("Contact list: a support lies still only if nothing of it
 
 	auto restsOn = [](const RigidSide<dim>& side, const Vec<dim>& ofImage = Vec<dim>::Zero()) {
 		ContactList<dim> list;
-		list.rigid = side;
+		list.rigid.emplace() = side;
 		list.image.velocity = ofImage;
 		return list.hasStillSupport();
 	};

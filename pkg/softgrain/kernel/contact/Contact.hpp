@@ -1,6 +1,7 @@
 // A contact and the contacts of one pair of bodies.
 #pragma once
 
+#include "Rare.hpp"
 #include "Vector.hpp"
 #include "contact/Interface.hpp"
 #include "contact/RigidPartner.hpp"
@@ -11,7 +12,6 @@
 #include <array>
 #include <cstdlib>
 #include <functional>
-#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -133,10 +133,10 @@ template <int dim> struct ContactList {
 	int second =
 		-1; ///< index of the second body; negative: `rigid` or `plane`, the number its name
 	Plane<dim> plane;
-	std::optional<RigidSide<dim>> rigid;         ///< its surface as the image has it
-	PairImage<dim> image;                        ///< of a second grain or a rigid body
-	double friction = 0;                         ///< coefficient mu
-	std::optional<PairInterface<dim>> interface; ///< what acts besides, if anything does
+	Rare<RigidSide<dim>> rigid;         ///< its surface as the image has it
+	PairImage<dim> image;               ///< of a second grain or a rigid body
+	double friction = 0;                ///< coefficient mu
+	Rare<PairInterface<dim>> interface; ///< what acts besides, if anything does
 	double deepest =
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
 	std::vector<Contact<dim>> contacts;
