@@ -1,6 +1,7 @@
 // Asks for memory that will be needed soon, so that nothing waits for it then.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -9,14 +10,32 @@
 
 namespace softgrain {
 
+/// Bytes that come from memory together.
+constexpr std::uintptr_t cacheLine = 64;
+
+/// So many lines from the one with this number on.
+inline void fetchLines(std::uintptr_t first, std::uintptr_t count)
+{
+	for (std::uintptr_t line = first; line < first + count; ++line)
+		__builtin_prefetch(reinterpret_cast<const void*>(line * cacheLine), 1);
+}
+
+/// The line of an address.
+inline std::uintptr_t lineOf(const void* at)
+{
+	return reinterpret_cast<std::uintptr_t>(at) / cacheLine;
+}
+
+/// Lines that hold [from, to).
+inline std::uintptr_t linesOf(const void* from, const void* to)
+{
+	return from == to ? 0 : lineOf(static_cast<const char*>(to) - 1) - lineOf(from) + 1;
+}
+
 /// What lies in [from, to).
 inline void fetchBytes(const void* from, const void* to)
 {
-	constexpr std::uintptr_t cacheLine = 64; // bytes
-	const auto end = reinterpret_cast<std::uintptr_t>(to);
-	for (auto at = reinterpret_cast<std::uintptr_t>(from) & ~(cacheLine - 1); at < end;
-	     at += cacheLine)
-		__builtin_prefetch(reinterpret_cast<const void*>(at), 1);
+	fetchLines(lineOf(from), linesOf(from, to));
 }
 
 /// Pieces of memory by their addresses alone: asking for one that is no longer there does no harm.
@@ -27,7 +46,9 @@ public:
 	/// Those beyond `most` are left out.
 	void add(const void* from, const void* to)
 	{
-		if (count_ < most) piece_[count_++] = { from, to };
+		const auto free = std::find(piece_.begin(), piece_.end(), none);
+		const std::uintptr_t lines = std::min(linesOf(from, to), mostLines);
+		if (free != piece_.end()) *free = lineOf(from) << bitsOfCount | lines;
 	}
 	template <class T> void add(const T& object) { add(&object, &object + 1); }
 	template <class T> void add(const std::vector<T>& numbers)
@@ -36,17 +57,17 @@ public:
 	}
 	void fetch() const
 	{
-		for (int k = 0; k < count_; ++k)
-			fetchBytes(piece_[k].from, piece_[k].to);
+		for (std::uintptr_t piece : piece_)
+			fetchLines(piece >> bitsOfCount, piece & mostLines);
 	}
 
 private:
-	struct Piece {
-		const void *from = nullptr, *to = nullptr;
-	};
+	static constexpr int bitsOfCount = 10; ///< numbers of lines leave twelve at least
+	static constexpr std::uintptr_t mostLines = (1 << bitsOfCount) - 1, none = 0;
 
-	int count_ = 0;
-	std::array<Piece, most> piece_ {};
+	/// Of a piece its first line and, in the last bits, how many: there are two sets of pieces
+	/// for each interaction, which are memory, too.
+	std::array<std::uintptr_t, most> piece_ {};
 };
 
 /// What the turns of a loop that is run again and again read, as they noted it when it was run
