@@ -211,6 +211,36 @@ TEMPLATE_TEST_CASE_SIG("Batch: placing and moving a grain rigidly", "[grain]", (
 	}
 }
 
+TEST_CASE("Nodal fields: grains exchanged stay with their fields, and are copied", "[grain]")
+{
+	NodalField<2> v, w;
+	auto fill = [](NodalField<2>& field, double value) {
+		field.resize(3, 2);
+		for (int g = 0; g < 3; ++g)
+			for (int I = 0; I < 2; ++I)
+				field.set(g, I, Vec<2>(value, 2 * g + I));
+	};
+	auto valueOf = [](const NodalField<2>& field, int g) {
+		CHECK(field.get(g, 1)[0] == field.get(g, 0)[0]);
+		CHECK(field.of(g)[1][1] == 2 * g + 1);
+		return field.get(g, 0)[0];
+	};
+	fill(v, 1);
+	fill(w, 2);
+	v.exchange(1, w);
+	CHECK(valueOf(v, 0) == 1);
+	CHECK(valueOf(v, 1) == 2);
+	CHECK(valueOf(w, 1) == 1);
+	const NodalField<2> copy = v;
+	v.set(1, 0, Vec<2>(7, 7));
+	CHECK(w.get(1, 0)[0] == 1);
+	CHECK(valueOf(copy, 1) == 2);
+	CHECK(valueOf(copy, 2) == 1);
+	v.exchange(1, w);
+	CHECK(valueOf(v, 1) == 1);
+	CHECK(w.get(1, 0)[0] == 7);
+}
+
 TEST_CASE("Batch: inadmissible grains are named", "[grain]")
 {
 	const auto reference2 = makeGrainTemplate<2>(recipe(0.4));

@@ -1,0 +1,66 @@
+// Boxes, distances and directions of many vectors at a time: with the bits of one by one.
+#include "Extent.hpp"
+#include "Helpers.hpp"
+
+#include <catch2/catch_template_test_macros.hpp>
+
+#include <cmath>
+
+using namespace softgrain;
+using namespace softgrain::testing;
+
+namespace {
+
+template <int dim> std::vector<Vec<dim>> someVectors(int count)
+{
+	Random random(static_cast<unsigned>(count));
+	std::vector<Vec<dim>> vectors;
+	for (int k = 0; k < count; ++k)
+		vectors.push_back(random.vector<dim>() + 0.5 * Vec<dim>::Ones());
+	return vectors;
+}
+
+/// Their number is no multiple of what is computed at a time, or less than that.
+constexpr int mostVectors = 13;
+
+} // namespace
+
+TEMPLATE_TEST_CASE_SIG("Extent: the box of vectors and the farthest of them", "[extent]",
+		       ((int dim), dim), 2, 3)
+{
+	for (int count = 1; count <= mostVectors; ++count) {
+		const auto vectors = someVectors<dim>(count);
+		const Vec<dim> centre = vectors[count / 2] - Vec<dim>::Unit(0);
+		Vec<dim> low = vectors[0], high = vectors[0];
+		double farthest = 0;
+		for (const Vec<dim>& v : vectors) {
+			low = low.cwiseMin(v);
+			high = high.cwiseMax(v);
+			farthest = std::max(farthest, (v - centre).norm());
+		}
+		CAPTURE(count);
+		const Extent<dim> extent = extentOf(vectors);
+		CHECK(extent.low == low);
+		CHECK(extent.high == high);
+		CHECK(farthestFrom<dim>(centre, vectors) == farthest);
+		const VelocityRange<dim> range = rangeOf(vectors);
+		CHECK(range.middle == Vec<dim>(0.5 * (low + high)));
+		CHECK(range.spread == farthestFrom<dim>(range.middle, vectors));
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Extent: unit vectors, and zero, which stays", "[extent]", ((int dim), dim),
+		       2, 3)
+{
+	for (int count = 1; count <= mostVectors; ++count)
+		for (int zero = 0; zero < count; ++zero) {
+			auto vectors = someVectors<dim>(count);
+			vectors[zero].setZero();
+			auto expected = vectors;
+			for (Vec<dim>& v : expected)
+				v.normalize();
+			normalizeAll(vectors);
+			CAPTURE(count, zero);
+			CHECK(vectors == expected);
+		}
+}
