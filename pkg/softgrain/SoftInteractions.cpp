@@ -97,7 +97,7 @@ void fetchInteraction(const std::vector<Interaction*>& interactions, std::size_t
 void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
 {
 	constexpr std::size_t partsAhead = 16, pairAhead = 8;
-	constexpr int pairSize = 640; // of a PairContacts in 2D, bytes; in 3D it is longer
+	constexpr int pairSize = 384; // of a PairContacts in 2D, bytes; in 3D it is longer
 	const std::size_t count = interactions.size();
 	fetchInteraction(interactions, k);
 	if (k + partsAhead < count) {

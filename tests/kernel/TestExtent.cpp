@@ -49,6 +49,22 @@ TEMPLATE_TEST_CASE_SIG("Extent: the box of vectors and the farthest of them", "[
 	}
 }
 
+TEMPLATE_TEST_CASE_SIG("Extent: the farthest way less that of all together", "[extent]",
+		       ((int dim), dim), 2, 3)
+{
+	for (int count = 1; count <= mostVectors; ++count) {
+		const auto to = someVectors<dim>(count);
+		auto from = someVectors<dim>(2 * count);
+		from.resize(count);
+		const Vec<dim> together = to[0] - from[count - 1];
+		double farthest = 0;
+		for (int k = 0; k < count; ++k)
+			farthest = std::max(farthest, (to[k] - from[k] - together).norm());
+		CAPTURE(count);
+		CHECK(farthestWay<dim>(from, to, together) == farthest);
+	}
+}
+
 TEMPLATE_TEST_CASE_SIG("Extent: unit vectors, and zero, which stays", "[extent]", ((int dim), dim),
 		       2, 3)
 {

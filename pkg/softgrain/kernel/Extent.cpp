@@ -61,6 +61,31 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double farthest(const Vec<2>& centre,
 	return std::sqrt(largestOf(squared));
 }
 
+template <int dim>
+double farthestWayOneByOne(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to,
+			   const Vec<dim>& together)
+{
+	double squared = 0;
+	for (std::size_t k = 0; k < to.size(); ++k)
+		squared = std::max(squared, (to[k] - from[k] - together).squaredNorm());
+	return std::sqrt(squared);
+}
+
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double
+longestWay(const std::vector<Vec<2>>& from, const std::vector<Vec<2>>& to, const Vec<2>& together)
+{
+	const int count = static_cast<int>(to.size());
+	FourNumbers squared = {};
+	for (int k = 0; k < count; k += nodesPerBlock) {
+		const int first = std::min(k, count - nodesPerBlock);
+		const BlockVectors a = vectorsOf(from.data(), first, count),
+				   b = vectorsOf(to.data(), first, count);
+		const BlockVectors way = BlockVectors { b.x - a.x, b.y - a.y }.less(together);
+		squared = larger(squared, way.dot(way));
+	}
+	return std::sqrt(largestOf(squared));
+}
+
 FourNumbers lengthsOf(const BlockVectors& v)
 {
 	const FourNumbers squared = v.dot(v);
@@ -105,6 +130,20 @@ template <> double farthestFrom<2>(const Vec<2>& centre, const std::vector<Vec<2
 template <> double farthestFrom<3>(const Vec<3>& centre, const std::vector<Vec<3>>& vectors)
 {
 	return farthestOneByOne<3>(centre, vectors);
+}
+
+template <>
+double farthestWay<2>(const std::vector<Vec<2>>& from, const std::vector<Vec<2>>& to,
+		      const Vec<2>& together)
+{
+	if (to.size() < nodesPerBlock) return farthestWayOneByOne<2>(from, to, together);
+	return longestWay(from, to, together);
+}
+template <>
+double farthestWay<3>(const std::vector<Vec<3>>& from, const std::vector<Vec<3>>& to,
+		      const Vec<3>& together)
+{
+	return farthestWayOneByOne<3>(from, to, together);
 }
 
 template <> void normalizeAll<2>(std::vector<Vec<2>>& vectors) { normalizeBlocks(vectors); }

@@ -23,6 +23,11 @@ template <int dim> Extent<dim> extentOf(const std::vector<Vec<dim>>& vectors);
 template <int dim>
 double farthestFrom(const Vec<dim>& centre, const std::vector<Vec<dim>>& vectors);
 
+/// Largest way from a vector to its counterpart, less that of all `together`.
+template <int dim>
+double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to,
+		   const Vec<dim>& together);
+
 /// Zero stays.
 template <int dim> void normalizeAll(std::vector<Vec<dim>>& vectors);
 

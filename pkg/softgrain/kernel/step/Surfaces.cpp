@@ -18,20 +18,6 @@ template <class Renew> void Freshness::renew(Renew&& renewNow)
 		state_.wait(busy);
 }
 
-namespace {
-
-template <int dim>
-double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to,
-		   const Vec<dim>& together)
-{
-	double squared = 0;
-	for (std::size_t s = 0; s < to.size(); ++s)
-		squared = std::max(squared, (to[s] - from[s] - together).squaredNorm());
-	return std::sqrt(squared);
-}
-
-} // namespace
-
 template <int dim> void System<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
