@@ -62,7 +62,7 @@ public:
 	}
 
 private:
-	static constexpr int bitsOfCount = 10; ///< numbers of lines leave twelve at least
+	static constexpr int bitsOfCount = 10; ///< of 64: numbers of lines have 51 at most
 	static constexpr std::uintptr_t mostLines = (1 << bitsOfCount) - 1, none = 0;
 
 	/// Of a piece its first line and, in the last bits, how many: there are two sets of pieces

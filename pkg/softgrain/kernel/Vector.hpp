@@ -37,12 +37,4 @@ template <int dim> void addScaled(Vec<dim>& sum, double a, const Vec<dim>& v)
 	setToSum<dim>(sum, sum, a, v);
 }
 
-template <int dim> double largestNorm(const Vec<dim>* vectors, std::size_t count)
-{
-	double squared = 0;
-	for (std::size_t k = 0; k < count; ++k)
-		squared = std::max(squared, vectors[k].squaredNorm());
-	return std::sqrt(squared);
-}
-
 } // namespace softgrain

@@ -74,12 +74,9 @@ void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other,
 		    double within, ContactList<dim>& list)
 {
 	ContactCandidates<dim>& candidates = list.candidates;
-	int last = -1; // facet of the node before: most others are farther
 	forNodesNear(body, other, within, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
-		const auto start = last < 0 ? PlaceOnOutline<dim>() : placeOnFacet(x, other, last);
-		const auto place = nearestPlace(x, other, facets, anyFacet, start);
-		last = place.facet;
+		const auto place = nearestPlace(x, other, facets, anyFacet);
 		const double gap = contactAt(x, other, place).gap;
 		if (gap < within)
 			candidates.nodes.push_back(

@@ -25,8 +25,7 @@ Vec<3> facetNormal(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
 
 template <int dim> void ContactBody<dim>::updateGeometry()
 {
-	const Extent<dim> extent = extentOf(position);
-	box = Box<dim> { extent.low, extent.high }.grown(nodeRadius);
+	box = boxOf(position).grown(nodeRadius);
 	circumradius = farthestFrom<dim>(box.centre(), position);
 	if (!hasFacets()) return;
 	normal.assign(position.size(), Vec<dim>::Zero());

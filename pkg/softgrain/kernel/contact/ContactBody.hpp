@@ -2,8 +2,7 @@
 // table that turns impulses on them into velocities of them. Nothing of the background grid.
 #pragma once
 
-#include "Extent.hpp"
-#include "Vector.hpp"
+#include "Vectors.hpp"
 #include "contact/CommonGrid.hpp"
 #include "reference/Outline.hpp"
 #include "reference/SparseRows.hpp"
@@ -12,22 +11,6 @@
 #include <vector>
 
 namespace softgrain {
-
-template <int dim> struct Box {
-	Vec<dim> low = Vec<dim>::Zero(), high = Vec<dim>::Zero();
-
-	bool overlaps(const Box& other) const
-	{
-		return (low.array() <= other.high.array()).all() &&
-		       (other.low.array() <= high.array()).all();
-	}
-	bool contains(const Vec<dim>& x) const
-	{
-		return (low.array() <= x.array()).all() && (x.array() <= high.array()).all();
-	}
-	Box grown(double margin) const { return { low.array() - margin, high.array() + margin }; }
-	Vec<dim> centre() const { return 0.5 * (low + high); }
-};
 
 template <int dim> struct ContactBody {
 	const OutlineMesh<dim>* mesh =

@@ -40,8 +40,7 @@ template <int dim> double ContactProblem<dim>::residual() const
 	return sum.value();
 }
 
-// --- taken out of a solver
-// ------------------------------------------------------------------------
+// --- taken out of a solver ------------------------------
 
 template <int dim>
 template <class Visit>
@@ -112,8 +111,7 @@ template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
 	return problem;
 }
 
-// --- solved on its own
-// ----------------------------------------------------------------------------
+// --- solved on its own ------------------------------
 
 /// The contacts become the nodes of one body, each against a plane of its own.
 template <int dim> SolverReport solve(ContactProblem<dim>& problem, double tolerance, int maxSweeps)

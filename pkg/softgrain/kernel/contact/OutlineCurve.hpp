@@ -96,8 +96,7 @@ private:
 	bool startsSharp_, endsSharp_;
 };
 
-// --- inline, since the search consists of it
-// ------------------------------------------------------
+// --- inline, since the search consists of it ------------------------------
 
 inline CurvePiece<Vec<2>> OutlineCurve::pieceOver(const ContactBody<2>& body,
 						  const std::array<int, 4>& node)

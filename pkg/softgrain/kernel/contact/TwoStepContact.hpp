@@ -56,7 +56,7 @@ template <int dim> struct TwoStepContact {
 		const Vec<dim>& n = normal;
 		const double before = impulse.dot(n);
 		const double wanted = before - (u.dot(n) + bias) / Wn;
-		const double after = 0 > wanted ? 0 : wanted; // nan stays
+		const double after = std::max(wanted, 0.); // nan stays
 		if (after == 0) return Vec<dim>::Zero();
 		u += (after - before) * ofNormal;
 		const Vec<dim> sliding = u - u.dot(n) * n;

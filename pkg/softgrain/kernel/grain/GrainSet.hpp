@@ -2,7 +2,7 @@
 // in the order in which they stand here; grains are named by their index in the set.
 #pragma once
 
-#include "Extent.hpp"
+#include "Vectors.hpp"
 #include "grain/Batch.hpp"
 #include "grain/InternalForce.hpp"
 #include "grain/Observables.hpp"

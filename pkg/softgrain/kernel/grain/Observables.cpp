@@ -1,4 +1,5 @@
 #include "grain/Observables.hpp"
+#include "Vectors.hpp"
 #include "material/Lanes.hpp"
 #include "reference/NodeBlocks.hpp"
 
@@ -143,19 +144,6 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS Vec<dim> weightedSum(const std::vector<double
 	return sum.value();
 }
 
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double largestNormOf(const Vec<2>* v, int count)
-{
-	FourNumbers squared = {};
-	for (int k = 0; k < count; k += nodesPerBlock) {
-		const BlockVectors own = vectorsOf(v, k, count);
-		const FourNumbers norm = own.dot(own);
-		squared = squared < norm ? norm : squared;
-	}
-	return std::sqrt(std::max({ squared[0], squared[1], squared[2], squared[3] }));
-}
-
-double largestNormOf(const Vec<3>* v, int count) { return largestNorm<3>(v, count); }
-
 /// What is not finite leaves no zero.
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS bool areFinite(const double* numbers, int count)
 {
@@ -182,7 +170,7 @@ template <int dim> Vec<dim> momentum(const Batch<dim>& batch, const NodalField<d
 
 template <int dim> double fastestNode(const Batch<dim>& batch, int g)
 {
-	return largestNormOf(batch.v.of(g), batch.reference->nodes());
+	return largestNorm<dim>(batch.v.of(g), batch.reference->nodes());
 }
 
 template <int dim> bool isFinite(const NodalField<dim>& field, int g, int nodes)

@@ -1,6 +1,6 @@
 // Boxes, distances and directions of many vectors at a time: with the bits of one by one.
-#include "Extent.hpp"
 #include "Helpers.hpp"
+#include "Vectors.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
 
@@ -25,7 +25,7 @@ constexpr int mostVectors = 13;
 
 } // namespace
 
-TEMPLATE_TEST_CASE_SIG("Extent: the box of vectors and the farthest of them", "[extent]",
+TEMPLATE_TEST_CASE_SIG("Vectors: the box of vectors and the farthest of them", "[vectors]",
 		       ((int dim), dim), 2, 3)
 {
 	for (int count = 1; count <= mostVectors; ++count) {
@@ -39,17 +39,19 @@ TEMPLATE_TEST_CASE_SIG("Extent: the box of vectors and the farthest of them", "[
 			farthest = std::max(farthest, (v - centre).norm());
 		}
 		CAPTURE(count);
-		const Extent<dim> extent = extentOf(vectors);
-		CHECK(extent.low == low);
-		CHECK(extent.high == high);
+		const Box<dim> box = boxOf(vectors);
+		CHECK(box.low == low);
+		CHECK(box.high == high);
 		CHECK(farthestFrom<dim>(centre, vectors) == farthest);
+		CHECK(largestNorm(vectors.data(), count) ==
+		      farthestFrom<dim>(Vec<dim>::Zero(), vectors));
 		const VelocityRange<dim> range = rangeOf(vectors);
 		CHECK(range.middle == Vec<dim>(0.5 * (low + high)));
 		CHECK(range.spread == farthestFrom<dim>(range.middle, vectors));
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Extent: the farthest way less that of all together", "[extent]",
+TEMPLATE_TEST_CASE_SIG("Vectors: the farthest way less that of all together", "[vectors]",
 		       ((int dim), dim), 2, 3)
 {
 	for (int count = 1; count <= mostVectors; ++count) {
@@ -65,8 +67,8 @@ TEMPLATE_TEST_CASE_SIG("Extent: the farthest way less that of all together", "[e
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Extent: unit vectors, and zero, which stays", "[extent]", ((int dim), dim),
-		       2, 3)
+TEMPLATE_TEST_CASE_SIG("Vectors: unit vectors, and zero, which stays", "[vectors]",
+		       ((int dim), dim), 2, 3)
 {
 	for (int count = 1; count <= mostVectors; ++count)
 		for (int zero = 0; zero < count; ++zero) {

@@ -1,0 +1,58 @@
+// Many vectors at a time: the box that holds them, the longest and the farthest of them, all of
+// them made unit vectors. In the plane four at a time, with the bits of one by one.
+#pragma once
+
+#include "Vector.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+template <int dim> struct Box {
+	Vec<dim> low = Vec<dim>::Zero(), high = Vec<dim>::Zero();
+
+	bool overlaps(const Box& other) const
+	{
+		return (low.array() <= other.high.array()).all() &&
+		       (other.low.array() <= high.array()).all();
+	}
+	bool contains(const Vec<dim>& x) const
+	{
+		return (low.array() <= x.array()).all() && (x.array() <= high.array()).all();
+	}
+	Box grown(double margin) const { return { low.array() - margin, high.array() + margin }; }
+	Vec<dim> centre() const { return 0.5 * (low + high); }
+};
+
+/// Of one vector at least.
+template <int dim> Box<dim> boxOf(const std::vector<Vec<dim>>& vectors);
+
+/// 0 if there is none.
+template <int dim> double largestNorm(const Vec<dim>* vectors, int count);
+/// Largest distance of a vector from `centre`.
+template <int dim>
+double farthestFrom(const Vec<dim>& centre, const std::vector<Vec<dim>>& vectors);
+/// Largest way from a vector to its counterpart, less that of all `together`.
+template <int dim>
+double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to,
+		   const Vec<dim>& together);
+
+/// Makes them unit vectors; zero stays.
+template <int dim> void normalizeAll(std::vector<Vec<dim>>& vectors);
+
+/// Velocities of some nodes: none differs from `middle` by more than `spread`, m/s.
+template <int dim> struct VelocityRange {
+	Vec<dim> middle = Vec<dim>::Zero();
+	double spread = 0;
+
+	double fastest() const { return middle.norm() + spread; }
+};
+
+/// The middle is that of the box of the vectors; there is at least one.
+template <int dim> VelocityRange<dim> rangeOf(const std::vector<Vec<dim>>& vectors)
+{
+	const Vec<dim> middle = boxOf(vectors).centre();
+	return { middle, farthestFrom<dim>(middle, vectors) };
+}
+
+} // namespace softgrain
