@@ -36,7 +36,7 @@ public:
 		: memory_(memory)
 		, I_(I)
 	{
-		memory_.fetch(I.linIx + 2);
+		memory_.fetch(I.linIx + 3);
 		read_.add(I);
 	}
 	~LoopTurn() { memory_.note(I_.linIx, read_); }

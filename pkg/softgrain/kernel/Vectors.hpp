@@ -16,13 +16,27 @@ template <int dim> struct Box {
 		return (low.array() <= other.high.array()).all() &&
 		       (other.low.array() <= high.array()).all();
 	}
+	/// (Without branches: no processor foresees which of many vectors are inside.)
 	bool contains(const Vec<dim>& x) const
 	{
-		return (low.array() <= x.array()).all() && (x.array() <= high.array()).all();
+		return (x - low).cwiseMin(high - x).minCoeff() >= 0;
 	}
 	Box grown(double margin) const { return { low.array() - margin, high.array() + margin }; }
 	Vec<dim> centre() const { return 0.5 * (low + high); }
 };
+
+/// Of the numbers below `count` those that pass, in their order.
+template <class Passes> std::vector<int> numbersThat(int count, Passes&& passes)
+{
+	std::vector<int> found(count);
+	int last = 0;
+	for (int k = 0; k < count; ++k) {
+		found[last] = k;
+		last += passes(k);
+	}
+	found.resize(last);
+	return found;
+}
 
 /// Of one vector at least.
 template <int dim> Box<dim> boxOf(const std::vector<Vec<dim>>& vectors);

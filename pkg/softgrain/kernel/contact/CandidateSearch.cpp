@@ -3,6 +3,7 @@
 #include "contact/PlaceOnOutline.hpp"
 
 #include <optional>
+#include <utility>
 
 namespace softgrain {
 
@@ -69,13 +70,82 @@ void followBodies(const ContactBody<dim>& first, const ContactBody<dim>& second,
 	candidates.travelled = travelled;
 }
 
-template <int dim>
-void findCandidates(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
-		    double within, ContactList<dim>& list)
+/// A place on a facet, its share of the way along it.
+struct PlaceAlong {
+	int facet;
+	double t;
+};
+
+/// Gaps of nodes to places on outlines, some at a time: calls `take(node, lanes, lane)` for them in
+/// their order. `Node`: what the caller knows them by.
+template <class Node, class Take> class GapsInLanes {
+public:
+	explicit GapsInLanes(Take take)
+		: take_(std::move(take))
+	{
+		lanes_.clear();
+	}
+	void add(const Node& node, const Vec<2>& x, const ContactBody<2>& other,
+		 const PlaceAlong& place)
+	{
+		node_[lanes_.count()] = node;
+		lanes_.add(x, other, place.facet, place.t);
+		if (lanes_.isFull()) measure();
+	}
+	/// Those that are left.
+	void measure()
+	{
+		if (lanes_.count() == 0) return;
+		lanes_.measure();
+		for (int lane = 0; lane < lanes_.count(); ++lane)
+			take_(node_[lane], lanes_, lane);
+		lanes_.clear();
+	}
+
+private:
+	/// (To make them anew for each pair takes a tenth of its search.)
+	static NodesInLanes& lanesOfThread()
+	{
+		thread_local NodesInLanes lanes;
+		return lanes;
+	}
+
+	NodesInLanes& lanes_ = lanesOfThread();
+	Take take_;
+	std::array<Node, NodesInLanes::most> node_;
+};
+
+/// (The nearest facet is sought from that of the node before: most others are farther.)
+void findCandidates(const ContactBody<2>& body, const ContactBody<2>& other, int side,
+		    double within, ContactList<2>& list)
 {
-	ContactCandidates<dim>& candidates = list.candidates;
+	struct NodeAtFacet {
+		int node, facet;
+	};
+	ContactCandidates<2>& candidates = list.candidates;
+	auto take = [&](const NodeAtFacet& found, const NodesInLanes& lanes, int lane) {
+		const double gap = lanes.gap(lane);
+		if (gap < within)
+			candidates.nodes.push_back(
+				{ side, found.node, found.facet, gap + candidates.approached });
+	};
+	GapsInLanes<NodeAtFacet, decltype(take)> gaps(take);
+	PlaceOnOutline<2> place;
 	forNodesNear(body, other, within, list, [&](int s, const auto& facets) {
-		const Vec<dim>& x = body.position[s];
+		const Vec<2>& x = body.position[s];
+		if (place.facet >= 0) place = placeOnFacet(x, other, place.facet);
+		place = nearestPlace(x, other, facets, anyFacet, place);
+		gaps.add({ s, place.facet }, x, other, { place.facet, place.weight[1] });
+	});
+	gaps.measure();
+}
+
+void findCandidates(const ContactBody<3>& body, const ContactBody<3>& other, int side,
+		    double within, ContactList<3>& list)
+{
+	ContactCandidates<3>& candidates = list.candidates;
+	forNodesNear(body, other, within, list, [&](int s, const auto& facets) {
+		const Vec<3>& x = body.position[s];
 		const auto place = nearestPlace(x, other, facets, anyFacet);
 		const double gap = contactAt(x, other, place).gap;
 		if (gap < within)
@@ -97,12 +167,6 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 	findCandidates(first, second, 0, within, list);
 	findCandidates(second, first, 1, within, list);
 }
-
-/// A place on a facet, its share of the way along it.
-struct PlaceAlong {
-	int facet;
-	double t;
-};
 
 /// The place on a facet nearest to `x` if it is not an end, and of both facets beside it no place
 /// but the common end is near.
@@ -136,69 +200,6 @@ PlaceAlong followOutline(const Vec<2>& x, const ContactBody<2>& body, int facet)
 	return { best.facet, best.weight[1] };
 }
 
-/// Measures the candidates that may be within reach, some at a time.
-class CandidatesInLanes {
-public:
-	CandidatesInLanes(NodesInLanes& lanes, const ContactBody<2>& first,
-			  const ContactBody<2>& second, double reach, ContactList<2>& list)
-		: lanes_(lanes)
-		, body_ { &first, &second }
-		, reach_(reach)
-		, list_(list)
-	{
-		lanes_.clear();
-	}
-
-	void add(ContactCandidates<2>::Node& node)
-	{
-		const Vec<2>& x = own(node).position[node.node];
-		const auto place = followOutline(x, other(node), node.facet);
-		node.facet = place.facet;
-		candidate_[lanes_.count()] = &node;
-		lanes_.add(x, other(node), place.facet, place.t);
-		if (lanes_.isFull()) measure();
-	}
-	/// Those that are left.
-	void measure()
-	{
-		if (lanes_.count() == 0) return;
-		lanes_.measure();
-		for (int lane = 0; lane < lanes_.count(); ++lane)
-			take(lane);
-		list_.tested += lanes_.count();
-		lanes_.clear();
-	}
-
-private:
-	using Node = ContactCandidates<2>::Node;
-
-	/// Whether a node that counts as deep is outside all the same.
-	bool isBeforeFold(const Node& node, double gap) const
-	{
-		return gap < -trustedOverlap * other(node).pointSpacing &&
-		       !other(node).encloses(own(node).position[node.node]);
-	}
-
-	const ContactBody<2>& own(const Node& node) const { return *body_[node.side]; }
-	const ContactBody<2>& other(const Node& node) const { return *body_[1 - node.side]; }
-
-	void take(int lane)
-	{
-		Node& node = *candidate_[lane];
-		node.clearance = lanes_.gap(lane) + list_.candidates.approached;
-		if (lanes_.gap(lane) >= reach_ || isBeforeFold(node, lanes_.gap(lane))) return;
-		if (auto* contact = append({ node.side, node.node, -1 }, lanes_.gap(lane),
-					   own(node), other(node), list_))
-			lanes_.write(lane, *contact);
-	}
-
-	NodesInLanes& lanes_;
-	std::array<Node*, laneWidth> candidate_;
-	std::array<const ContactBody<2>*, 2> body_;
-	double reach_;
-	ContactList<2>& list_;
-};
-
 /// Calls `use` for the candidates that may be within reach.
 template <int dim, class Use>
 void forCandidates(double reach, ContactCandidates<dim>& candidates, Use&& use)
@@ -207,13 +208,35 @@ void forCandidates(double reach, ContactCandidates<dim>& candidates, Use&& use)
 		if (node.clearance - candidates.approached < reach) use(node);
 }
 
+/// Whether a node that counts as deep is outside all the same.
+bool isBeforeFold(const Vec<2>& x, const ContactBody<2>& other, double gap)
+{
+	return gap < -trustedOverlap * other.pointSpacing && !other.encloses(x);
+}
+
 void measureCandidates(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
 		       ContactList<2>& list)
 {
-	thread_local NodesInLanes lanes; // to make them anew for each pair takes a tenth of it
-	CandidatesInLanes near(lanes, first, second, reach, list);
-	forCandidates(reach, list.candidates, [&](auto& node) { near.add(node); });
-	near.measure();
+	using Node = ContactCandidates<2>::Node;
+	const std::array<const ContactBody<2>*, 2> body { &first, &second };
+	auto take = [&](Node* node, const NodesInLanes& lanes, int lane) {
+		const ContactBody<2>&own = *body[node->side], &other = *body[1 - node->side];
+		const double gap = lanes.gap(lane);
+		++list.tested;
+		node->clearance = gap + list.candidates.approached;
+		if (gap >= reach || isBeforeFold(own.position[node->node], other, gap)) return;
+		if (auto* contact = append({ node->side, node->node, -1 }, gap, own, other, list))
+			lanes.write(lane, *contact);
+	};
+	GapsInLanes<Node*, decltype(take)> gaps(take);
+	forCandidates(reach, list.candidates, [&](Node& node) {
+		const Vec<2>& x = body[node.side]->position[node.node];
+		const ContactBody<2>& other = *body[1 - node.side];
+		const auto place = followOutline(x, other, node.facet);
+		node.facet = place.facet;
+		gaps.add(&node, x, other, place);
+	});
+	gaps.measure();
 }
 
 /// Of the candidates of a side. Facets within `within` now are all that can be the nearest until

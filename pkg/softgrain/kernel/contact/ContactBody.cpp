@@ -44,10 +44,7 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 
 template <int dim> std::vector<int> ContactBody<dim>::nodesIn(const Box<dim>& region) const
 {
-	std::vector<int> found;
-	for (int s = 0; s < nodes(); ++s)
-		if (region.contains(position[s])) found.push_back(s);
-	return found;
+	return numbersThat(nodes(), [&](int s) { return region.contains(position[s]); });
 }
 
 template <int dim> Vec<dim> ContactBody<dim>::areaOfFacet(int facet) const

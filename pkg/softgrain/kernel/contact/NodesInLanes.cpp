@@ -15,35 +15,45 @@ void setLane(VectorLanes& lanes, int lane, const Vec<2>& v)
 
 void NodesInLanes::add(const Vec<2>& x, const ContactBody<2>& other, int facet, double t)
 {
-	const int lane = count_++;
-	facet_[lane] = facet;
-	node_[lane] = other.mesh->carriers(facet);
-	t_[lane] = t;
-	setLane(x_, lane, x);
+	Set& set = set_[count_ / laneWidth];
+	const int lane = count_ % laneWidth;
+	facet_[count_] = facet;
+	carrier_[count_] = other.mesh->carriers(facet);
+	set.t[lane] = t;
+	setLane(set.x, lane, x);
 	for (int k = 0; k < 4; ++k)
-		setLane(carrier_[k], lane, other.position[node_[lane][k]]);
+		setLane(set.carrier[k], lane, other.position[carrier_[count_][k]]);
+	++count_;
+}
+
+void NodesInLanes::Set::measure()
+{
+	const CurvePiece<VectorLanes> curve(carrier[1], carrier[1] - carrier[0],
+					    carrier[2] - carrier[1], carrier[3] - carrier[2]);
+	const auto foot = curve.nearest(x, t);
+	normal = foot.normal();
+	gap = (x - foot.position).dot(normal);
+	curve.weights(foot.t, weight);
 }
 
 /// Lanes without a node compute whatever there is.
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void NodesInLanes::measure()
 {
-	const CurvePiece<VectorLanes> curve(carrier_[1], carrier_[1] - carrier_[0],
-					    carrier_[2] - carrier_[1], carrier_[3] - carrier_[2]);
-	const auto foot = curve.nearest(x_, t_);
-	normal_ = foot.normal();
-	gap_ = (x_ - foot.position).dot(normal_);
-	curve.weights(foot.t, weight_);
+	for (int begin = 0; begin < count_; begin += laneWidth)
+		set_[begin / laneWidth].measure();
 }
 
-void NodesInLanes::write(int lane, Contact<2>& contact) const
+void NodesInLanes::write(int node, Contact<2>& contact) const
 {
+	const Set& set = set_[node / laneWidth];
+	const int lane = node % laneWidth;
 	contact.partners = mostPartners<2>;
-	contact.facet = facet_[lane];
-	contact.partner = node_[lane];
+	contact.facet = facet_[node];
+	contact.partner = carrier_[node];
 	for (int k = 0; k < 4; ++k)
-		contact.weight[k] = weight_[k][lane];
-	contact.normal = { normal_.x[lane], normal_.y[lane] };
-	contact.gap = gap_[lane];
+		contact.weight[k] = set.weight[k][lane];
+	contact.normal = { set.normal.x[lane], set.normal.y[lane] };
+	contact.gap = set.gap[lane];
 }
 
 } // namespace softgrain

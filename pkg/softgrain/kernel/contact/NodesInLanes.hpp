@@ -7,26 +7,34 @@
 
 namespace softgrain {
 
-/// Up to `laneWidth` nodes, each with a piece of an outline without sharp nodes.
+/// Up to `most` nodes, each with a piece of an outline without sharp nodes.
 class NodesInLanes {
 public:
+	/// What is computed in one set of lanes is waited for; two overlap.
+	static constexpr int sets = 2, most = sets * laneWidth;
+
 	int count() const { return count_; }
 	void clear() { count_ = 0; }
-	bool isFull() const { return count_ == laneWidth; }
+	bool isFull() const { return count_ == most; }
 	/// A node at `x`, nearest to the place `t` of this facet of `other`.
 	void add(const Vec<2>& x, const ContactBody<2>& other, int facet, double t);
 	/// Finds the places of the curves that are nearest to the nodes.
 	void measure();
-	double gap(int lane) const { return gap_[lane]; }
+	double gap(int node) const { return set_[node / laneWidth].gap[node % laneWidth]; }
 	/// As measureGap.
-	void write(int lane, Contact<2>& contact) const;
+	void write(int node, Contact<2>& contact) const;
 
 private:
+	struct Set {
+		VectorLanes x {}, carrier[4] {}, normal;
+		Lanes t {}, gap, weight[4];
+		void measure();
+	};
+
 	int count_ = 0;
-	int facet_[laneWidth];
-	std::array<int, 4> node_[laneWidth];
-	VectorLanes x_ {}, carrier_[4] {}, normal_;
-	Lanes t_ {}, gap_, weight_[4];
+	int facet_[most];
+	std::array<int, 4> carrier_[most];
+	Set set_[sets];
 };
 
 } // namespace softgrain

@@ -128,11 +128,13 @@ template <int dim> FacetNear<dim> ballAbout(const ContactBody<dim>& body, int fa
 template <int dim>
 std::vector<FacetNear<dim>> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
 {
+	const auto& facet = body.mesh->facet;
 	const Box<dim> around = region.grown(body.longestEdge);
 	std::vector<FacetNear<dim>> found;
-	for (std::size_t f = 0; f < body.mesh->facet.size(); ++f)
-		if (around.contains(body.position[body.mesh->facet[f][0]]))
-			found.push_back(ballAbout(body, static_cast<int>(f)));
+	for (int f : numbersThat(static_cast<int>(facet.size()), [&](int f) {
+		     return around.contains(body.position[facet[f][0]]);
+	     }))
+		found.push_back(ballAbout(body, f));
 	return found;
 }
 
@@ -141,15 +143,15 @@ template <int dim>
 std::vector<int> nodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other,
 			   double reach, double margin)
 {
-	std::vector<int> found = body.nodesIn(other.box.grown(margin));
+	const Box<dim> around = other.box.grown(margin);
 	// The ball is the tighter of the two for round grains. The outline bulges out of its facets
 	// by less than an eighth of the longest edge (3D: 0.29 of it).
 	const double radius = other.circumradius + reach + 0.3 * other.longestEdge;
 	const Vec<dim> centre = other.box.centre();
-	std::erase_if(found, [&](int s) {
-		return (body.position[s] - centre).squaredNorm() > radius * radius;
+	return numbersThat(body.nodes(), [&](int s) {
+		const Vec<dim>& x = body.position[s];
+		return around.contains(x) & ((x - centre).squaredNorm() <= radius * radius);
 	});
-	return found;
 }
 
 /// Makes room for a contact with this gap; what lies deeper than contacts do is none (null), but is
