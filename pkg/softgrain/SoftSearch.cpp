@@ -28,15 +28,18 @@ SoftGeom& geometryOf(Interaction& I, const std::shared_ptr<softgrain::GrainAssem
 	return geom;
 }
 
-/// A turn of the InteractionLoop, which would wait for memory at every pair: asks for that of the
-/// turn after the next, and notes what it has read itself, for the next step.
+/// Memory takes so many searches to come (doc/decisions/0029-memory.md).
+constexpr int turnsAhead = 3;
+
+/// A turn of the InteractionLoop, which would wait for memory at every pair: asks for that of a
+/// turn to come, and notes what it has read itself, for the next step.
 class LoopTurn {
 public:
 	LoopTurn(softgrain::LoopMemory& memory, const Interaction& I)
 		: memory_(memory)
 		, I_(I)
 	{
-		memory_.fetch(I.linIx + 3);
+		memory_.fetch(I.linIx + turnsAhead);
 		read_.add(I);
 	}
 	~LoopTurn() { memory_.note(I_.linIx, read_); }

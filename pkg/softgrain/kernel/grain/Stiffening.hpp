@@ -31,7 +31,7 @@ public:
 	bool isDue(const BulkReport& present) const
 	{
 		if (value(present) <= 1) return false;
-		return present.stiffening > growth * bound_ ||
+		return present.stiffening > dueGrowth * bound_ ||
 		       (share_ < safeShare && present.elasticEnergy > spread * energy_);
 	}
 	/// Nothing is due after it until the deformation has changed.
@@ -66,8 +66,9 @@ private:
 		       present.elasticEnergy >= release * energy_;
 	}
 
-	/// Of the bound between measurements.
-	static constexpr double growth = 1.05;
+	/// Of the bound while a grain counts as deformed alike, and from which on a measurement may
+	/// find less.
+	static constexpr double growth = 1.25, dueGrowth = 1.05;
 	/// Of the elastic energy.
 	static constexpr double spread = 1.5, release = 0.25;
 	/// With smaller ones dense packings take a few per cent fewer steps; it limits what a wrong
