@@ -3,6 +3,7 @@
 #include "Vectors.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
 
 #include <cmath>
 
@@ -81,4 +82,15 @@ TEMPLATE_TEST_CASE_SIG("Vectors: unit vectors, and zero, which stays", "[vectors
 			CAPTURE(count, zero);
 			CHECK(vectors == expected);
 		}
+}
+
+TEST_CASE("Vectors: which ones a box holds, its faces included", "[vectors]")
+{
+	const Box<2> box { { -1, 0 }, { 1, 2 } };
+	const std::vector<Vec<2>> vectors { { -1, 0 },    { 1, 2 },      { 0, 1 },   { -1.001, 1 },
+					    { 1.001, 1 }, { 0, -0.001 }, { 0, 2.1 }, { 0.5, 2 } };
+	const auto inside = [&](int k) { return box.contains(vectors[k]); };
+	CHECK(numbersThat(8, inside) == std::vector<int> { 0, 1, 2, 7 });
+	CHECK(numbersThat(0, inside).empty());
+	CHECK(numbersThat(3, [](int) { return false; }).empty());
 }
