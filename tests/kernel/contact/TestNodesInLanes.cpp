@@ -15,7 +15,7 @@ TEST_CASE("Nodes in lanes: each is measured as on its own, bit by bit", "[contac
 	for (Vec<2>& x : body.position)
 		x += random.vector<2>(0.05);
 	NodesInLanes lanes;
-	for (int count = 1; count <= laneWidth; ++count) {
+	for (int count = 1; count <= NodesInLanes::most; ++count) {
 		lanes.clear();
 		std::vector<Contact<2>> expected(count);
 		for (Contact<2>& contact : expected) {

@@ -77,7 +77,7 @@ struct PlaceAlong {
 };
 
 /// Gaps of nodes to places on outlines, some at a time: calls `take(node, lanes, lane)` for them in
-/// their order. `Node`: what the caller knows them by.
+/// their order. `Node`: what the caller knows them by. One at a time in a thread.
 template <class Node, class Take> class GapsInLanes {
 public:
 	explicit GapsInLanes(Take take)

@@ -25,6 +25,7 @@ public:
 	void write(int node, Contact<2>& contact) const;
 
 private:
+	/// Nodes, curves and the nearest places on them, `laneWidth` of each.
 	struct Set {
 		VectorLanes x {}, carrier[4] {}, normal;
 		Lanes t {}, gap, weight[4];

@@ -130,10 +130,9 @@ std::vector<FacetNear<dim>> facetsIn(const ContactBody<dim>& body, const Box<dim
 {
 	const auto& facet = body.mesh->facet;
 	const Box<dim> around = region.grown(body.longestEdge);
+	const auto isNear = [&](int f) { return around.contains(body.position[facet[f][0]]); };
 	std::vector<FacetNear<dim>> found;
-	for (int f : numbersThat(static_cast<int>(facet.size()), [&](int f) {
-		     return around.contains(body.position[facet[f][0]]);
-	     }))
+	for (int f : numbersThat(static_cast<int>(facet.size()), isNear))
 		found.push_back(ballAbout(body, f));
 	return found;
 }
