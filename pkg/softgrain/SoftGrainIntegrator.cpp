@@ -22,10 +22,14 @@ namespace {
 /// difference of large numbers, 1e-8 in an undeformed grain.
 constexpr double timeStepRounding = 1e-6;
 
-/// Up to how far O.dt is kept below its fraction of the critical step, and where it is put anew,
-/// over that fraction: it changes seldom, since each change costs a little of the integrator's
-/// conservation of energy.
-constexpr double lowestTimeStep = 0.7, newTimeStep = 0.9;
+/// Up to how far O.dt is kept below its fraction of the critical step, over that fraction: it
+/// changes seldom, since each change costs a little of the integrator's conservation of energy.
+constexpr double lowestTimeStep = 0.7;
+
+/// Where O.dt is put anew, over that fraction. The nearer, the sooner the critical step falls below
+/// it, and grains have to be measured: as near as the first, as long as measurements are that share
+/// of all computations of forces.
+constexpr double nearTimeStep = 0.99, roomyTimeStep = 0.9, worthMeasuring = 0.05;
 
 /// Relative difference up to which O.dt is the value that sg set before the first step, which is
 /// computed anew here.
@@ -74,13 +78,19 @@ void SoftGrainIntegrator::action()
 bool SoftGrainIntegrator::assemble()
 {
 	rigidContacts_.list(*scene);
+	const auto last = assembly_;
 	assembly_ = assembleScene(*scene, threads());
-	if (!assembly_ && !rigidContacts_.hasLaw()) return false;
+	if (!assembly_ && !rigidContacts_.hasLaw()) {
+		assembly_ = last; // sums go on from it
+		return false;
+	}
 	if (!assembly_) {
 		if (!withoutGrains_)
 			withoutGrains_ = softgrain::GrainAssembly::createWithoutGrains();
 		assembly_ = withoutGrains_;
 	}
+	// grains of the last assembly hand its sums on, but there may be none left, or none before
+	if (last && last != assembly_) assembly_->continueFrom(last->continuation());
 	checkEngines();
 	checkCell(*scene, *assembly_);
 	if (loaded_) continueSavedRun();
@@ -148,12 +158,19 @@ void SoftGrainIntegrator::keepBooks(const softgrain::StepReport& report)
 void SoftGrainIntegrator::continueSavedRun()
 {
 	loaded_ = false;
+	if (assemblySteps == 0) return; // it has not run
 	softgrain::Continuation state;
-	if (!restoreSums({ workSums, rigidWorkSums }, state.sums)) return;
 	state.lastStep = lastStep;
 	state.steps = assemblySteps;
 	state.bondRate = bondRate;
+	const bool complete = restoreSums({ workSums, rigidWorkSums }, state.sums);
 	assembly_->continueFrom(state);
+	if (!complete)
+		throw std::runtime_error(
+			"the sums of energies were saved with " + std::to_string(workSums.size()) +
+			" and " + std::to_string(rigidWorkSums.size()) +
+			" figures, by another version of softgrain? Those that cannot be read "
+			"begin at 0 if you go on");
 }
 
 void SoftGrainIntegrator::saveContinuation()
@@ -233,13 +250,16 @@ void SoftGrainIntegrator::followDeformation(Real undeformed)
 	const bool tooShort = dtSet < lowestTimeStep * timeStepFraction * criticalDt;
 	if (tooShort) measureCriticalStep(std::numeric_limits<Real>::infinity());
 	const Real limit = timeStepFraction * criticalDt;
-	if (tooShort || dtSet > limit * (1 + timeStepRounding)) dtSet = newTimeStep * limit;
+	if (!tooShort && dtSet <= limit * (1 + timeStepRounding)) return;
+	const bool near = pointsMeasured <= worthMeasuring * pointsUpdated;
+	dtSet = (near ? nearTimeStep : roomyTimeStep) * limit;
 }
 
 /// (To measure grains takes time: what matters is whether a step is stable.)
 void SoftGrainIntegrator::measureCriticalStep(Real enough)
 {
 	criticalDt = assembly_->presentCriticalTimeStep(enough, threads());
+	pointsMeasured += assembly_->takeMeasuredPoints();
 }
 
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
@@ -253,6 +273,8 @@ void SoftGrainIntegrator::chooseTimeStep()
 				"no "
 				"critical time step: assign O.dt such that no body moves further "
 				"than 0.05 of its radius in a step");
+		require(scene->dt > 0 && math::isfinite(scene->dt), "O.dt", scene->dt,
+			"(0, inf) s");
 		return;
 	}
 	const Real undeformed = assembly_->criticalTimeStep();

@@ -47,7 +47,14 @@ STIFFNESS_DAMPING = 1e-6  # s, a twentieth of the critical time step
 GRAVITY = 9.81  # m/s²
 #: Attributes of SoftGrainIntegrator that skip grains at rest or in free flight, where it has them.
 SKIPPING = ("rigidMotion", "sleep")
-COUNTS = ("totalSweeps", "pointsUpdated", "pairsSearched", "candidatesTested", "contactsSwept")
+COUNTS = (
+    "totalSweeps",
+    "pointsUpdated",
+    "pointsMeasured",
+    "pairsSearched",
+    "candidatesTested",
+    "contactsSwept",
+)
 
 
 # --- measuring -----------------------------------------------------------------------------------

@@ -147,3 +147,23 @@ def test_follows_each_of_two_materials_in_turn(changed):
     assert sg.critical_time_step() == pytest.approx(before / 2, rel=1e-9)
     materials[changed].young /= 4
     assert sg.critical_time_step() == pytest.approx(before, rel=1e-9)
+
+
+@pytest.mark.parametrize("speed, share", ((0.005, 0.99), (2, 0.9)))
+def test_how_near_the_critical_step(speed, share):
+    """The slower the critical step falls, the nearer: where grains would be measured all the time,
+    there is more room."""
+    add_disk()
+    add_wall(-RADIUS, 1)
+    add_wall(RADIUS, 1, velocity=(0, -speed, 0))
+    ready()
+    engine = sg.integrator()
+    jumps = []
+    while O.time < 0.25 * RADIUS / speed:
+        dt = O.dt
+        run(1)
+        if O.dt < dt:
+            jumps.append(O.dt / (0.5 * engine.criticalDt))
+    assert jumps[-1] == pytest.approx(share, rel=1e-9)
+    measured = engine.pointsMeasured / engine.pointsUpdated
+    assert (measured <= 0.05) == (share == 0.99)

@@ -40,6 +40,7 @@ public:
 	{
 		return system_.presentCriticalTimeStep(enough, threads);
 	}
+	long takeMeasuredPoints() override { return system_.takeMeasuredPoints(); }
 	void setMultirate(bool on) override { system_.setMultirate(on); }
 	int rate(int g) const override { return system_.rate(g); }
 	double pointSpacing(int g) const override
@@ -80,13 +81,14 @@ public:
 	void search(PairContacts& pair, int g, const WallDescription& wall,
 		    double dt) const override
 	{
-		ContactList<dim>& list = listOf(pair);
-		list.first = g;
-		list.second = -1 - wall.id;
-		list.rigid.reset(); // a wall that was free before
-		list.plane = { toKernel<dim>(wall.point), toKernel<dim>(wall.normal),
-			       toKernel<dim>(wall.velocity) };
-		search(list, dt);
+		search(listOn(pair, g, wall), dt);
+	}
+	void separate(PairContacts& pair, int g, const WallDescription& wall) const override
+	{
+		ContactList<dim>& list = listOn(pair, g, wall);
+		list.clearContacts();
+		list.rest.changed = true; // a grain that slept on it is to wake
+		countLostBonds(list);
 	}
 
 	/// Called where nothing may be thrown.
@@ -117,13 +119,13 @@ public:
 			std::vector<RigidMotionDescription>& partners,
 			std::vector<RigidContactDescription>& rigidContacts) override
 	{
+		listRigidContacts(rigidContacts);
 		system_.rigidPartners().clear();
 		for (const RigidMotionDescription& partner : partners)
 			system_.rigidPartners().push_back(partnerOf<dim>(partner));
 		std::vector<ContactList<dim>*> lists;
 		for (PairContacts* pair : pairs)
 			lists.push_back(&listOf(*pair));
-		listRigidContacts(rigidContacts);
 		StepReport report = system_.step(settings, lists);
 		for (std::size_t k = 0; k < solvedContacts_.size(); ++k)
 			solvedContacts_[k]->impulse =
@@ -176,6 +178,12 @@ public:
 		result.bottomRightCorner(whole.inertia.rows(), whole.inertia.cols()) =
 			whole.inertia;
 		return result;
+	}
+
+	Vec3 angularAcceleration(int g, const Vec3& torque) const override
+	{
+		const WholeGrain<dim> whole = system_.setOf(g).whole(system_.indexInSet(g));
+		return angularToSpace<dim>(whole.inertia.inverse() * angularToKernel<dim>(torque));
 	}
 
 	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity,
@@ -311,6 +319,17 @@ private:
 	static ContactList<dim>& listOf(PairContacts& pair)
 	{
 		return static_cast<PairContactsOf<dim>&>(pair).list;
+	}
+
+	static ContactList<dim>& listOn(PairContacts& pair, int g, const WallDescription& wall)
+	{
+		ContactList<dim>& list = listOf(pair);
+		list.first = g;
+		list.second = -1 - wall.id;
+		list.rigid.reset(); // a wall that was free before
+		list.plane = { toKernel<dim>(wall.point), toKernel<dim>(wall.normal),
+			       toKernel<dim>(wall.velocity) };
+		return list;
 	}
 
 	void listRigidContacts(std::vector<RigidContactDescription>& descriptions)

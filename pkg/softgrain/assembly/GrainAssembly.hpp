@@ -56,6 +56,7 @@ public:
 	virtual double criticalTimeStep() const = 0; ///< of the undeformed grains, s
 	/// As deformed now, s; found out as far as it is shorter than `enough`.
 	virtual double presentCriticalTimeStep(double enough, int threads) = 0;
+	virtual long takeMeasuredPoints() = 0; ///< System::takeMeasuredPoints
 	/// System::setMultirate and System::rate.
 	virtual void setMultirate(bool on) = 0;
 	virtual int rate(int g) const = 0;
@@ -89,6 +90,8 @@ public:
 				 double dt) const = 0;
 	virtual void search(PairContacts& pair, int g, const WallDescription& wall,
 			    double dt) const = 0;
+	/// No contact with such a wall, whatever there was: its other side acts.
+	virtual void separate(PairContacts& pair, int g, const WallDescription& wall) const = 0;
 	/// A body that checkRigidBody refuses counts as an infinite overlap. `others`: rigid bodies
 	/// about the grain as it sees them, asked for where it meets an edge of this one, which may
 	/// be a seam of both.
@@ -112,6 +115,8 @@ public:
 	virtual GrainMotion motion(int g) const = 0;
 	/// Present inertia about the centre of mass, axes of space; in 2D about z alone.
 	virtual Mat3 inertia(int g) const = 0;
+	/// What a torque on the grain as it is now does to its spin, 1/s^2.
+	virtual Vec3 angularAcceleration(int g, const Vec3& torque) const = 0;
 	/// Adds a rigid motion: turns by `turn` about the centre of mass, shifts, adds velocities.
 	virtual void moveRigidly(int g, const Rotation& turn, const Vec3& shift,
 				 const Vec3& velocity, const Vec3& angularVelocity) = 0;

@@ -129,12 +129,13 @@ template <int dim> double highestFrequency(const Batch<dim>& batch, int g)
 }
 
 template <int dim>
-double highestFrequency(const Batch<dim>& batch, int g, const std::function<bool(double)>& suffices)
+MeasuredFrequency highestFrequency(const Batch<dim>& batch, int g,
+				   const std::function<bool(double)>& suffices)
 {
 	Lanczos<dim> lanczos(batch, g, quickIterations);
 	const double early = raiseEarly * std::sqrt(lanczos.iterate(earlyIterations));
-	if (suffices(early)) return early;
-	return raiseConverged * std::sqrt(lanczos.iterate(quickIterations));
+	if (suffices(early)) return { early, earlyIterations };
+	return { raiseConverged * std::sqrt(lanczos.iterate(quickIterations)), quickIterations };
 }
 
 template <int dim>
@@ -174,8 +175,8 @@ double dampedTimeStep(double undamped, const Damping& damping, double stiffening
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template double highestFrequency<dim>(const Batch<dim>&, int);                             \
-	template double highestFrequency<dim>(const Batch<dim>&, int,                              \
-					      const std::function<bool(double)>&);                 \
+	template MeasuredFrequency highestFrequency<dim>(const Batch<dim>&, int,                   \
+							 const std::function<bool(double)>&);      \
 	template double criticalTimeStep<dim>(const GrainTemplate<dim>&, Condition,                \
 					      const GrainParameters<dim>&);                        \
 	template std::vector<double> criticalTimeSteps<dim>(                                       \

@@ -18,11 +18,16 @@ constexpr double pointVelocityTimeStepShare = 0.7071067811865476;
 /// % because the iteration approaches from below. Takes the time of 40 computations of its forces.
 template <int dim> double highestFrequency(const Batch<dim>& batch, int g);
 
+struct MeasuredFrequency {
+	double frequency; ///< rad/s
+	int forces;       ///< computations of the grain's forces that it took
+};
+
 /// The same in the time of 24, or of 8 if what is found then, raised by 4 %, suffices, which
 /// `suffices(frequency)` tells.
 template <int dim>
-double highestFrequency(const Batch<dim>& batch, int g,
-			const std::function<bool(double)>& suffices);
+MeasuredFrequency highestFrequency(const Batch<dim>& batch, int g,
+				   const std::function<bool(double)>& suffices);
 
 /// dt_c of the undeformed grain, s.
 template <int dim>

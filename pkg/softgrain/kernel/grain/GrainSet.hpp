@@ -83,8 +83,9 @@ public:
 	/// Whether it may be less than known.
 	virtual bool mayMeasureStiffening(int) const { return false; }
 	/// Finds out, or that with its damping the critical step of the grain is at least `enough`,
-	/// s; may be called for several grains at a time.
-	virtual void measureStiffening(int /*g*/, double /*enough*/) {}
+	/// s; may be called for several grains at a time. Returns how often it computed the forces
+	/// of the grain.
+	virtual int measureStiffening(int /*g*/, double /*enough*/) { return 0; }
 	/// How much faster damping acts in the grain as deformed now, >= 1 (Damper).
 	virtual double rateStiffening(int) const { return 1; }
 

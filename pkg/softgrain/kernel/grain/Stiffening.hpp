@@ -68,7 +68,7 @@ private:
 
 	/// Of the bound while a grain counts as deformed alike, and from which on a measurement may
 	/// find less.
-	static constexpr double growth = 1.25, dueGrowth = 1.05;
+	static constexpr double growth = 1.25, dueGrowth = 1.02;
 	/// Of the elastic energy.
 	static constexpr double spread = 1.5, release = 0.25;
 	/// With smaller ones dense packings take a few per cent fewer steps; it limits what a wrong

@@ -134,7 +134,7 @@ template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& s
 	return static_cast<int>(computed_.size());
 }
 
-template <int dim> void TotalLagrangian<dim>::measureStiffening(int g, double enough)
+template <int dim> int TotalLagrangian<dim>::measureStiffening(int g, double enough)
 {
 	const BulkReport& present = batch_.report[g];
 	const double ofNodes = // critical step of the undeformed grain
@@ -145,11 +145,12 @@ template <int dim> void TotalLagrangian<dim>::measureStiffening(int g, double en
 		const double ratio = 0.5 * ofNodes * frequency;
 		return std::max(least, ratio * ratio);
 	};
-	const double frequency = highestFrequency(batch_, g, [&](double found) {
+	const MeasuredFrequency measured = highestFrequency(batch_, g, [&](double found) {
 		return dampedTimeStep(criticalTimeStep_[g], batch_.grain[g].damping, valueOf(found),
 				      rateStiffening(g)) >= amply * enough;
 	});
-	stiffening_[g].set(present, valueOf(frequency));
+	stiffening_[g].set(present, valueOf(measured.frequency));
+	return measured.forces;
 }
 
 /// Relative to the grain's origin.

@@ -36,7 +36,7 @@ public:
 	{
 		return stiffening_[g].isDue(batch_.report[g]);
 	}
-	void measureStiffening(int g, double enough) override;
+	int measureStiffening(int g, double enough) override;
 
 	bool isRigid(int g) const override { return isRigid_[g]; }
 	bool mayMoveRigidly(int g) const override;

@@ -14,6 +14,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace softgrain {
@@ -171,6 +172,8 @@ public:
 	/// may be too short.
 	double presentCriticalTimeStep(double enough = std::numeric_limits<double>::infinity(),
 				       int threads = 1);
+	/// Material points whose stress was computed for that since this was asked for last.
+	long takeMeasuredPoints() { return std::exchange(measuredPoints_, 0); }
 
 	/// Whether forces of grains with a longer critical step are computed in every so many steps
 	/// only: as often as fits into their own undeformed critical step. To be called after all
@@ -283,8 +286,7 @@ private:
 	void predictVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void gatherContacts(int g, bool trackEnergy);
 	void stopAtInfinite() const;
-	void checkImpulses(const SolverReport& solved, const std::vector<char>& touched,
-			   const StepSettings& settings);
+	void checkImpulses(const SolverReport& solved, const std::vector<char>& touched);
 	void correctVelocities(int g, const std::vector<char>& touched,
 			       const StepSettings& settings);
 	void measureWorks(int g);
@@ -325,7 +327,8 @@ private:
 	bool bondsAsleep_ = false;
 	bool rebounds_ = false; ///< a pair of the step at hand has a restitution
 	bool forcesFresh_ = false;
-	long updatedPoints_ = 0; ///< since the end of the last step
+	long updatedPoints_ = 0;  ///< since the end of the last step
+	long measuredPoints_ = 0; ///< not yet taken
 };
 
 template <int dim> template <class LoadOf> void System<dim>::setLoads(LoadOf&& loadOf, int threads)

@@ -45,11 +45,14 @@ template <int dim> double System<dim>::deformedTimeStep(double enough, int threa
 	std::erase_if(due, [known](const auto& grain) { return grain.second >= known; });
 	if (due.empty()) return shortest;
 	const int count = static_cast<int>(due.size());
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (count > 1)
+	long points = 0;
+#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(+ : points) if (count > 1)
 	for (int i = 0; i < count; ++i) {
 		const int g = due[i].first;
-		setOf(g).measureStiffening(indexInSet(g), rate_[g] * enough);
+		const int forces = setOf(g).measureStiffening(indexInSet(g), rate_[g] * enough);
+		points += static_cast<long>(forces) * setOf(g).reference().points();
 	}
+	measuredPoints_ += points;
 	shortest = ofOthers;
 	for (int g : active_)
 		shortest = std::min(shortest, presentTimeStepOf(g));
