@@ -71,13 +71,13 @@ EnergyLists sumsOf(const EnergyBalance& balance)
 
 bool restoreSums(const EnergyLists& sums, EnergyBalance& balance)
 {
-	if (sums.soft.size() != std::size(softEnergies) - firstSum) return false;
-	for (std::size_t k = 0; k < sums.soft.size(); ++k)
+	const bool soft = sums.soft.size() == std::size(softEnergies) - firstSum;
+	const bool rigid = sums.rigid.size() == std::size(rigidSums);
+	for (std::size_t k = 0; soft && k < sums.soft.size(); ++k)
 		balance.*softEnergies[firstSum + k].value = sums.soft[k];
-	if (sums.rigid.size() == std::size(rigidSums))
-		for (std::size_t k = 0; k < sums.rigid.size(); ++k)
-			balance.rigid.*rigidSums[k] = sums.rigid[k];
-	return true;
+	for (std::size_t k = 0; rigid && k < sums.rigid.size(); ++k)
+		balance.rigid.*rigidSums[k] = sums.rigid[k];
+	return soft && rigid;
 }
 
 py::dict namedEnergies(const EnergyLists& energies)

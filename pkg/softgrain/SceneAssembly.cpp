@@ -277,6 +277,8 @@ std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene, int thread
 
 bool isSoftGrain(const Body& body) { return isA<SoftGrain>(body.shape); }
 
+bool hasFriction(const Body& body) { return bool(YADE_PTR_DYN_CAST<FrictMat>(body.material)); }
+
 SoftGrain& grainOf(const Scene& scene, int id)
 {
 	return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape);
@@ -328,10 +330,12 @@ std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene
 					    const softgrain::Mat3& map) noexcept
 {
 	try {
-		const std::lock_guard<std::mutex> lock(assemblyMutex);
+		std::unique_lock<std::mutex> lock(assemblyMutex);
 		if (!shape.assembly) assembleLocked(scene, 1);
-		if (!shape.assembly) return std::nullopt;
-		return shape.assembly->box(shape.index, map);
+		const auto assembly = shape.assembly;
+		lock.unlock(); // boxes are made in parallel
+		if (!assembly) return std::nullopt;
+		return assembly->box(shape.index, map);
 	} catch (...) {
 		return std::nullopt; // assembleScene throws the same again where it can be reported
 	}

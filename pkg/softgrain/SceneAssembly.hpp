@@ -28,6 +28,8 @@ std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene
 					    const softgrain::Mat3& map) noexcept;
 
 bool isSoftGrain(const Body& body);
+/// Whether a rigid body has a material that contact with soft grains goes by.
+bool hasFriction(const Body& body);
 
 /// Shape of a body that is a soft grain.
 SoftGrain& grainOf(const Scene& scene, int id);

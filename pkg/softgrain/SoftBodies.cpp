@@ -35,7 +35,7 @@ constexpr int loadsPerThread = 2000;
 
 /// Outlines leave their boxes when they are as near to its sides as this, over the spacing of
 /// material points: contacts start before touch.
-constexpr Real boxMargin = 0.1;
+constexpr Real boxReserve = 0.1;
 
 void requireMotion(const Body& body)
 {
@@ -52,13 +52,27 @@ void requireMotion(const Body& body)
 					 "; admissible: 1, a rotation");
 }
 
-void requireInPlane(const Body& body, const Rotation& turn)
+void refuseOutOfPlane(const Body& body, const string& what, const string& admissible)
+{
+	throw std::runtime_error("soft grain #" + std::to_string(body.getId()) + ": its State." +
+				 what + " the plane of 2D grains; admissible: " + admissible);
+}
+
+/// Of a 2D grain, in a step dt: what it would have besides its motion in the plane would be lost.
+void requireInPlane(const Body& body, const Vec3& shift, const Rotation& turn, Real dt)
 {
 	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
-	if (grain.dim == 3 || turn.vec().head<2>().norm() <= angleRounding) return;
-	throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
-				 ": its State.ori turns it out of the plane of 2D grains; "
-				 "admissible: turns about z");
+	if (grain.dim == 3) return;
+	const State& state = *body.state;
+	if (turn.vec().head<2>().norm() > angleRounding)
+		refuseOutOfPlane(body, "ori turns it out of", "turns about z");
+	const Real length = lengthRounding * grain.radius;
+	if (std::abs(shift.z()) > length)
+		refuseOutOfPlane(body, "pos shifts it out of", "the z it has had");
+	if (std::abs(state.vel.z()) * dt > length)
+		refuseOutOfPlane(body, "vel leads out of", "vel[2] = 0");
+	if (state.angVel.head<2>().norm() * dt > angleRounding)
+		refuseOutOfPlane(body, "angVel turns it out of", "angVel[0] = angVel[1] = 0");
 }
 
 } // namespace
@@ -105,14 +119,14 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 {
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
 	State& state = *body.state;
-	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
-	const softgrain::GrainMotion& written = grain.written;
+	SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
+	const softgrain::GrainMotion written = grain.written;
 	const Real radius = grain.radius;
 	requireMotion(body);
 	assembly_.setPublishedAsleep(g, false); // whatever becomes of it, State is written next
 	Vec3 shift = state.pos - written.position;
 	Rotation turn = state.ori * written.orientation.conjugate();
-	requireInPlane(body, turn);
+	requireInPlane(body, shift, turn, scene_.dt);
 	const bool turned = turn.vec().norm() > angleRounding;
 	if (!turned) turn.setIdentity();
 	// what a turn of the whole grain, velocities included, does not bring along
@@ -132,10 +146,11 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 	const bool pushed = velocity.norm() > speedRounding * state.vel.norm();
 	const bool spun = spin.norm() > spinRounding * state.angVel.norm() &&
 			  spin.norm() * radius > speedRounding * state.vel.norm();
-	if (moved || turned || pushed || spun)
-		assembly_.moveRigidly(g, turn, moved ? shift : Vec3(Vec3::Zero()),
-				      pushed ? velocity : Vec3(Vec3::Zero()),
-				      spun ? spin : Vec3(Vec3::Zero()));
+	if (!moved && !turned && !pushed && !spun) return false;
+	assembly_.moveRigidly(g, turn, moved ? shift : Vec3(Vec3::Zero()),
+			      pushed ? velocity : Vec3(Vec3::Zero()),
+			      spun ? spin : Vec3(Vec3::Zero()));
+	grain.written = assembly_.motion(g); // done, whatever becomes of the step
 	return image.has_value();
 }
 
@@ -156,9 +171,8 @@ softgrain::GrainLoad SoftBodies::loadOf(int g, const NewtonIntegrator& newton,
 	if (!newton.gravity.isZero(0))
 		load.acceleration = newton.gravity / materialOf(scene_, id).massScaling;
 	if (!force.isZero(0) || !torque.isZero(0)) {
-		const auto motion = assembly_.motion(g);
-		load.acceleration += force / motion.mass;
-		load.angularAcceleration = torque / motion.inertia;
+		load.acceleration += force / assembly_.motion(g).mass;
+		load.angularAcceleration = assembly_.angularAcceleration(g, torque);
 	}
 	if (!flow.isZero()) {
 		const State& state = *(*scene_.bodies)[id]->state;
@@ -197,23 +211,28 @@ void SoftBodies::publishMotion(int g, const CellFlow& flow) const
 	state.ori = turn * written.orientation;
 }
 
+Real reserveOfBox(const softgrain::GrainAssembly& assembly, int g, Real gap)
+{
+	return boxReserve * assembly.pointSpacing(g) + gap;
+}
+
 /// (A grain that sleeps is where it was.)
-bool SoftBodies::needCollider(Real reach, int threads) const
+bool SoftBodies::needCollider(Real gap, int threads) const
 {
 	const int count = assembly_.grains();
 	bool needed = false;
 #pragma omp parallel for schedule(static) reduction(|| : needed)                                   \
 	num_threads(softgrain::threadsFor(count, threads))
 	for (int g = 0; g < count; ++g)
-		needed = needed || (!assembly_.isPublishedAsleep(g) && !isInItsBox(g, reach));
+		needed = needed || (!assembly_.isPublishedAsleep(g) && !isInItsBox(g, gap));
 	return needed;
 }
 
-bool SoftBodies::isInItsBox(int g, Real reach) const
+bool SoftBodies::isInItsBox(int g, Real gap) const
 {
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
 	if (!body.bound) return true;
-	const Real margin = boxMargin * assembly_.pointSpacing(g) + reach;
+	const Real margin = reserveOfBox(assembly_, g, gap);
 	const softgrain::Box<3> box { body.bound->min, body.bound->max };
 	if (!scene_.isPeriodic) return assembly_.isInside(g, box, margin);
 	const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);

@@ -13,6 +13,10 @@ namespace yade {
 /// cost. False where a value is not finite.
 bool isAsWritten(const Body& body);
 
+/// How near the outline of a grain may come to the sides of its box before the collider is called,
+/// if contact starts across so large a gap, m.
+Real reserveOfBox(const softgrain::GrainAssembly& assembly, int g, Real gap);
+
 /// The bodies of the soft grains of an assembly, for one step.
 class SoftBodies {
 public:
@@ -37,15 +41,14 @@ public:
 	/// The same for grains that sleep, which nobody moves, where State was changed.
 	void publishSleepers(const CellFlow& flow) const;
 	/// After that: whether an outline is about to leave the box that the collider
-	/// knows, which watches State.pos only. `reach`: gap at which contact may start beyond the
-	/// usual, m.
-	bool needCollider(Real reach, int threads) const;
+	/// knows, which watches State.pos only. `gap`: as in reserveOfBox.
+	bool needCollider(Real gap, int threads) const;
 
 private:
 	bool applyUserMotion(int g, const CellFlow& flow) const;
 	softgrain::GrainLoad loadOf(int g, const NewtonIntegrator& newton,
 				    const CellFlow& flow) const;
-	bool isInItsBox(int g, Real reach) const;
+	bool isInItsBox(int g, Real gap) const;
 
 	Scene& scene_;
 	softgrain::GrainAssembly& assembly_;

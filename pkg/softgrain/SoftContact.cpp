@@ -11,9 +11,10 @@ YADE_PLUGIN((
 using softgrain::ContactRecord;
 using softgrain::Vec3;
 
-void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present)
+void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present, int first)
 {
 	if (pair && assembly == present) return;
+	if (pair && assembly->idOf(pair->firstGrain()) != present->idOf(first)) pair->swapGrains();
 	const auto records = pair ? pair->records() : savedRecords();
 	const std::vector<double> history = pair ? pair->interfaceHistory() : savedInterface;
 	const std::vector<double> rest = pair ? pair->rest() : savedRest;

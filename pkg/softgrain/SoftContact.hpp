@@ -15,9 +15,9 @@ public:
 	std::shared_ptr<softgrain::GrainAssembly> assembly;
 	std::unique_ptr<softgrain::PairContacts> pair;
 
-	/// Makes `pair` one of `present`, its impulses taken over from the last assembly or the
-	/// saved ones.
-	void bind(const std::shared_ptr<softgrain::GrainAssembly>& present);
+	/// Makes `pair` one of `present`, where `first` is its first grain, its impulses taken over
+	/// from the last assembly or the saved ones.
+	void bind(const std::shared_ptr<softgrain::GrainAssembly>& present, int first);
 	void preSave(SoftGeom&);
 	py::dict contactArrays() const;
 	int bondTouching();

@@ -3,6 +3,7 @@
 #include "PythonArrays.hpp"
 #include "Require.hpp"
 #include "SceneAssembly.hpp"
+#include "SoftBodies.hpp"
 #include "SoftMat.hpp"
 
 namespace yade {
@@ -108,6 +109,19 @@ softgrain::GrainDescription SoftGrain::describe(const Body& body) const
 	return d;
 }
 
+shared_ptr<SoftGrain> SoftGrain::undeformed() const
+{
+	const auto grain = shared_ptr<SoftGrain>(new SoftGrain(*this));
+	grain->assembly.reset();
+	grain->assembledMaterial.reset();
+	grain->index = -1;
+	for (auto* saved : { &grain->savedPositions, &grain->savedVelocities,
+			     &grain->savedGradients, &grain->savedRigidMotion, &grain->savedForces,
+			     &grain->savedStiffening, &grain->savedRest, &grain->savedSleep })
+		saved->clear();
+	return grain;
+}
+
 void SoftGrain::fetchState()
 {
 	if (!assembly) return;
@@ -203,6 +217,14 @@ void Bo1_SoftGrain_Aabb::postLoad(Bo1_SoftGrain_Aabb&)
 	softgrain::require(margin > 0 && math::isfinite(margin), "margin", margin, "(0, inf)");
 }
 
+/// (With as much as the reserve alone, the collider would run in every step.)
+Real Bo1_SoftGrain_Aabb::room(const SoftGrain& grain) const
+{
+	const softgrain::GrainAssembly& assembly = *grain.assembly;
+	const Real gap = assembly.interfaceRange();
+	return std::max(margin * grain.radius + gap, 2 * reserveOfBox(assembly, grain.index, gap));
+}
+
 void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound,
 			    const Se3r& se3, const Body*)
 {
@@ -223,7 +245,7 @@ void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& b
 	const Vector3r centre = map * se3.position;
 	const auto outline = outlineBox(grain, *scene, map);
 	const auto box =
-		outline ? outline->grown(margin * grain.radius + grain.assembly->interfaceRange())
+		outline ? outline->grown(room(grain))
 			: softgrain::Box<3> { centre, centre }.grown(grain.radius * extent);
 	bound->min = box.low;
 	bound->max = box.high;

@@ -26,6 +26,8 @@ public:
 	softgrain::TemplateRecipe recipe() const;
 	softgrain::Scheme scheme() const;
 	softgrain::GrainDescription describe(const Body& body) const;
+	/// Another one of its shape, in no assembly.
+	shared_ptr<SoftGrain> undeformed() const;
 	/// Copies the state from the assembly to the saved attributes.
 	void fetchState();
 
@@ -101,11 +103,12 @@ public:
 	void go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3,
 		const Body* body) override;
 	void postLoad(Bo1_SoftGrain_Aabb&);
+	Real room(const SoftGrain& grain) const; ///< about the outline, m
 	FUNCTOR1D(SoftGrain);
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Bo1_SoftGrain_Aabb, BoundFunctor,
 		"Box about the present outline of a :yref:`SoftGrain`, enlarged by *margin*. :yref:`SoftGrainIntegrator` calls for a new run of the collider when the outline of a grain leaves its box.",
-		((Real, margin, 0.05, Attr::triggerPostLoad, "Enlargement of the box over the radius of the grain, > 0 [-]; larger: fewer runs of the collider, more candidate pairs."))
+		((Real, margin, 0.05, Attr::triggerPostLoad, "Enlargement of the box over the radius of the grain, > 0 [-], at least 0.2 *zeta*; larger: fewer runs of the collider, more candidate pairs."))
 	);
 	// clang-format on
 	DECLARE_LOGGER;

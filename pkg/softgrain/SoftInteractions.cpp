@@ -24,17 +24,33 @@ bool isTouched(const Shape& shape)
 	       type == typeid(Facet) || type == typeid(Box);
 }
 
+bool isTouched(const Body& body)
+{
+	return isTouched(*body.shape) && (isSoftGrain(body) || hasFriction(body));
+}
+
+string whyNotTouched(const Body& body)
+{
+	const string shape = body.shape->getClassName();
+	if (!isTouched(*body.shape))
+		return "of shape " + shape +
+		       ". Soft grains touch SoftGrain, Wall, Sphere, Facet and Box only";
+	if (!isTouched(body))
+		return "of material " +
+		       (body.material ? body.material->getClassName() : string("None")) +
+		       ". Rigid bodies that soft grains touch need a FrictMat, or one derived from "
+		       "it";
+	return "of shape " + shape +
+	       ", for which the InteractionLoop has no Ig2 functor: add "
+	       "Ig2_SoftGrain_SoftGrain_SoftGeom, Ig2_Wall_SoftGrain_SoftGeom, "
+	       "Ig2_Sphere_SoftGrain_SoftGeom ..., or see sg.engines()";
+}
+
 [[noreturn]] void refusePair(const Body& grain, const Body& other)
 {
-	const string shape = other.shape->getClassName();
-	throw std::runtime_error(
-		"soft grain #" + std::to_string(grain.getId()) + " comes near body #" +
-		std::to_string(other.getId()) + " of shape " + shape +
-		(isTouched(*other.shape)
-			 ? ", for which the InteractionLoop has no Ig2 functor: add "
-			   "Ig2_SoftGrain_SoftGrain_SoftGeom, Ig2_Wall_SoftGrain_SoftGeom, "
-			   "Ig2_Sphere_SoftGrain_SoftGeom ..., or see sg.engines()"
-			 : ". Soft grains touch SoftGrain, Wall, Sphere, Facet and Box only"));
+	throw std::runtime_error("soft grain #" + std::to_string(grain.getId()) +
+				 " comes near body #" + std::to_string(other.getId()) + " " +
+				 whyNotTouched(other));
 }
 
 /// What a body is to soft grains.
@@ -61,7 +77,7 @@ private:
 	static Kind kindOf(const Body* body)
 	{
 		if (!body || !body->shape) return Kind::none;
-		return isTouched(*body->shape) ? Kind::touched : Kind::refused;
+		return isTouched(*body) ? Kind::touched : Kind::refused;
 	}
 
 	const BodyContainer& bodies_;
@@ -97,7 +113,6 @@ void fetchInteraction(const std::vector<Interaction*>& interactions, std::size_t
 void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
 {
 	constexpr std::size_t partsAhead = 16, pairAhead = 8;
-	constexpr int pairSize = 384; // of a PairContacts in 2D, bytes; in 3D it is longer
 	const std::size_t count = interactions.size();
 	fetchInteraction(interactions, k);
 	if (k + partsAhead < count) {
@@ -111,7 +126,7 @@ void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
 		const auto* pair =
 			static_cast<SoftGeom&>(*interactions[k + pairAhead]->geom).pair.get();
 		const auto* begin = reinterpret_cast<const char*>(pair);
-		softgrain::fetchBytes(begin, begin + pairSize);
+		softgrain::fetchBytes(begin, begin + softgrain::PairContacts::size2D);
 	}
 }
 

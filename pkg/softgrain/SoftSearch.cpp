@@ -16,15 +16,16 @@ using softgrain::Vec3;
 
 namespace {
 
-/// The SoftGeom of the interaction, made if there is none, bound to the assembly. An interaction
-/// that stays potential keeps it: it knows the nodes that come near, most of which are looked at
-/// again in the next step. (No pointer is copied: the counter of its owners lies elsewhere in
-/// memory, and every pair would wait for it.)
-SoftGeom& geometryOf(Interaction& I, const std::shared_ptr<softgrain::GrainAssembly>& assembly)
+/// The SoftGeom of the interaction, made if there is none, bound to the assembly and its first
+/// grain. An interaction that stays potential keeps it: it knows the nodes that come near, most of
+/// which are looked at again in the next step. (No pointer is copied: the counter of its owners
+/// lies elsewhere in memory, and every pair would wait for it.)
+SoftGeom& geometryOf(Interaction& I, const std::shared_ptr<softgrain::GrainAssembly>& assembly,
+		     int first)
 {
 	if (!I.geom) I.geom = shared_ptr<SoftGeom>(new SoftGeom);
 	auto& geom = static_cast<SoftGeom&>(*I.geom);
-	geom.bind(assembly);
+	geom.bind(assembly, first);
 	return geom;
 }
 
@@ -222,7 +223,7 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	const Real dt = searchStep(*scene, grain1);
 	if (!I->isReal() && !force && grain1.assembly->areFarApart(first, second, image, dt))
 		return false;
-	SoftGeom& geom = geometryOf(*I, grain1.assembly);
+	SoftGeom& geom = geometryOf(*I, grain1.assembly, first);
 	grain1.assembly->search(*geom.pair, first, second, image, dt);
 	turn.noteSearch(geom);
 	if (!bearsForce(*I))
@@ -245,10 +246,11 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 		       const shared_ptr<Interaction>& I)
 {
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
-	if (!isAssembled(grain, *scene, force)) return I->isReal();
+	if (!isAssembled(grain, *scene, force) || !hasFriction(*(*scene->bodies)[I->getId1()]))
+		return I->isReal();
 	const SearchTimer timer(*this);
 	LoopTurn turn(grain.assembly->searchMemory, *I);
-	SoftGeom& geom = geometryOf(*I, grain.assembly);
+	SoftGeom& geom = geometryOf(*I, grain.assembly, grain.index);
 	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom.pair);
 	turn.noteSearch(geom);
 	const auto* ball = dynamic_cast<const Sphere*>(shape1.get());
@@ -284,13 +286,13 @@ Vector3r Ig2_Wall_SoftGrain_SoftGeom::search(const Shape& shape, const State& ri
 	const double side = sideOf(wall, rigid, soft.pos), dt = searchStep(*scene, grain);
 	Vec3 normal = Vec3::Zero();
 	normal[wall.axis] = side;
+	const softgrain::WallDescription plane { I.getId1(), rigid.pos, normal, rigid.vel };
 	if (wall.sense != 0 && wall.sense != side)
-		pair.restore({}); // the grain is on the side that does not interact
+		grain.assembly->separate(pair, grain.index, plane);
 	else if (const auto body = describeRigid(wall, rigid, I.getId1(), grain))
 		grain.assembly->search(pair, grain.index, *body, {}, {}, dt);
 	else
-		grain.assembly->search(pair, grain.index,
-				       { I.getId1(), rigid.pos, normal, rigid.vel }, dt);
+		grain.assembly->search(pair, grain.index, plane, dt);
 	return normal;
 }
 

@@ -1,5 +1,6 @@
 #include "SoftenWhenLoaded.hpp"
 #include "Require.hpp"
+#include "SceneAssembly.hpp"
 #include "SoftGrainIntegrator.hpp"
 
 #include <lib/pyutil/gil.hpp>
@@ -20,22 +21,27 @@ void SoftenWhenLoaded::action()
 	if (!shape || !material)
 		throw std::runtime_error("SoftenWhenLoaded: shape or material is None; see "
 					 "sg.soften(when='loaded')");
-	vector<int> waiting;
+	vector<int> waiting, loaded;
 	for (const int id : ids) {
 		if (!scene->bodies->exists(id)) continue; // erased
 		const auto& body = (*scene->bodies)[id];
 		if (!YADE_PTR_DYN_CAST<Sphere>(body->shape)) continue; // changed
-		if (isLoaded(*body)) {
-			soften(*body);
-			++softened;
-		} else
-			waiting.push_back(id);
-	}
-	if (waiting.size() != ids.size()) {
-		leaveTimeStepToIntegrator();
-		scene->doSort = true;
+		(isLoaded(*body) ? loaded : waiting).push_back(id);
 	}
 	ids = waiting;
+	if (loaded.empty()) return;
+	if (!hasSoftGrains()) leaveTimeStepToIntegrator();
+	for (const int id :
+	     loaded) // all at once: the contact that loads two is gone with the first
+		soften(*(*scene->bodies)[id]);
+	softened += loaded.size();
+	scene->doSort = true;
+}
+
+bool SoftenWhenLoaded::hasSoftGrains() const
+{
+	return std::any_of(scene->bodies->begin(), scene->bodies->end(),
+			   [](const auto& body) { return body && isSoftGrain(*body); });
 }
 
 bool SoftenWhenLoaded::isLoaded(const Body& body) const
@@ -52,7 +58,7 @@ bool SoftenWhenLoaded::isLoaded(const Body& body) const
 void SoftenWhenLoaded::soften(Body& body) const
 {
 	const gilLock lock;
-	const auto grain = shared_ptr<SoftGrain>(new SoftGrain(*shape));
+	const auto grain = shape->undeformed();
 	grain->radius = static_cast<const Sphere&>(*body.shape).radius;
 	grain->color = body.shape->color;
 	body.shape = grain;
@@ -70,8 +76,7 @@ void SoftenWhenLoaded::soften(Body& body) const
 /// The first soft grains come into a scene whose O.dt was chosen for spheres.
 void SoftenWhenLoaded::leaveTimeStepToIntegrator() const
 {
-	auto* integrator = softGrainIntegratorOf(*scene);
-	if (integrator && integrator->steps == 0) integrator->dtSet = scene->dt;
+	if (auto* integrator = softGrainIntegratorOf(*scene)) integrator->dtSet = scene->dt;
 }
 
 } // namespace yade

@@ -20,6 +20,7 @@ from scenes import (
 )
 from yade import (
     Bo1_SoftGrain_Aabb,
+    ElastMat,
     FrictMat,
     InteractionLoop,
     NewtonIntegrator,
@@ -512,3 +513,27 @@ def test_turned_out_of_the_plane():
     ready()
     body.state.ori = Quaternion((1, 0, 0), 0.5)
     assert "turns it out of the plane of 2D grains" in message_of_step()
+
+
+@pytest.mark.parametrize("make", (rigid_sphere, rigid_facet, rigid_box))
+@pytest.mark.parametrize("material", (ElastMat, None), ids=str)
+def test_rigid_body_without_friction(make, material):
+    """YADE would end the process: there is no Ip2 for the pair."""
+    add_disk()
+    body = make()
+    body.material = material and material()
+    O.bodies.append(body)
+    O.engines = sg.engines()
+    message = message_of_step()
+    name = material.__name__ if material else "None"
+    assert f"soft grain #0 comes near body #1 of material {name}" in message
+    assert "FrictMat" in message
+
+
+@pytest.mark.parametrize("dt", (0, math.nan, math.inf))
+def test_senseless_time_step_of_rigid_bodies(dt):
+    for x in (0, 2.1 * RADIUS):
+        O.bodies.append(utils.sphere((x, 0, 0), RADIUS, material=FrictMat()))
+    O.engines = sg.engines(rigid="nonsmooth")
+    O.dt = dt
+    assert "O.dt = " in message_of_step()

@@ -160,3 +160,21 @@ def force_over_exact(zeta, size):
 def test_squeezed_block_is_as_stiff_as_it_should_be(zeta, sides):
     """Whatever its sides are over the spacing of background nodes; a wall that stands still."""
     assert force_over_exact(zeta, [side * 0.01 for side in sides]) == pytest.approx(1, abs=0.012)
+
+
+def angular_momentum(body):
+    return np.array(body.shape.inertia()) @ np.array(body.state.angVel)
+
+
+@pytest.mark.parametrize("torque", ((1e-6, 0, 0), (0, 2e-6, 0), (3e-6, -1e-6, 2e-6)), ids=str)
+def test_torque_on_a_turned_cuboid(torque):
+    """It is what the angular momentum gains, along whatever axis."""
+    body = add_block(size=(0.01, 0.01, 0.04))
+    body.state.ori = Quaternion((1, 2, -1), 0.7)
+    ready()
+    O.forces.setPermT(body.id, torque)
+    run(5)
+    before, start = angular_momentum(body), O.time
+    run(40)
+    gained = (angular_momentum(body) - before) / (O.time - start)
+    np.testing.assert_allclose(gained, torque, atol=1e-6 * np.linalg.norm(torque))

@@ -23,7 +23,7 @@ from yade import Gl1_NormPhys, O
 for x, y in ((1, 1), (3, 1), (1, 3), (3, 3)):
     add_disk((x * RADIUS, y * RADIUS, 0), material=soft_material(massDamping=400))
 walls = [add_wall(4 * RADIUS * (k % 2), axis=k // 2) for k in range(4)]
-ready()
+ready(tolerance=1e-4)
 walls[3].state.vel = (0, -0.2, 0)
 while walls[3].state.pos[1] > 3.8 * RADIUS:
     run(1)

@@ -1,6 +1,8 @@
 """Friction, cohesion, bonds and restitution by pair of materials."""
 
+import gzip
 import math
+import re
 
 import numpy as np
 import pytest
@@ -287,3 +289,43 @@ def test_cohesion_does_not_depend_on_how_far_is_searched(turn):
         forces.append(interaction().phys.normalForce.norm())
     assert forces[0] > 0.1
     assert forces[0] == pytest.approx(forces[1], rel=1e-9)
+
+
+def test_history_of_another_version_is_refused(tmp_path):
+    bonded_disks()
+    run(3)
+    path = str(tmp_path / "scene.xml.gz")
+    O.save(path)
+    with gzip.open(path, "rt") as file:
+        text = file.read()
+    pattern = r"(<savedInterface>.*?<count>)(\d+)(<.*?)<item>[^<]*</item>"
+    cut = re.sub(pattern, lambda m: f"{m[1]}{int(m[2]) - 1}{m[3]}", text, flags=re.S)
+    assert cut != text
+    with gzip.open(path, "wt") as file:
+        file.write(cut)
+    O.load(path)
+    with pytest.raises(RuntimeError, match="its interface was saved with .* figures"):
+        O.step()
+
+
+@pytest.mark.parametrize("changed", (0, 1))
+def test_bonds_stay_where_grains_change_places(changed):
+    """Grains of one condition are computed together: another one changes the order of two grains,
+    but not which nodes are bonded."""
+    materials = [soft_material(condition=name) for name in ("planeStrain", "planeStress")]
+    for k in range(2):
+        add_disk((1.97 * k * RADIUS, 0, 0), material=materials[(k + changed) % 2])
+    ready(interface={**BOND, "bondAtTouch": True})
+    run(3)
+
+    def bonds():
+        arrays = interaction().geom.contacts()
+        return sorted(map(tuple, arrays["point"][arrays["bond"] == 1]))
+
+    before = bonds()
+    assert len(before) > 1
+    for body in sg.soft_bodies():
+        body.material = materials[0]
+    run(1)
+    assert sg.integrator().lostBonds == 0
+    np.testing.assert_allclose(bonds(), before, rtol=0, atol=1e-3 * RADIUS)

@@ -58,7 +58,7 @@ def test_two_grains_across_the_border_are_as_two_inside():
         disks = [add_disk((x * RADIUS, 0.2 * RADIUS * k, 0)) for k, x in enumerate((0, second))]
         disks[0].state.vel = (0.5, 0, 0)
         ready(tolerance=1e-10, maxSweeps=2000)
-        run(80)
+        run(60)
         results.append([x - x[0] for x in positions()])
         interaction = O.interactions[0, 1]
         assert tuple(interaction.cellDist) == ((0, 0, 0) if second > 0 else (1, 0, 0))

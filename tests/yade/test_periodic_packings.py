@@ -89,4 +89,4 @@ def test_pores_that_have_closed(tmp_path):
         assert O.iter < 4000
     assert_goes_on_after_loading(tmp_path / "scene.xml.gz", 400)
     assert sg.packing_fraction() > 1.04
-    assert sg.integrator().largestOverlap < 0.1
+    assert sg.integrator().largestOverlap < 0.2  # where the tip of a fold passes

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rigid_scenes import R, add_incline, add_sphere, pile, run_until, start
-from scenes import add_wall, run
+from rigid_scenes import R, add_incline, add_sphere, material, pile, run_until, start
+from scenes import add_wall, run, soft_material
 from yade import O
 
 import softgrain as sg
@@ -114,3 +114,25 @@ def test_only_where_energies_are_tracked():
     run(10)
     assert "rigidKinetic" not in sg.integrator().energy()
     assert "rigidFriction" not in dict(O.energy.items())
+
+
+def test_sums_go_on_as_kinds_of_bodies_change():
+    """The first soft grain comes and the last one goes: what was lost stays lost."""
+    add_sphere((-1.2 * R, 0, 0), velocity=(1, 0, 0))
+    add_sphere((1.2 * R, 0, 0), velocity=(-1, 0, 0))
+    far = add_sphere((30 * R, 0, 0))
+    O.trackEnergy = True
+    start(1e-5, (0, 0, 0), interface={"restitution": 0.5})
+    run(1)
+    while sg.integrator().energy()["rigidImpact"] == 0:
+        run(1)
+    run(10)
+    before = sg.integrator().energy()["rigidImpact"]
+    sg.soften([far.id], material=soft_material(), dim=3, zeta=0.5)
+    steps = sg.integrator().steps
+    run(5)
+    assert sg.integrator().energy()["rigidImpact"] == before
+    sg.harden([far.id], material=material())
+    run(5)
+    assert sg.integrator().energy()["rigidImpact"] == before
+    assert sg.integrator().steps == steps + 10

@@ -272,5 +272,6 @@ def test_a_step_of_the_floor_stops(step, passes):
     O.bodies.append(body)
     body.state.vel = (0.2, 0, 0)
     ready(gravity=(0, -9.81, 0))
-    run(1000)
+    while O.time < 0.06:
+        run(1)
     assert (body.state.pos[0] > RADIUS) == passes

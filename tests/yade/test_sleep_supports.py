@@ -165,3 +165,14 @@ def test_a_floor_that_moves_along_itself_keeps_grains_awake():
     began = O.iter
     rest()
     assert O.iter - began < watched
+
+
+def test_woken_by_a_wall_of_which_another_side_acts():
+    disks = heap()
+    rest()
+    heights = [disk.state.pos[1] for disk in disks]
+    O.bodies[3].shape.sense = -1
+    run(1)
+    assert not any(asleep())
+    run(60)
+    assert all(disk.state.pos[1] < y - 0.02 * RADIUS for disk, y in zip(disks, heights))

@@ -6,6 +6,7 @@ from partner_scenes import add_rigid_disk, momentum
 from scenes import (
     RADIUS,
     add_disk,
+    add_wall,
     assert_done,
     assert_goes_on_after_loading,
     ready,
@@ -18,13 +19,21 @@ from yade import O
 import softgrain as sg
 
 
-def late_scene(load=1e-3):
+def late_scene(load=1e-3, **engines):
     """Three disks in a row, the first of which hits the second."""
     for x, speed in ((0, 1), (2.02 * RADIUS, 0), (6 * RADIUS, 0)):
         add_rigid_disk((x, 0, 0), RADIUS, (speed, 0, 0), density=1000, young=1e8)
-    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS, **engines)
     O.dt = 1e-5
     return sg.soften(material=soft_material(), zeta=0.25, when="loaded", load=load)
+
+
+def run_until_softened(count):
+    softener = [e for e in O.engines if isinstance(e, sg.SoftenWhenLoaded)][0]
+    while softener.softened < count:
+        run(1)
+        assert O.time < 0.1
+    return softener
 
 
 def test_soften_when_loaded():
@@ -34,17 +43,31 @@ def test_soften_when_loaded():
     assert not sg.soft_bodies()
     run(10)
     assert not sg.soft_bodies()
-    run(350)
-    assert [b.id for b in sg.soft_bodies()] == ids[:2]
+    softener = run_until_softened(2)
+    assert [b.id for b in sg.soft_bodies()] == ids[:2] and softener.ids == ids[2:]
+    run(100)
     np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
-    softener = [e for e in O.engines if isinstance(e, sg.SoftenWhenLoaded)][0]
-    assert softener.softened == 2 and softener.ids == ids[2:]
+    assert softener.softened == 2
     assert O.dt == sg.integrator().dtSet
     first, second, _ = (O.bodies[i].state.vel[0] for i in ids)
     assert first < 0.2 and second > 0.8
-    while not softener.softened == 3:
-        run(20)
-        assert O.time < 0.1
+    run_until_softened(3)
+    run(200)
+    np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
+
+
+def test_in_contact_dynamics():
+    """The step in which spheres meet is that of rigid ones; both bear the load, and turn soft. O.dt
+    is the integrator's from then on."""
+    ids = late_scene(rigid="nonsmooth")
+    before = momentum()
+    run(10)
+    softener = run_until_softened(2)
+    assert [b.id for b in sg.soft_bodies()] == ids[:2] and softener.ids == ids[2:]
+    run(100)
+    np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
+    assert O.dt == sg.integrator().dtSet > 1e-5
+    run_until_softened(3)
     run(200)
     np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
 
@@ -97,3 +120,21 @@ def test_ids_that_are_no_bodies():
     O.engines = O.engines[:3] + [softener] + O.engines[3:]
     run(1)
     assert softener.ids == []
+
+
+def test_shape_of_a_deformed_body():
+    """Grains begin undeformed, whoever has the shape."""
+    donor = add_disk((-10 * RADIUS, 0, 0), zeta=0.25)
+    for x, speed in ((-9 * RADIUS, -3), (-11 * RADIUS, 3)):
+        add_wall(x, 0, velocity=(speed, 0, 0))
+    ready()
+    run(30)
+    assert np.ptp(donor.shape.outline()[:, 0]) < 1.95 * RADIUS
+    for body in list(O.bodies):
+        O.bodies.erase(body.id)
+    late_scene()
+    softener = [e for e in O.engines if isinstance(e, sg.SoftenWhenLoaded)][0]
+    softener.shape = donor.shape
+    run_until_softened(1)
+    late = sg.soft_bodies()[0]
+    assert np.ptp(late.shape.outline()[:, 0]) == pytest.approx(2 * RADIUS, rel=0.01)

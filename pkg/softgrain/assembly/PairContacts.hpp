@@ -37,6 +37,7 @@ class PairContacts {
 public:
 	virtual ~PairContacts() = default;
 	/// Whether there is a contact point within reach, or an overlap too deep for one.
+	static constexpr int size2D = 384; ///< bytes of one in 2D, for those who ask for its memory
 	virtual bool hasContact() const = 0;
 	/// The pair is asleep, and its impulses in the last step were those of the step before.
 	virtual bool isKept() const = 0;
@@ -59,6 +60,8 @@ public:
 	virtual bool hasRigidBody() const = 0;
 	virtual void setPartner(int partner) = 0;
 	virtual int firstGrain() const = 0;
+	/// The other grain is the first from now on, in what is restored from it.
+	virtual void swapGrains() = 0;
 	virtual bool isOfTwoGrains() const = 0;
 	virtual SumOfImpulses impulse() const = 0;
 	virtual std::vector<ContactRecord> records() const = 0;

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace softgrain {
 
@@ -50,10 +52,9 @@ public:
 	}
 	void checkInterface() const override
 	{
-		if (unreadable_ > 0)
-			throw std::invalid_argument("it was saved asleep with " +
-						    std::to_string(unreadable_) +
-						    " figures: by another version of softgrain?");
+		if (!unreadable_.empty())
+			throw std::invalid_argument(unreadable_ +
+						    ": by another version of softgrain?");
 		if (!list.interface) {
 			require(list.friction >= 0 && std::isfinite(list.friction), "friction",
 				list.friction, "[0, inf)");
@@ -94,9 +95,10 @@ public:
 	{
 		if (saved.empty()) return;
 		list.interface.emplace();
-		list.interface->restore(saved);
-		list.interface->resize(list.contacts.size());
 		lawUnknown_ = true;
+		if (!list.interface->restore(saved))
+			noteUnreadable("its interface was saved", saved);
+		list.interface->resize(list.contacts.size());
 	}
 
 	void setImageVelocity(const Vec3& velocity) override
@@ -109,6 +111,21 @@ public:
 
 	bool isOfTwoGrains() const override { return list.second >= 0; }
 	int firstGrain() const override { return list.first; }
+	void swapGrains() override
+	{
+		using Entry = std::pair<Contact<dim>, ContactHistory<dim>>;
+		std::vector<Entry> entries;
+		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
+			entries.push_back({ asSeenFromSecond(list.contacts[k]), {} });
+			if (list.interface) entries.back().second = list.interface->history[k];
+		}
+		std::sort(entries.begin(), entries.end(),
+			  [](const Entry& a, const Entry& b) { return a.first.key < b.first.key; });
+		for (std::size_t k = 0; k < entries.size(); ++k) {
+			list.contacts[k] = entries[k].first;
+			if (list.interface) list.interface->history[k] = entries[k].second;
+		}
+	}
 	SumOfImpulses impulse() const override
 	{
 		SumOfImpulses sum;
@@ -194,8 +211,10 @@ public:
 		PairImpulse<dim>& sum = list.impulse;
 		const long scalars = 3, spins = sum.moment.size();
 		const long size = static_cast<long>(saved.size());
-		unreadable_ = size < scalars + 3 * dim + spins ? size : 0;
-		if (unreadable_ > 0) return; // searches run in parallel: nothing may be thrown here
+		if (size < scalars + 3 * dim + spins) {
+			noteUnreadable("it was saved asleep", saved);
+			return;
+		}
 		list.friction = saved[1];
 		sum.active = static_cast<int>(saved[2]);
 		auto from = saved.begin() + scalars;
@@ -213,6 +232,23 @@ public:
 	ContactList<dim> list;
 
 private:
+	/// Key and impulse.
+	Contact<dim> asSeenFromSecond(Contact<dim> c) const
+	{
+		const ContactBody<dim>& body = system_->body(list.first);
+		if (body.isSurface()) {
+			c.key.side ^= 1;
+			return c;
+		}
+		c.impulse = -c.impulse;
+		if (!body.isOnGrid()) std::swap(c.key.node, c.key.other);
+		return c;
+	}
+	/// For later: searches run in parallel, where nothing may be thrown.
+	void noteUnreadable(const std::string& what, const std::vector<double>& saved)
+	{
+		unreadable_ = what + " with " + std::to_string(saved.size()) + " figures";
+	}
 	/// Where contacts only push, that is the direction of the sum; where others pull, they must
 	/// not cancel.
 	Vec<dim> direction() const
@@ -252,7 +288,9 @@ private:
 	const System<dim>* system_;
 	double z_;
 	bool lawUnknown_ = false; ///< history was restored, the law is still to come
-	long unreadable_ = 0;     ///< figures of a sleeping pair that cannot be restored
+	std::string unreadable_;  ///< what cannot be restored
 };
+
+static_assert((sizeof(PairContactsOf<2>) + 63) / 64 * 64 == PairContacts::size2D);
 
 } // namespace softgrain

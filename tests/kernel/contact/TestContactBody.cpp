@@ -7,6 +7,23 @@
 using namespace softgrain;
 using namespace softgrain::testing;
 
+TEST_CASE("Contact body: what is folded", "[contact]")
+{
+	const auto reference = makeGrainTemplate<2>(recipe(0.25));
+	const auto round = contactBody<2>(*reference, 2, { 0.1, 0.2 }, Mat<2>::Identity());
+	CHECK(!round.folded);
+	const double edge = round.longestEdge;
+	for (int s : { 0, 7, round.nodes() - 1 })
+		for (double depth : { 0.05, 0.4, 3. }) { // in edges
+			ContactBody<2> body = round, image;
+			body.position[s] -= depth * edge * body.normal[s];
+			body.updateGeometry();
+			CHECK(body.folded == (depth > 0.1));
+			image.becomeImage(body, { 1, 0 });
+			CHECK(image.folded == body.folded);
+		}
+}
+
 TEMPLATE_TEST_CASE_SIG("Contact body: normals, box and mobilities", "[contact]", ((int dim), dim),
 		       2, 3)
 {

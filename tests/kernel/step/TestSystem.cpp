@@ -275,8 +275,8 @@ TEMPLATE_TEST_CASE_SIG(
 	const StepError error = failureOfStep(scene);
 	CHECK(error.grain == 1);
 	CHECK(error.point == -1);
-	for (Contact<dim>& contact : list.contacts) // and it can go on
-		contact.impulse = found;
+	list.contacts[0].impulse = found; // and it can go on: what was found is as it was
+	CHECK(scene.system.contactProblem().contacts() == 0);
 	scene.advance(1e-6);
 	CHECK(scene.state() != before);
 }
@@ -295,6 +295,12 @@ TEST_CASE("System: a rigid body whose velocity is not finite stops the step", "[
 	const auto before = scene.state();
 	CHECK_THROWS_WITH(scene.advance(1e-6), ContainsSubstring("rigid body"));
 	CHECK(scene.state() == before);
+	CHECK(scene.system.rigidContacts()[0].impulse.allFinite());
+	for (RigidPartner<2>& partner : partners) { // which the host sets anew in each step
+		partner.velocity.setZero();
+		partner.spin.setZero();
+	}
+	scene.advance(1e-6);
 }
 
 TEST_CASE("System: the host is told of each grain once, when it has moved", "[step]")
@@ -360,10 +366,14 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 	CHECK(!isMeasured(1));
 	CHECK(scene.system.presentCriticalTimeStep(bound) == bound);
 	CHECK(!isMeasured(1));
+	scene.system.takeMeasuredPoints();
 	const double measured = scene.system.presentCriticalTimeStep(1.001 * bound, 2);
 	CHECK(isMeasured(1));
 	CHECK(!isMeasured(0)); // twice as large
 	CHECK(measured > 1.001 * bound);
+	const int points = scene.system.setOf(1).reference().points();
+	CHECK(scene.system.takeMeasuredPoints() == 8 * points); // that was enough
+	CHECK(scene.system.takeMeasuredPoints() == 0);
 	CHECK(scene.system.presentCriticalTimeStep() == measured);
 
 	// Without motion a twentieth of the smaller point spacing; else twice the way of a step.

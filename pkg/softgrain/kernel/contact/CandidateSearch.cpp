@@ -160,7 +160,9 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 		     ContactList<dim>& list)
 {
 	ContactCandidates<dim>& candidates = list.candidates;
-	if (reach + candidates.approached <= candidates.covered) return;
+	// about folds gaps change by jumps, and what is nearest depends on where a node came from
+	const bool lasts = !first.folded && !second.folded;
+	if (lasts && reach + candidates.approached <= candidates.covered) return;
 	const double within = candidateReach(first, second, reach);
 	candidates.clear();
 	candidates.covered = within - jumpBetween(first, second) + candidates.approached;

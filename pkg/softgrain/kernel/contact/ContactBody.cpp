@@ -21,6 +21,15 @@ Vec<3> facetNormal(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
 	return (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
 }
 
+/// Of two facets of a ring, in its order: by more than 17 degrees.
+bool turnsSharplyInwards(const Vec<2>& normal, const Vec<2>& next)
+{
+	constexpr double tangent = -0.3;
+	const double ahead = normal.dot(next);
+	const double turn = normal[0] * next[1] - normal[1] * next[0];
+	return ahead < 0 || turn < tangent * ahead;
+}
+
 } // namespace
 
 template <int dim> void ContactBody<dim>::updateGeometry()
@@ -30,8 +39,12 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 	if (!hasFacets()) return;
 	normal.assign(position.size(), Vec<dim>::Zero());
 	double squaredEdge = 0;
+	folded = false;
+	Vec<dim> last = facetNormal(position, mesh->facet.back());
 	for (const auto& facet : mesh->facet) {
 		const Vec<dim> n = facetNormal(position, facet);
+		if constexpr (dim == 2) folded |= turnsSharplyInwards(last, n);
+		last = n;
 		for (int i = 0; i < dim; ++i) {
 			normal[facet[i]] += n;
 			const Vec<dim> edge = position[facet[i]] - position[facet[(i + 1) % dim]];
@@ -120,6 +133,12 @@ template <int dim> void ContactBody<dim>::prepareSolve()
 	if (dim == 3) markedBlocks.assign(segmentsOf(velocity.size()), 0);
 }
 
+template <int dim> bool ContactBody<dim>::hasFiniteVelocities() const
+{
+	return std::all_of(velocity.begin(), velocity.begin() + impulse.size(),
+			   [](const Vec<dim>& v) { return v.allFinite(); });
+}
+
 template <int dim>
 void ContactBody<dim>::becomeImage(const ContactBody& body, const Vec<dim>& shift)
 {
@@ -128,6 +147,7 @@ void ContactBody<dim>::becomeImage(const ContactBody& body, const Vec<dim>& shif
 	pointSpacing = body.pointSpacing;
 	inradius = body.inradius;
 	longestEdge = body.longestEdge;
+	folded = body.folded;
 	circumradius = body.circumradius;
 	gridSpacing = body.gridSpacing;
 	carried = body.carried + shift;

@@ -37,8 +37,11 @@ template <int dim> struct ContactBody {
 	/// 3D: blocks of nodes on which contacts of this step act; `surfaceMobility` moves no
 	/// others.
 	std::vector<BlockSet> markedBlocks;
-	Box<dim> box;                  ///< of the positions, node radii included
-	double longestEdge = 0;        ///< of a facet, m
+	Box<dim> box;           ///< of the positions, node radii included
+	double longestEdge = 0; ///< of a facet, m
+	/// 2D: the outline turns inwards so sharply somewhere that to a node close by two places on
+	/// it may be nearest, each of those around.
+	bool folded = false;
 	double circumradius = 0;       ///< of the positions about the centre of the box, m
 	VelocityRange<dim> velocities; ///< of the nodes
 	/// Way of the centre of the box since the start, m, and the most that a node may have come
@@ -100,6 +103,7 @@ template <int dim> struct ContactBody {
 	/// Room for sweeps behind `velocity`; zero impulses; no block marked. For bodies in
 	/// contact, before the solve.
 	void prepareSolve();
+	bool hasFiniteVelocities() const;
 	/// Renews normals and box after `position` was set.
 	void updateGeometry();
 	/// Makes this the outline of `body`, displaced: what a search sees of it.

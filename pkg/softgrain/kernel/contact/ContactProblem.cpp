@@ -86,6 +86,7 @@ template <int dim> SparseRows<double> ContactSolver<dim>::delassus() const
 template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
 {
 	ContactProblem<dim> problem;
+	if (!solved_) return problem;
 	if (movesRigidBodies())
 		throw std::logic_error(
 			"the contact problem cannot be given as data: a rigid body that "

@@ -84,6 +84,7 @@ void ContactSolver<dim>::plan(const std::vector<ContactList<dim>*>& lists, int g
 			      std::vector<RigidPartner<dim>>* partners,
 			      std::vector<RigidContact<dim>>* rigidContacts)
 {
+	forget();
 	lists_.clear();
 	bodiesOf_.clear();
 	listed_.clear();
@@ -335,14 +336,17 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	SolverReport report;
 	for (int k = 0; k < count_; ++k)
 		report.contacts += withPair(k, [](const auto& pair) { return pair.contacts(); });
-	if (report.contacts == 0) return report;
+	solved_ = report.contacts == 0;
+	if (solved_) return report;
 	sweepToTolerance(report);
+	if (!std::isfinite(report.residual)) return report;
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		if (!staysInCache()) fetch(k + pairsAhead, &PairSolver<dim>::fetchContacts);
 		withPair(k, [](auto& pair) { pair.finish(); });
 	});
 	for (int k = 0; k < count_; ++k)
 		report.active += withPair(k, [](const auto& pair) { return pair.active(); });
+	solved_ = true;
 	return report;
 }
 

@@ -54,7 +54,8 @@ public:
 	/// What is left then, where pairs feel each other, is swept always forwards
 	/// (doc/decisions/0004-sweep-order.md) until the residual is within the tolerance or the
 	/// cap is hit. At the end the lists have their impulses, and the contact nodes the sums
-	/// (ContactBody::impulse).
+	/// (ContactBody::impulse), unless the residual is no number: then they keep those of
+	/// before.
 	SolverReport solve();
 	/// After `solve`: moves rigid bodies that overlap each other apart, by RigidPartner::shift
 	/// and turn. Velocities stay as they are.
@@ -65,10 +66,13 @@ public:
 	ContactWork work() const;
 	/// Of the contacts of rigid bodies with each other (RigidContactSolver::work).
 	ContactWork rigidWork() const;
-	/// The problem and its solution, of the last `solve`, in the order of the sweeps. Lists are
-	/// not needed any more; velocities and mobility tables of the bodies are, as they were
-	/// then. Throws std::logic_error where a rigid body that impulses move is in contact: its
-	/// blocks are no multiples of the identity.
+	/// There is no `problem` until the next `solve`.
+	void forget() { solved_ = false; }
+	/// The problem and its solution, of the last `solve`, in the order of the sweeps; without
+	/// contacts from `plan` to the end of a `solve` that found finite impulses. Lists and their
+	/// interfaces are not needed any more; velocities and mobility tables of the bodies are, as
+	/// they were then, and so are the partners. Throws std::logic_error where a rigid body that
+	/// impulses move is in contact: its blocks are no multiples of the identity.
 	ContactProblem<dim> problem() const;
 
 private:
@@ -160,6 +164,7 @@ private:
 	std::vector<typename PairSolver<dim>::Constraint> constraints_;
 	std::vector<std::size_t> constraintsBegin_;
 	int count_ = 0;
+	bool solved_ = false;
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	std::vector<long> visits_;        ///< of contacts, by pairs on their own
 	SolverSettings settings_;

@@ -1,8 +1,6 @@
 #include "contact/Interface.hpp"
 
 #include <algorithm>
-#include <stdexcept>
-#include <string>
 
 namespace softgrain {
 
@@ -46,6 +44,14 @@ const Vec<dim>& PairInterface<dim>::pullOn(std::size_t k, const InterfacePlace<d
 	}
 	h.pull = kick_ * place.part.area * traction;
 	return h.pull;
+}
+
+template <int dim> std::vector<double> PairInterface<dim>::frictions(double friction) const
+{
+	std::vector<double> all(history.size());
+	for (std::size_t k = 0; k < all.size(); ++k)
+		all[k] = frictionOf(k, friction);
+	return all;
 }
 
 template <int dim>
@@ -112,13 +118,10 @@ template <int dim> std::vector<double> PairInterface<dim>::numbers() const
 	return all;
 }
 
-template <int dim> void PairInterface<dim>::restore(const std::vector<double>& numbers)
+template <int dim> bool PairInterface<dim>::restore(const std::vector<double>& numbers)
 {
 	constexpr int each = numbersEach<dim>;
-	if (numbers.size() % each != 0)
-		throw std::invalid_argument(
-			"saved history of an interface has " + std::to_string(numbers.size()) +
-			" numbers; admissible: a multiple of " + std::to_string(each));
+	if (numbers.size() % each != 0) return false;
 	history.resize(numbers.size() / each);
 	for (std::size_t k = 0; k < history.size(); ++k) {
 		ContactHistory<dim>& h = history[k];
@@ -130,6 +133,7 @@ template <int dim> void PairInterface<dim>::restore(const std::vector<double>& n
 		h.bond = static_cast<Bond>(static_cast<int>(from[2 * dim + 2]));
 		h.slid = from[2 * dim + 3] != 0;
 	}
+	return true;
 }
 
 template class PairInterface<2>;

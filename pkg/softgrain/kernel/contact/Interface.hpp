@@ -67,6 +67,8 @@ public:
 	{
 		return history[k].slid && law.hasDynamicFriction() ? law.dynamicFriction : friction;
 	}
+	/// The same of all contacts.
+	std::vector<double> frictions(double friction) const;
 	/// What the law asks of the contacts in the step at hand: apply(c, p) hands its impulses
 	/// on; if the other body is rigid, so that there may be a restitution, approach(c) is u
 	/// half a step before t_n.
@@ -90,9 +92,9 @@ public:
 	/// Bonds that were whole when their contact vanished, since this was last asked.
 	long takeLostBonds() { return std::exchange(lost_, 0); }
 
-	/// History as numbers, and back.
+	/// History as numbers, and back; false, and nothing done, if there are too few or too many.
 	std::vector<double> numbers() const;
-	void restore(const std::vector<double>& numbers);
+	bool restore(const std::vector<double>& numbers);
 
 private:
 	std::vector<ContactHistory<dim>> last_; ///< before the search

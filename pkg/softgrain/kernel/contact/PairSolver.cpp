@@ -65,12 +65,13 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	}
 	findStretch(firstSide_, true);
 	if (second_) findStretch(secondSide_, false);
-	if (interface_)
-		interface_->engage(
-			constraints_, list.contacts,
-			contactAreas<dim>(*first_, second_, list.contacts), !second_,
-			[this](const Constraint& c, const Vec<dim>& p) { applyImpulse(c, p); },
-			[this](const Constraint& c) { return velocityBefore(c); });
+	frictions_.clear();
+	if (!interface_) return;
+	frictions_ = interface_->frictions(friction_);
+	interface_->engage(
+		constraints_, list.contacts, contactAreas<dim>(*first_, second_, list.contacts),
+		!second_, [this](const Constraint& c, const Vec<dim>& p) { applyImpulse(c, p); },
+		[this](const Constraint& c) { return velocityBefore(c); });
 }
 
 template <int dim>

@@ -87,7 +87,7 @@ public:
 	const Constraints& constraints() const { return constraints_; }
 	double friction(const Constraint& c) const
 	{
-		return interface_ ? interface_->frictionOf(numberOf(c), friction_) : friction_;
+		return frictions_.empty() ? friction_ : frictions_[numberOf(c)];
 	}
 	/// Impulses before the first sweep, contact by contact.
 	const std::vector<Vec<dim>>& start() const { return start_; }
@@ -122,7 +122,8 @@ private:
 	/// constant.
 	template <class Visit> decltype(auto) withFriction(Visit&& visit) const
 	{
-		if (!interface_) return visit([this](const Constraint&) { return friction_; });
+		if (frictions_.empty())
+			return visit([this](const Constraint&) { return friction_; });
 		return visit([this](const Constraint& c) { return friction(c); });
 	}
 	Vec<dim> finishInterface(std::size_t k);
@@ -147,8 +148,9 @@ private:
 	/// Of the plane, or of the image of the other body beyond its own velocity, m/s: for
 	/// impulses on the second body and on the first.
 	std::array<Vec<dim>, 2> drift_;
-	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
+	PairInterface<dim>* interface_ = nullptr; ///< of the list; null if there is none
 	double friction_ = 0;
+	std::vector<double> frictions_; ///< contact by contact, where there is an interface
 	BodySide<dim> firstSide_, secondSide_;
 	Constraints constraints_; ///< in the room given
 	std::vector<Vec<dim>> start_;

@@ -15,8 +15,11 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 	grain_ = &bodies[list.first];
 	side_ = BodySide<dim>(*grain_);
 	partner_ = &partners[list.rigid->partner];
+	moves_ = partner_->moves();
+	drift_ = list.image.velocity;
 	friction_ = list.friction;
 	interface_ = list.interface ? &*list.interface : nullptr;
+	frictions_ = interface_ ? interface_->frictions(friction_) : std::vector<double>();
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
@@ -51,7 +54,7 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 			[this](const Constraint& c) {
 				return Vec<dim>(
 					grainVelocity(c, &ContactBody<dim>::velocityBefore) -
-					partner_->velocityBeforeAt(c.arm) - list_->image.velocity);
+					partner_->velocityBeforeAt(c.arm) - drift_);
 			});
 }
 
@@ -68,8 +71,7 @@ RigidPairSolver<dim>::grainVelocity(const Constraint& c,
 
 template <int dim> Vec<dim> RigidPairSolver<dim>::velocity(const Constraint& c) const
 {
-	return grainVelocity(c, &ContactBody<dim>::velocity) - partner_->velocityAt(c.arm) -
-	       list_->image.velocity;
+	return grainVelocity(c, &ContactBody<dim>::velocity) - partner_->velocityAt(c.arm) - drift_;
 }
 
 template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
@@ -78,7 +80,7 @@ template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, 
 		side_.push(side_.velocity, c.partner[0], J);
 	else
 		side_.push(side_.velocity, c, J, 1);
-	if (list_->rigid->moves) partner_->push(c.arm, -J);
+	if (moves_) partner_->push(c.arm, -J);
 }
 
 template <int dim>
@@ -140,14 +142,13 @@ template <int dim> ContactWork RigidPairSolver<dim>::work() const
 	auto book = [&](const Constraint& c, const Vec<dim>& grain, const Vec<dim>& rigid,
 			double ContactWork::Halves::* half) {
 		const Vec<dim> normal = c.impulse.dot(c.normal) * c.normal;
-		const Vec<dim> drift = list_->image.velocity;
-		const Vec<dim> relative = grain - rigid - drift;
+		const Vec<dim> relative = grain - rigid - drift_;
 		work.impact.*half -= 0.5 * normal.dot(relative);
 		work.friction.*half -= 0.5 * (c.impulse - normal).dot(relative);
 		const Vec<dim> p = pull(c);
 		work.cohesion.*half -= 0.5 * p.dot(relative);
 		work.planes.*half += 0.5 * (c.impulse + p).dot(rigid);
-		work.cell.*half += 0.5 * (c.impulse + p).dot(drift);
+		work.cell.*half += 0.5 * (c.impulse + p).dot(drift_);
 	};
 	for (const Constraint& c : constraints_) {
 		if (c.impulse.isZero(0) && pull(c).isZero(0)) continue;

@@ -41,7 +41,7 @@ public:
 	const std::vector<Constraint>& constraints() const { return constraints_; }
 	double friction(const Constraint& c) const
 	{
-		return interface_ ? interface_->frictionOf(numberOf(c), friction_) : friction_;
+		return frictions_.empty() ? friction_ : frictions_[numberOf(c)];
 	}
 	const std::vector<Vec<dim>>& start() const { return start_; }
 	/// u with the present impulses.
@@ -54,7 +54,7 @@ public:
 			      c.weight[i]);
 	}
 	/// Whether impulses move the rigid body.
-	bool movesPartner() const { return partner_->moves(); }
+	bool movesPartner() const { return moves_; }
 
 private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
@@ -69,8 +69,11 @@ private:
 	BodySide<dim> side_; ///< the grain's
 	RigidPartner<dim>* partner_ = nullptr;
 	ContactList<dim>* list_ = nullptr;        ///< valid for the step
-	PairInterface<dim>* interface_ = nullptr; ///< its own; null if there is none
+	PairInterface<dim>* interface_ = nullptr; ///< of the list; null if there is none
+	bool moves_ = false;                      ///< the rigid body
+	Vec<dim> drift_; ///< of the image of the rigid body beyond its own velocity, m/s
 	double friction_ = 0;
+	std::vector<double> frictions_; ///< contact by contact, where there is an interface
 	std::vector<Constraint> constraints_;
 	std::vector<Vec<dim>> start_;
 };

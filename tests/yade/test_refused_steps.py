@@ -1,0 +1,120 @@
+"""A step that was refused leaves the scene as it was, and a run that goes on loses and doubles
+nothing."""
+
+import math
+
+import numpy as np
+import pytest
+from partner_scenes import add_rigid_disk
+from scenes import RADIUS, add_disk, add_wall, complaint, ready, run
+from yade import O, Quaternion, Vector3
+
+import softgrain as sg
+
+
+def move(body):
+    body.state.pos += Vector3(3 * RADIUS, RADIUS, 0)
+    body.state.ori = Quaternion((0, 0, 1), 0.3) * body.state.ori
+    body.state.vel += Vector3(1, 0, 0)
+    body.state.angVel += Vector3(0, 0, 20)
+
+
+def assert_same_motion(body, other):
+    for name in ("pos", "vel", "angVel"):
+        found, expected = getattr(body.state, name), getattr(other.state, name)
+        np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-15)
+    assert (body.state.ori.conjugate() * other.state.ori).toAngleAxis()[0] < 1e-12
+    found, expected = body.shape.nodes(), other.shape.nodes()
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * RADIUS)
+
+
+def flight(refused):
+    O.reset()
+    body = add_disk()
+    ready()
+    run(5)
+    move(body)
+    if refused:
+        dt = O.dt
+        O.dt = 100 * dt
+        for _ in range(2):
+            assert "O.dt" in complaint()
+        O.dt = dt
+    run(20)
+    return body
+
+
+def test_motion_by_hand_counts_once():
+    assert_same_motion(flight(refused=True), flight(refused=False))
+
+
+def test_motions_of_others_count_once():
+    """One grain is moved, and the State of the next one is no motion."""
+    first, second = add_disk(), add_disk((10 * RADIUS, 0, 0))
+    ready()
+    run(2)
+    first.state.vel = (1, 0, 0)
+    second.state.vel = (math.nan, 0, 0)
+    for _ in range(3):
+        assert "#1" in complaint()
+    second.state.vel = (0, 0, 0)
+    start = first.state.pos[0]
+    run(10)
+    assert first.state.vel[0] == pytest.approx(1, rel=1e-12)
+    assert first.state.pos[0] == pytest.approx(start + 10 * O.dt, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "attribute, value",
+    [("pos", (0, 0, RADIUS)), ("vel", (1, 0, 1)), ("angVel", (1, 0, 0)), ("angVel", (0, 1, 2))],
+)
+def test_motion_out_of_the_plane(attribute, value):
+    """It would be lost."""
+    body = add_disk()
+    ready()
+    run(2)
+    setattr(body.state, attribute, value)
+    message = complaint()
+    assert f"soft grain #0: its State.{attribute}" in message and "plane of 2D grains" in message
+
+
+def pressed_sphere():
+    """A grain between a wall and a free rigid disk that presses on it."""
+    add_disk()
+    add_wall(-RADIUS, 0)
+    sphere = add_rigid_disk((1.99 * RADIUS, 0, 0), RADIUS, velocity=(-1, 0, 0))
+    ready()
+    run(20)
+    assert sg.integrator().activeContacts > 0
+    return sphere
+
+
+def test_impulse_that_is_no_number():
+    """It is not what the next step starts from."""
+    sphere = pressed_sphere()
+    before = np.array(sphere.state.pos)
+    O.forces.setPermF(sphere.id, (-math.inf, 0, 0))
+    message = complaint()
+    assert "not finite" in message
+    np.testing.assert_array_equal(sphere.state.pos, before)
+    assert len(sg.integrator().contactProblem()["bias"]) == 0
+    O.forces.setPermF(sphere.id, (0, 0, 0))
+    run(50)
+    assert sg.integrator().residual <= sg.integrator().tolerance
+    assert np.isfinite(sphere.state.vel[0]) and sphere.state.vel[0] > -1
+
+
+def test_contact_problem_after_bodies_are_gone():
+    """It stands on its own."""
+    add_disk()
+    held = add_rigid_disk((0, -1.99 * RADIUS, 0), RADIUS, fixed=True)
+    other = add_disk((0, 1.99 * RADIUS, 0))
+    ready()
+    run(2)
+    before = sg.integrator().contactProblem()
+    assert len(before["bias"]) > 1
+    O.bodies.erase(held.id)
+    O.bodies.erase(other.id)
+    after = sg.integrator().contactProblem()
+    for key, value in before.items():
+        np.testing.assert_array_equal(after[key], value)
