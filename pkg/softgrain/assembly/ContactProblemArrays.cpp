@@ -1,5 +1,6 @@
 #include "assembly/ContactProblemArrays.hpp"
 #include "Require.hpp"
+#include "assembly/SpaceVectors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,14 +13,6 @@ namespace {
 
 /// Lengths of normals that come from files may be rounded that far.
 constexpr double unitTolerance = 1e-6;
-
-template <int dim> std::vector<double> flat(const std::vector<Vec<dim>>& vectors)
-{
-	std::vector<double> numbers;
-	for (const Vec<dim>& v : vectors)
-		numbers.insert(numbers.end(), v.data(), v.data() + dim);
-	return numbers;
-}
 
 template <int dim> std::vector<Vec<dim>> vectors(const std::vector<double>& numbers)
 {
@@ -92,7 +85,7 @@ SolverReport solveIn(ContactProblemArrays& arrays, double tolerance, int maxSwee
 				      vectors<dim>(arrays.start),
 				      {} };
 	const SolverReport report = solve(problem, tolerance, maxSweeps);
-	arrays.impulse = flat(problem.impulse);
+	arrays.impulse = numbersOf<dim>(problem.impulse);
 	return report;
 }
 
@@ -100,8 +93,8 @@ SolverReport solveIn(ContactProblemArrays& arrays, double tolerance, int maxSwee
 
 template <int dim> ContactProblemArrays arraysOf(const ContactProblem<dim>& p)
 {
-	return { dim,    p.delassus, flat(p.normal), flat(p.freeVelocity),
-		 p.bias, p.friction, flat(p.start),  flat(p.impulse) };
+	return { dim,    p.delassus, numbersOf<dim>(p.normal), numbersOf<dim>(p.freeVelocity),
+		 p.bias, p.friction, numbersOf<dim>(p.start),  numbersOf<dim>(p.impulse) };
 }
 
 template ContactProblemArrays arraysOf(const ContactProblem<2>&);

@@ -12,6 +12,9 @@ namespace softgrain {
 template <int dim> using Vec = Eigen::Matrix<double, dim, 1>;
 template <int dim> using Mat = Eigen::Matrix<double, dim, dim>;
 
+/// a x b along z.
+inline double cross(const Vec<2>& a, const Vec<2>& b) { return a[0] * b[1] - a[1] * b[0]; }
+
 /// Both components of a Vec<2> in one load or store. (The host turns Eigen's own vectorisation
 /// off.)
 using BothComponents [[gnu::vector_size(16), gnu::aligned(8), gnu::may_alias]] = double;

@@ -26,8 +26,7 @@ bool turnsSharplyInwards(const Vec<2>& normal, const Vec<2>& next)
 {
 	constexpr double tangent = -0.3;
 	const double ahead = normal.dot(next);
-	const double turn = normal[0] * next[1] - normal[1] * next[0];
-	return ahead < 0 || turn < tangent * ahead;
+	return ahead < 0 || cross(normal, next) < tangent * ahead;
 }
 
 } // namespace

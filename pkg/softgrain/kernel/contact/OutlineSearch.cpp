@@ -67,7 +67,7 @@ bool isIndented(const ContactBody<2>& body, int corner)
 {
 	const auto& side = body.mesh->sharp.at(corner);
 	const Vec<2> in = body.areaOfFacet(side[0]), out = body.areaOfFacet(side[1]);
-	return in[0] * out[1] < in[1] * out[0];
+	return cross(in, out) < 0;
 }
 
 /// In 3D there are blocks only.

@@ -23,7 +23,7 @@ template <int dim> Vec<dim> turned(const Spin<dim>& omega, const Vec<dim>& arm)
 template <int dim> Spin<dim> moment(const Vec<dim>& arm, const Vec<dim>& J)
 {
 	if constexpr (dim == 2)
-		return Spin<2>(arm[0] * J[1] - arm[1] * J[0]);
+		return Spin<2>(cross(arm, J));
 	else
 		return arm.cross(J);
 }

@@ -81,7 +81,7 @@ namespace detail {
 
 inline Eigen::Matrix<double, 1, 1> cross(const Vec<2>& a, const Vec<2>& b)
 {
-	return Eigen::Matrix<double, 1, 1>(a[0] * b[1] - a[1] * b[0]);
+	return Eigen::Matrix<double, 1, 1>(softgrain::cross(a, b));
 }
 inline Vec<3> cross(const Vec<3>& a, const Vec<3>& b) { return a.cross(b); }
 

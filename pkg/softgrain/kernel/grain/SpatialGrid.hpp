@@ -58,7 +58,6 @@ public:
 	}
 	std::vector<Index> indices() const;                            ///< of all nodes
 	const std::vector<int>& carrying() const { return carrying_; } ///< in ascending order
-	const std::vector<Tie>& ties() const { return ties_; }
 	const std::vector<TiedTo>& tiedTo() const { return tiedTo_; }
 	/// Tie of a node, null for one that carries its own unknowns.
 	const Tie* tieOf(int node) const

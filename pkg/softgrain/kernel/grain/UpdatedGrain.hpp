@@ -44,8 +44,6 @@ template <int dim> struct UpdatedGrain {
 	void findContactMobility(int order);
 	/// Moves points and contact nodes by dt with the new velocities of all nodes.
 	void gridToPoints(int order, double dt, double picShare);
-
-	int groups() const { return static_cast<int>(mass.size()) / laneWidth; }
 };
 
 } // namespace softgrain

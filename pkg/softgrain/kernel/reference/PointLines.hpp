@@ -16,7 +16,6 @@ namespace softgrain {
 template <int dim> struct PointLines {
 	/// Longer ones are cut, so that what is kept for a line has a bounded size.
 	static constexpr int maxPoints = 16;
-	static constexpr int maxRows = rowWidth * maxPoints;
 
 	struct Line {
 		int begin, end; ///< its points

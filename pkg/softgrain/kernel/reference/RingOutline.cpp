@@ -12,8 +12,6 @@ namespace softgrain {
 
 namespace {
 
-double cross(const Vec<2>& a, const Vec<2>& b) { return a[0] * b[1] - a[1] * b[0]; }
-
 /// Area and first moment of a closed polyline.
 Moments<2> momentsOf(const std::vector<Vec<2>>& vertex)
 {

@@ -45,8 +45,6 @@ void stitch(const NodeRing& outer, const NodeRing& inner, TriangleMesh& mesh)
 	}
 }
 
-double cross(const Vec<2>& a, const Vec<2>& b) { return a[0] * b[1] - a[1] * b[0]; }
-
 double areaOf(const TriangleMesh& mesh, const std::array<int, 3>& corner)
 {
 	const Vec<2>& a = mesh.node[corner[0]];
