@@ -21,12 +21,24 @@ Vec<3> facetNormal(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
 	return (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
 }
 
-/// Of two facets of a ring, in its order: by more than 17 degrees.
-bool turnsSharplyInwards(const Vec<2>& normal, const Vec<2>& next)
+/// Of the edges of a facet.
+double longestSquare(const std::vector<Vec<2>>& x, const std::array<int, 2>& f)
 {
-	constexpr double tangent = -0.3;
-	const double ahead = normal.dot(next);
-	return ahead < 0 || cross(normal, next) < tangent * ahead;
+	return (x[f[1]] - x[f[0]]).squaredNorm();
+}
+
+double longestSquare(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
+{
+	return std::max({ (x[f[1]] - x[f[0]]).squaredNorm(), (x[f[2]] - x[f[1]]).squaredNorm(),
+			  (x[f[0]] - x[f[2]]).squaredNorm() });
+}
+
+/// Of two facets of a ring, in its order: negative where the outline turns inwards by more than 17
+/// degrees between them.
+double outwardTurn(const Vec<2>& normal, const Vec<2>& next)
+{
+	constexpr double tangent = 0.3;
+	return cross(normal, next) + tangent * normal.dot(next);
 }
 
 } // namespace
@@ -38,19 +50,18 @@ template <int dim> void ContactBody<dim>::updateGeometry()
 	if (!hasFacets()) return;
 	normal.assign(position.size(), Vec<dim>::Zero());
 	double squaredEdge = 0;
-	folded = false;
+	double leastTurn = 0; // without a branch: it is asked of all facets in every step
 	Vec<dim> last = facetNormal(position, mesh->facet.back());
 	for (const auto& facet : mesh->facet) {
 		const Vec<dim> n = facetNormal(position, facet);
-		if constexpr (dim == 2) folded |= turnsSharplyInwards(last, n);
+		if constexpr (dim == 2) leastTurn = std::min(leastTurn, outwardTurn(last, n));
 		last = n;
-		for (int i = 0; i < dim; ++i) {
-			normal[facet[i]] += n;
-			const Vec<dim> edge = position[facet[i]] - position[facet[(i + 1) % dim]];
-			squaredEdge = std::max(squaredEdge, edge.squaredNorm());
-		}
+		for (int node : facet)
+			normal[node] += n;
+		squaredEdge = std::max(squaredEdge, longestSquare(position, facet));
 	}
 	longestEdge = std::sqrt(squaredEdge);
+	folded = leastTurn < 0;
 	normalizeAll(normal);
 }
 
