@@ -123,6 +123,11 @@ void WallStressController::action()
 			moveWall(a);
 		else if (packing.impedance > 0)
 			pushWall(a, packing);
+		else
+			throw std::runtime_error(
+				"WallStressController: stressMask = " + std::to_string(stressMask) +
+				" asks for a stress, but there is no soft grain, whose waves walls "
+				"under stress are damped by. Admissible without: stressMask = 0");
 }
 
 /// m dv/dt = load + reaction - Z v, Z = drag rho c A. The mass is such that the wall follows within

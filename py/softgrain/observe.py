@@ -47,7 +47,7 @@ def grain_area(body):
 
 
 def packing_fraction(box_area=None, nominal=False):
-    """Packing fraction of all soft grains in a box or a periodic cell.
+    """Packing fraction of all soft grains in a box or a periodic cell; rigid bodies do not count.
 
     Args:
         box_area (float | None): present area (volume) of the box [m² or m³]; None: of the periodic
@@ -58,16 +58,18 @@ def packing_fraction(box_area=None, nominal=False):
         float: phi or phi0 [-].
 
     Raises:
-        ValueError: the area is not positive, or none is given and the scene is not periodic.
+        ValueError: the area is not positive, or none is given and the scene is not periodic, or
+            there is no soft grain.
     """
     if box_area is None:
         box_area = cell_volume()
     if not 0 < box_area < math.inf:
         raise ValueError(f"box_area = {box_area} is outside the admissible range (0, inf)")
+    grains = some_soft_bodies("packing_fraction")
     if nominal:
-        areas = [b.shape.undeformedVolume() for b in soft_bodies()]
+        areas = [b.shape.undeformedVolume() for b in grains]
     else:
-        areas = [grain_area(b) for b in soft_bodies()]
+        areas = [grain_area(b) for b in grains]
     return sum(areas) / box_area
 
 

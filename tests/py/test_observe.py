@@ -228,3 +228,9 @@ def test_area_of_a_box_that_cannot_be(area):
 def test_coordination_of_no_grain():
     with pytest.raises(ValueError, match="coordination_number: the scene has no soft grain"):
         sg.coordination_number()
+
+
+def test_packing_fraction_of_no_grain():
+    O.bodies.append(utils.sphere((0, 0, 0), 1, material=FrictMat()))
+    with pytest.raises(ValueError, match="packing_fraction: the scene has no soft grain"):
+        sg.packing_fraction(4)

@@ -169,6 +169,19 @@ def test_walls_in_a_wrong_order(order, message):
         run(1)
 
 
+def test_stress_without_soft_grains():
+    """Walls would stand still in silence; prescribed rates need no grain."""
+    walls = four_disks()
+    ready()
+    for body in sg.soft_bodies():
+        O.bodies.erase(body.id)
+    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
+    with pytest.raises(RuntimeError, match="stressMask = 7.*there is no soft grain"):
+        run(1)
+    controller.stressMask = 0
+    run(1)
+
+
 def test_free_wall_keeps_momentum():
     """A wall that flies against a disk: one solve for both, momentum kept to rounding."""
     disk = add_disk()
