@@ -168,12 +168,9 @@ softgrain::GrainLoad SoftBodies::loadOf(int g, const NewtonIntegrator& newton,
 	const Vector3r& force = scene_.forces.getForce(id);
 	const Vector3r& torque = scene_.forces.getTorque(id);
 	softgrain::GrainLoad load;
+	if (!force.isZero(0) || !torque.isZero(0)) load = assembly_.load(g, force, torque);
 	if (!newton.gravity.isZero(0))
-		load.acceleration = newton.gravity / materialOf(scene_, id).massScaling;
-	if (!force.isZero(0) || !torque.isZero(0)) {
-		load.acceleration += force / assembly_.motion(g).mass;
-		load.angularAcceleration = assembly_.angularAcceleration(g, torque);
-	}
+		load.acceleration += newton.gravity / materialOf(scene_, id).massScaling;
 	if (!flow.isZero()) {
 		const State& state = *(*scene_.bodies)[id]->state;
 		const Real dt = scene_.dt, kick = assembly_.kickTime(dt);

@@ -27,8 +27,9 @@ constexpr double timeStepRounding = 1e-6;
 constexpr double lowestTimeStep = 0.7;
 
 /// Where O.dt is put anew, over that fraction. The nearer, the sooner the critical step falls below
-/// it, and grains have to be measured: as near as the first, as long as measurements are that share
-/// of all computations of forces.
+/// it, and grains have to be measured: the first as long as that takes at most `worthMeasuring` of
+/// the computations of forces that steps take, else the second (doc/decisions/0003-time-step.md,
+/// with what else was tried).
 constexpr double nearTimeStep = 0.99, roomyTimeStep = 0.9, worthMeasuring = 0.05;
 
 /// Relative difference up to which O.dt is the value that sg set before the first step, which is

@@ -246,8 +246,9 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 		       const shared_ptr<Interaction>& I)
 {
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
-	if (!isAssembled(grain, *scene, force) || !hasFriction(*(*scene->bodies)[I->getId1()]))
-		return I->isReal();
+	if (!isAssembled(grain, *scene, force)) return I->isReal();
+	// where YADE would look for an Ip2 in vain, and end the process
+	if (!I->phys && !hasFriction(*(*scene->bodies)[I->getId1()])) return I->isReal();
 	const SearchTimer timer(*this);
 	LoopTurn turn(grain.assembly->searchMemory, *I);
 	SoftGeom& geom = geometryOf(*I, grain.assembly, grain.index);

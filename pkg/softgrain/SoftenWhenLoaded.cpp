@@ -31,8 +31,8 @@ void SoftenWhenLoaded::action()
 	ids = waiting;
 	if (loaded.empty()) return;
 	if (!hasSoftGrains()) leaveTimeStepToIntegrator();
-	for (const int id :
-	     loaded) // all at once: the contact that loads two is gone with the first
+	// not one by one: the contact that loads two is gone with the first
+	for (const int id : loaded)
 		soften(*(*scene->bodies)[id]);
 	softened += loaded.size();
 	scene->doSort = true;

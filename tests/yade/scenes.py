@@ -113,6 +113,16 @@ def complaint():
     return str(error.value)
 
 
+def message_of_step(steps=1):
+    """What O.step says where SoftGrainIntegrator refuses it; the same must stand in lastError."""
+    with pytest.raises(RuntimeError) as caught:
+        run(steps)
+    message = str(caught.value)
+    assert sg.integrator().lastError == message
+    assert message.startswith(f"SoftGrainIntegrator, step {O.iter}: ")
+    return message
+
+
 def run_python(code, folder, environment=None, command=None):
     """Run code in a new Python (or by another command, to which the file is added) in a folder."""
     script = folder / "script.py"

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import softgrain as sg
-from scenes import add_disk, add_wall, ready, run
+from partner_scenes import add_rigid_disk
+from scenes import RADIUS, add_disk, add_wall, ready, run
 from softgrain.reference import residual
 from yade import O
 
@@ -231,3 +232,19 @@ def test_arrays_that_do_not_fit(name, change, message):
     problem[name] = change(problem[name])
     with pytest.raises(ValueError, match=message):
         sg.solve_contact_problem(problem)
+
+
+def test_contact_problem_after_bodies_are_gone():
+    """It stands on its own."""
+    add_disk()
+    held = add_rigid_disk((0, -1.99 * RADIUS, 0), RADIUS, fixed=True)
+    other = add_disk((0, 1.99 * RADIUS, 0))
+    ready()
+    run(2)
+    before = sg.integrator().contactProblem()
+    assert len(before["bias"]) > 1
+    O.bodies.erase(held.id)
+    O.bodies.erase(other.id)
+    after = sg.integrator().contactProblem()
+    for key, value in before.items():
+        np.testing.assert_array_equal(after[key], value)

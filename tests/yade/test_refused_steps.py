@@ -64,20 +64,6 @@ def test_motions_of_others_count_once():
     assert first.state.pos[0] == pytest.approx(start + 10 * O.dt, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    "attribute, value",
-    [("pos", (0, 0, RADIUS)), ("vel", (1, 0, 1)), ("angVel", (1, 0, 0)), ("angVel", (0, 1, 2))],
-)
-def test_motion_out_of_the_plane(attribute, value):
-    """It would be lost."""
-    body = add_disk()
-    ready()
-    run(2)
-    setattr(body.state, attribute, value)
-    message = complaint()
-    assert f"soft grain #0: its State.{attribute}" in message and "plane of 2D grains" in message
-
-
 def pressed_sphere():
     """A grain between a wall and a free rigid disk that presses on it."""
     add_disk()
@@ -102,19 +88,3 @@ def test_impulse_that_is_no_number():
     run(50)
     assert sg.integrator().residual <= sg.integrator().tolerance
     assert np.isfinite(sphere.state.vel[0]) and sphere.state.vel[0] > -1
-
-
-def test_contact_problem_after_bodies_are_gone():
-    """It stands on its own."""
-    add_disk()
-    held = add_rigid_disk((0, -1.99 * RADIUS, 0), RADIUS, fixed=True)
-    other = add_disk((0, 1.99 * RADIUS, 0))
-    ready()
-    run(2)
-    before = sg.integrator().contactProblem()
-    assert len(before["bias"]) > 1
-    O.bodies.erase(held.id)
-    O.bodies.erase(other.id)
-    after = sg.integrator().contactProblem()
-    for key, value in before.items():
-        np.testing.assert_array_equal(after[key], value)

@@ -119,7 +119,7 @@ public:
 			std::vector<RigidMotionDescription>& partners,
 			std::vector<RigidContactDescription>& rigidContacts) override
 	{
-		listRigidContacts(rigidContacts);
+		listRigidContacts(rigidContacts); // first: it may refuse one
 		system_.rigidPartners().clear();
 		for (const RigidMotionDescription& partner : partners)
 			system_.rigidPartners().push_back(partnerOf<dim>(partner));
@@ -180,10 +180,11 @@ public:
 		return result;
 	}
 
-	Vec3 angularAcceleration(int g, const Vec3& torque) const override
+	GrainLoad load(int g, const Vec3& force, const Vec3& torque) const override
 	{
 		const WholeGrain<dim> whole = system_.setOf(g).whole(system_.indexInSet(g));
-		return angularToSpace<dim>(whole.inertia.inverse() * angularToKernel<dim>(torque));
+		return { force / whole.mass, angularToSpace<dim>(whole.inertia.inverse() *
+								 angularToKernel<dim>(torque)) };
 	}
 
 	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity,

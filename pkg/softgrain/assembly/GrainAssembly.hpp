@@ -115,8 +115,9 @@ public:
 	virtual GrainMotion motion(int g) const = 0;
 	/// Present inertia about the centre of mass, axes of space; in 2D about z alone.
 	virtual Mat3 inertia(int g) const = 0;
-	/// What a torque on the grain as it is now does to its spin, 1/s^2.
-	virtual Vec3 angularAcceleration(int g, const Vec3& torque) const = 0;
+	/// What a force and a torque (N, N m) on the grain as it is now do to its velocity and
+	/// spin.
+	virtual GrainLoad load(int g, const Vec3& force, const Vec3& torque) const = 0;
 	/// Adds a rigid motion: turns by `turn` about the centre of mass, shifts, adds velocities.
 	virtual void moveRigidly(int g, const Rotation& turn, const Vec3& shift,
 				 const Vec3& velocity, const Vec3& angularVelocity) = 0;

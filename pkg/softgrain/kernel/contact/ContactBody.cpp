@@ -34,7 +34,8 @@ double longestSquare(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
 }
 
 /// Of two facets of a ring, in its order: negative where the outline turns inwards by more than 17
-/// degrees between them.
+/// degrees between them. (Outlines of dense packings do so by 4; two places were taken for the
+/// nearest from 26 on: doc/decisions/0028-search.md.)
 double outwardTurn(const Vec<2>& normal, const Vec<2>& next)
 {
 	constexpr double tangent = 0.3;
