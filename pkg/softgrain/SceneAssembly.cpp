@@ -122,11 +122,11 @@ bool passes(const Body& body, const Scene& scene) noexcept
 }
 
 /// In a pass over all bodies, most of which have nothing to do: it would wait for memory at every
-/// one unless it asks for it ahead. What the pass reads of a SoftGrain lies in its first
-/// `grainHead` bytes: all up to `radius`.
+/// one unless it asks for it ahead. What the pass reads of a SoftGrain is all up to `radius`;
+/// of another shape as much is asked for, and none of it looked at.
 void fetchBodiesAfter(const BodyContainer& bodies, int id)
 {
-	constexpr int bodyAhead = 12, partsAhead = 6, grainHead = 296;
+	constexpr int bodyAhead = 12, partsAhead = 6;
 	const int count = static_cast<int>(bodies.size());
 	if (id + bodyAhead < count) {
 		const Body* body = bodies[id + bodyAhead].get();
@@ -134,8 +134,8 @@ void fetchBodiesAfter(const BodyContainer& bodies, int id)
 	}
 	const Body* body = id + partsAhead < count ? bodies[id + partsAhead].get() : nullptr;
 	if (!body || !body->shape) return;
-	const char* shape = reinterpret_cast<const char*>(body->shape.get());
-	softgrain::fetchBytes(shape, shape + grainHead);
+	const auto* grain = static_cast<const SoftGrain*>(body->shape.get());
+	softgrain::fetchBytes(grain, &grain->radius + 1);
 	const State* state = body->state.get();
 	softgrain::fetchBytes(&state->se3, &state->angVel + 1);
 	softgrain::fetchBytes(&state->blockedDOFs, &state->blockedDOFs + 1);
@@ -179,7 +179,7 @@ SoftScene softScene(const Scene& scene, int threads)
 		++grains;
 		if (!isInAssembly(*body, materials)) continue;
 		++inAssembly;
-		grain.assembly->setMovedByHost(grain.index, !isAsWritten(*body));
+		grain.assembly->host.moved[grain.index] = !isAsWritten(*body);
 	}
 	if (faulty < count) check(*bodies[faulty], scene);
 	SoftScene soft { grains, nullptr };

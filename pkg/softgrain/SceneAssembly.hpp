@@ -17,7 +17,7 @@ class SoftGrainIntegrator;
 class SoftMat;
 
 /// The assembly of the scene's soft grains, made anew if grains, materials or shapes changed since;
-/// null if there is none. It is told which grains were moved (GrainAssembly::mayBeMovedByHost).
+/// null if there is none. It is told which grains were moved (HostNotes::moved).
 /// Throws std::invalid_argument saying which body is wrong and why. Thread-safe.
 std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene, int threads = 1);
 

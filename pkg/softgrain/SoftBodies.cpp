@@ -109,7 +109,7 @@ std::set<int> SoftBodies::applyUserMotions(const CellFlow& flow) const
 {
 	std::set<int> wrapped;
 	for (int g = 0; g < assembly_.grains(); ++g)
-		if (assembly_.mayBeMovedByHost(g) && applyUserMotion(g, flow))
+		if (assembly_.host.moved[g] && applyUserMotion(g, flow))
 			wrapped.insert(assembly_.idOf(g));
 	return wrapped;
 }
@@ -123,7 +123,7 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 	const softgrain::GrainMotion written = grain.written;
 	const Real radius = grain.radius;
 	requireMotion(body);
-	assembly_.setPublishedAsleep(g, false); // whatever becomes of it, State is written next
+	assembly_.host.publishedAsleep[g] = false; // whatever becomes of it, State is written next
 	Vec3 shift = state.pos - written.position;
 	Rotation turn = state.ori * written.orientation.conjugate();
 	requireInPlane(body, shift, turn, scene_.dt);
@@ -183,7 +183,7 @@ softgrain::GrainLoad SoftBodies::loadOf(int g, const NewtonIntegrator& newton,
 void SoftBodies::publishSleepers(const CellFlow& flow) const
 {
 	for (int g = 0; g < assembly_.grains(); ++g)
-		if (!assembly_.isPublishedAsleep(g) && assembly_.isAsleep(g))
+		if (!assembly_.host.publishedAsleep[g] && assembly_.isAsleep(g))
 			publishMotion(g, flow);
 }
 
@@ -192,7 +192,7 @@ void SoftBodies::publishMotion(int g, const CellFlow& flow) const
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
 	const Real dt = scene_.dt;
 	State& state = *body.state;
-	assembly_.setPublishedAsleep(g, assembly_.isAsleep(g));
+	assembly_.host.publishedAsleep[g] = assembly_.isAsleep(g);
 	softgrain::GrainMotion& written = static_cast<SoftGrain&>(*body.shape).written;
 	written = assembly_.motion(g);
 	state.angVel = written.angularVelocity - flow.spinChange;
@@ -221,7 +221,7 @@ bool SoftBodies::needCollider(Real gap, int threads) const
 #pragma omp parallel for schedule(static) reduction(|| : needed)                                   \
 	num_threads(softgrain::threadsFor(count, threads))
 	for (int g = 0; g < count; ++g)
-		needed = needed || (!assembly_.isPublishedAsleep(g) && !isInItsBox(g, gap));
+		needed = needed || (!assembly_.host.publishedAsleep[g] && !isInItsBox(g, gap));
 	return needed;
 }
 

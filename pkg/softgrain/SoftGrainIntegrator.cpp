@@ -339,8 +339,8 @@ void SoftGrainIntegrator::publishReport(const softgrain::StepReport& report)
 	templates = assembly_->templates();
 	activeGrains = report.activeGrains;
 	sleepingGrains = report.sleepingGrains;
-	droppedMomentum += report.droppedMomentum;
-	droppedEnergy += report.droppedEnergy;
+	droppedMomentum += report.dropped.momentum;
+	droppedEnergy += report.dropped.energy;
 	lostBonds += report.work.lostBonds;
 	totalGrainSteps += activeGrains;
 	steps += 1;

@@ -196,7 +196,7 @@ SoftInteractions::SoftInteractions(Scene& scene,
 	, assembly_(assembly)
 {
 	if (assembly->grains() == 0) return;
-	assembly->searchMemory.beginRun(scene.interactions->size());
+	assembly->host.searches.beginRun(scene.interactions->size());
 	// the container's order depends on threads and history; sums of forces must not
 	collect(order.of(*scene.interactions));
 	for (std::size_t k = 0; k < interactions_.size(); ++k) {

@@ -217,7 +217,7 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	    grain1.assembly->isAsleep(grain2.index))
 		return false; // apart when they fell asleep
 	const SearchTimer timer(*this);
-	LoopTurn turn(grain1.assembly->searchMemory, *I);
+	LoopTurn turn(grain1.assembly->host.searches, *I);
 	const auto [first, second] = std::minmax(grain1.index, grain2.index);
 	const auto image = imageOf(*scene, *I, second == grain2.index);
 	const Real dt = searchStep(*scene, grain1);
@@ -250,7 +250,7 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 	// where YADE would look for an Ip2 in vain, and end the process
 	if (!I->phys && !hasFriction(*(*scene->bodies)[I->getId1()])) return I->isReal();
 	const SearchTimer timer(*this);
-	LoopTurn turn(grain.assembly->searchMemory, *I);
+	LoopTurn turn(grain.assembly->host.searches, *I);
 	SoftGeom& geom = geometryOf(*I, grain.assembly, grain.index);
 	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom.pair);
 	turn.noteSearch(geom);

@@ -23,8 +23,8 @@ public:
 		const Templates<dim> none, &known = assembly ? assembly->templates_ : none;
 		for (auto& described : makeSets<dim>(grains, known, templates_))
 			add(described);
-		publishedAsleep_.assign(system_.grains(), false);
-		movedByHost_.assign(system_.grains(), true);
+		host.publishedAsleep.assign(system_.grains(), false);
+		host.moved.assign(system_.grains(), true);
 		system_.updateSurfaces(1);
 		slowestWave_ = std::numeric_limits<double>::infinity();
 		for (int g = 0; g < system_.grains(); ++g)
@@ -40,16 +40,19 @@ public:
 	{
 		return system_.presentCriticalTimeStep(enough, threads);
 	}
-	long takeMeasuredPoints() override { return system_.takeMeasuredPoints(); }
+	long takeMeasuredPoints() override { return system_.timeSteps().takeMeasuredPoints(); }
 	void setMultirate(bool on) override { system_.setMultirate(on); }
-	int rate(int g) const override { return system_.rate(g); }
+	int rate(int g) const override { return system_.timeSteps().rate(g); }
 	double pointSpacing(int g) const override
 	{
 		return parameters(g).radius * system_.setOf(g).reference().pointSpacing();
 	}
 	double kickTime(double dt) const override { return system_.kickTime(dt); }
-	void setInterfaceRange(double range) override { system_.setInterfaceRange(range); }
-	double interfaceRange() const override { return system_.interfaceRange(); }
+	void setInterfaceRange(double range) override
+	{
+		system_.surfaces().setInterfaceRange(range);
+	}
+	double interfaceRange() const override { return system_.surfaces().interfaceRange(); }
 	double slowestWave() const override { return slowestWave_; }
 	void updateForces(int threads) override { system_.updateForces(threads); }
 	bool isRigid(int g) const override { return system_.isRigid(g); }
@@ -75,7 +78,7 @@ public:
 	{
 		PairImage<dim> seen;
 		place(seen, image);
-		return system_.areFarApart(first, second, seen, dt);
+		return system_.surfaces().areFarApart(first, second, seen, dt);
 	}
 
 	void search(PairContacts& pair, int g, const WallDescription& wall,
@@ -146,7 +149,7 @@ public:
 
 	void setLoads(const std::function<GrainLoad(int)>& loadOf, int threads) override
 	{
-		system_.setLoads(
+		system_.activity().setLoads(
 			[&](int g) -> BodyLoad<dim> {
 				const GrainLoad load = loadOf(g);
 				return { toKernel<dim>(load.acceleration),
@@ -190,12 +193,12 @@ public:
 	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity,
 			 const Vec3& angularVelocity) override
 	{
-		system_.wake(g);
+		system_.activity().wake(g);
 		system_.setOf(g).moveRigidly(
 			system_.indexInSet(g), rotationToKernel<dim>(turn), toKernel<dim>(shift),
 			toKernel<dim>(velocity),
 			spinMatrix<dim>(angularToKernel<dim>(angularVelocity)));
-		system_.updateSurface(g);
+		system_.surfaces().update(g);
 		system_.invalidateForces();
 	}
 
@@ -250,8 +253,8 @@ public:
 
 	bool isInside(int g, const Box<3>& outer, double margin) const override
 	{
-		return system_.isInside(g, { toKernel<dim>(outer.low), toKernel<dim>(outer.high) },
-					margin);
+		return system_.surfaces().isInside(
+			g, { toKernel<dim>(outer.low), toKernel<dim>(outer.high) }, margin);
 	}
 
 	std::vector<Vec3> outline(int g) const override
@@ -312,7 +315,7 @@ public:
 	{
 		origin = toSpace<dim>(parameters(g).origin, z_);
 		GrainState state = system_.setOf(g).state(system_.indexInSet(g));
-		state.sleep = system_.sleepNumbers(g);
+		state.sleep = system_.activity().sleepNumbers(g);
 		return state;
 	}
 
@@ -422,7 +425,7 @@ private:
 		system_.add(std::move(described.set));
 		for (const GrainDescription* d : described.members) {
 			id_.push_back(d->id);
-			system_.restoreSleep(g++, d->state.sleep);
+			system_.activity().restoreSleep(g++, d->state.sleep);
 		}
 	}
 

@@ -2,6 +2,7 @@
 // scene hidden. No YADE header, no physics.
 #pragma once
 
+#include "Fetch.hpp"
 #include "assembly/ContactProblemArrays.hpp"
 #include "assembly/GrainDescription.hpp"
 #include "assembly/PairContacts.hpp"
@@ -39,6 +40,17 @@ struct PointFields {
 	std::vector<double> volume;  ///< present one, m^2 (m^3)
 };
 
+/// What the host notes about the grains of an assembly, for itself.
+struct HostNotes {
+	LoopMemory searches; ///< what its loop of searches reads
+	/// By grain, whether it has published that the grain sleeps: nothing changes until it is
+	/// awake again.
+	std::vector<char> publishedAsleep;
+	/// By grain, whether its copy of the motion may not be what it published; of a new
+	/// assembly, that is not known.
+	std::vector<char> moved;
+};
+
 class GrainAssembly {
 public:
 	virtual ~GrainAssembly() = default;
@@ -56,12 +68,12 @@ public:
 	virtual double criticalTimeStep() const = 0; ///< of the undeformed grains, s
 	/// As deformed now, s; found out as far as it is shorter than `enough`.
 	virtual double presentCriticalTimeStep(double enough, int threads) = 0;
-	virtual long takeMeasuredPoints() = 0; ///< System::takeMeasuredPoints
-	/// System::setMultirate and System::rate.
+	virtual long takeMeasuredPoints() = 0; ///< TimeSteps::takeMeasuredPoints
+	/// TimeSteps::setMultirate and TimeSteps::rate.
 	virtual void setMultirate(bool on) = 0;
 	virtual int rate(int g) const = 0;
 	virtual double kickTime(double dt) const = 0; ///< System::kickTime
-	/// System::setInterfaceRange.
+	/// Surfaces::setInterfaceRange.
 	virtual void setInterfaceRange(double range) = 0;
 	virtual double interfaceRange() const = 0;
 	virtual double slowestWave() const = 0;       ///< smallest speed of pressure waves, m/s
@@ -69,17 +81,7 @@ public:
 	virtual void updateForces(int threads) = 0;   ///< throws StepError
 	virtual bool isRigid(int g) const = 0;        ///< moves as a rigid body
 	virtual bool isAsleep(int g) const = 0;       ///< at rest, and left as it is
-	/// For the host, whether it has published that a grain sleeps: nothing changes until it is
-	/// awake again.
-	bool isPublishedAsleep(int g) const { return publishedAsleep_[g]; }
-	void setPublishedAsleep(int g, bool asleep) { publishedAsleep_[g] = asleep; }
-	/// For the host, whether its copy of the motion may not be what it published; of a new
-	/// assembly, that is not known.
-	bool mayBeMovedByHost(int g) const { return movedByHost_[g]; }
-	void setMovedByHost(int g, bool moved) { movedByHost_[g] = moved; }
-
-	/// For the host: what its loop of searches reads.
-	LoopMemory searchMemory;
+	HostNotes host;
 
 	virtual std::unique_ptr<PairContacts> newPair() const = 0;
 	/// Of the grain `first` and the image of the other.
@@ -148,7 +150,6 @@ public:
 
 protected:
 	std::vector<int> id_; ///< of the body of the host, by index in the system
-	std::vector<char> publishedAsleep_, movedByHost_;
 };
 
 } // namespace softgrain

@@ -64,8 +64,9 @@ public:
 		law.validate(list.friction);
 		require(law.restitution == 0 || list.second < 0, "restitution", law.restitution,
 			"0 between two soft grains");
-		require(law.range() <= system_->interfaceRange(), "range of the interface",
-			law.range(), "[0, SoftGrainIntegrator.interfaceRange] m");
+		require(law.range() <= system_->surfaces().interfaceRange(),
+			"range of the interface", law.range(),
+			"[0, SoftGrainIntegrator.interfaceRange] m");
 		if (!system_->body(list.first).isSurface())
 			throw std::invalid_argument(
 				"interface laws need soft grains with contact = 'surface'");

@@ -1,6 +1,6 @@
 #include "Vectors.hpp"
-#include "material/Lanes.hpp"
-#include "reference/NodeBlocks.hpp"
+#include "lanes/Lanes.hpp"
+#include "lanes/NodeBlocks.hpp"
 
 namespace softgrain {
 

@@ -16,7 +16,7 @@ constexpr int repetitions = 7;
 constexpr int laneWidth = 8; // as Lanes of the kernel
 using Vector = double __attribute__((vector_size(8 * laneWidth)));
 
-/// The versions of material/Lanes.hpp: what the kernel is compiled for.
+/// The versions of lanes/Lanes.hpp: what the kernel is compiled for.
 #define SOFTGRAIN_VERSIONS                                                                         \
 	__attribute__((noinline, target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 

@@ -80,7 +80,7 @@ double deviation(double stiffnessDamping, int index)
 		x[i / 2][i % 2] +=
 			1e-7 * R * mode[i] / rootMass(i) / mode.lpNorm<Eigen::Infinity>();
 	scene.system.invalidateForces();
-	const int n = scene.system.rate(0);
+	const int n = scene.system.timeSteps().rate(0);
 	const double dt = 0.8 * scene.system.criticalTimeStep();
 	std::vector<double> y;
 	for (int step = 0; step <= 40 * n; ++step) {
@@ -191,7 +191,7 @@ TEMPLATE_TEST_CASE_SIG("Multirate: momenta and energy of a free grain stay", "[m
 	scene.batchOf(0).moveRigidly(0, Vec<dim>::Zero(), Mat<dim>::Identity(), Vec<dim>::Zero(),
 				     random.vector<dim>(), spin - spin.transpose());
 	scene.system.invalidateForces();
-	const int n = scene.system.rate(0);
+	const int n = scene.system.timeSteps().rate(0);
 	REQUIRE(n == ratio);
 	const double dt = 0.4 * scene.system.criticalTimeStep();
 	for (int k = 0; k < n; ++k)
@@ -252,8 +252,8 @@ TEMPLATE_TEST_CASE_SIG("Multirate: a heap of slow and fast grains", "[multirate]
 	CHECK(scene.failures == 0);
 	CAPTURE(worst / start);
 	CHECK(worst < 0.02 * start);
-	const int n = scene.system.rate(0); // 7, that of the smallest of the slow ones
-	CHECK(scene.system.rate(4) == n);
+	const int n = scene.system.timeSteps().rate(0); // 7, that of the smallest of the slow ones
+	CHECK(scene.system.timeSteps().rate(4) == n);
 	const int computed = 2 + (steps - 1) / n; // in the first two steps, then in every n-th
 	CHECK(points == scene.batchOf(0).reference->points() * (2 * steps + 3 * computed));
 	for (int g : { 0, 2, 4 }) {
@@ -307,19 +307,19 @@ TEST_CASE("Multirate: rates fit into the critical steps and into each other", "[
 		const double own =
 			dampedTimeStep(scene.system.setOf(g).criticalTimeStep(scene.laneOf(g)),
 				       grains[g].damping, 1, 1);
-		const int rate = scene.system.rate(g);
+		const int rate = scene.system.timeSteps().rate(g);
 		largest = std::max(largest, rate);
 		CHECK(rate * dt <= own * (1 + 1e-8));
 		CHECK(3 * rate * dt > own); // no more than the next multiple is left
 		for (int h = 0; h < g; ++h) {
-			const int other = scene.system.rate(h);
+			const int other = scene.system.timeSteps().rate(h);
 			CHECK(std::max(rate, other) % std::min(rate, other) == 0);
 		}
 	}
 	CHECK(largest > 10);
 	scene.system.setMultirate(false);
 	for (int g = 0; g < 30; ++g)
-		CHECK(scene.system.rate(g) == 1);
+		CHECK(scene.system.timeSteps().rate(g) == 1);
 }
 
 TEST_CASE("Multirate: velocities at the points are updated in every step", "[multirate]")
@@ -331,7 +331,7 @@ TEST_CASE("Multirate: velocities at the points are updated in every step", "[mul
 			scheme, recipe(0.25),
 			{ grainAt<2>(Vec<2>(0, 0), R), grainAt<2>(Vec<2>(1, 0), R / ratio) }));
 		scene.system.setMultirate(true);
-		CHECK(scene.system.rate(0) == 1);
+		CHECK(scene.system.timeSteps().rate(0) == 1);
 		scene.advance();
 	}
 }

@@ -369,7 +369,7 @@ TEST_CASE("Rigid motion: motions that are added by hand", "[rigid]")
 	const Mat<2> turn = rotationBy<2>(0.4);
 	scene.system.setOf(0).moveRigidly(0, turn, { 0.1, 0.2 }, { -3, 4 },
 					  spinMatrix<2>(Eigen::Matrix<double, 1, 1>(7)));
-	scene.system.updateSurface(0);
+	scene.system.surfaces().update(0);
 	const auto after = scene.whole(0);
 	CHECK((after.centre - before.centre - Vec<2>(0.1, 0.2)).norm() < 1e-14);
 	CHECK((after.velocity - turn * before.velocity - Vec<2>(-3, 4)).norm() < 1e-13);

@@ -186,8 +186,8 @@ TEST_CASE("Sleep: an island falls asleep as one, with the results it has awake",
 		const int before = sleepers(with);
 		const StepReport report = with.advance(dt);
 		CHECK(without.advance(dt).sleepingGrains == 0);
-		dropped += report.droppedEnergy;
-		momentum += report.droppedMomentum;
+		dropped += report.dropped.energy;
+		momentum += report.dropped.momentum;
 		if (n == 0) start = total(with);
 		if (sleepers(with) != before) CHECK(sleepers(with) - before == 3);
 		slept += report.sleepingGrains;
@@ -222,7 +222,7 @@ TEST_CASE("Sleep: the balance of energy sees nothing of falling asleep and wakin
 		const double asleep = total(scene);
 		advance(scene, 5);
 		CHECK(std::abs(total(scene) - asleep) < 1e-14 * scene.system.energy().elastic);
-		scene.system.wake(1);
+		scene.system.activity().wake(1);
 		advance(scene, 20);
 		CHECK(sleepers(scene) == 0);
 		CHECK(std::abs(total(scene) - asleep) < 1e-12 * scene.system.energy().elastic);
@@ -252,7 +252,7 @@ TEST_CASE("Sleep: woken without any change, nothing jumps", "[sleep]")
 	const auto places = outlines(scene);
 	const double weight = weightOf(scene, 3), elastic = scene.system.energy().elastic;
 	const Vec<2> onFloor = reaction(scene, -1);
-	scene.system.wake(0);
+	scene.system.activity().wake(0);
 	for (int n = 0; n < 60; ++n) {
 		const StepReport report = scene.advance(dt);
 		CHECK(report.activeGrains == 3);
@@ -279,20 +279,20 @@ TEST_CASE("Sleep: what wakes an island", "[sleep]")
 	SECTION("another load on one of them")
 	{
 		BodyLoad<2> load = scene.system.loads()[2];
-		scene.system.setLoad(2, load);
+		scene.system.activity().setLoad(2, load);
 		scene.advance(dt);
 		CHECK(sleepers(scene) == 3); // the same load
 		load.acceleration[0] += 1e-3 * gravity;
-		scene.system.setLoad(2, load);
+		scene.system.activity().setLoad(2, load);
 		CHECK(scene.advance(dt).activeGrains == 3);
 		CHECK(scene.whole(2).velocity[0] > 0);
 	}
 	SECTION("a grain that comes within reach")
 	{
-		scene.system.wake(3);
+		scene.system.activity().wake(3);
 		scene.system.setOf(3).moveRigidly(3, Mat<2>::Identity(), { 0, -45 * radius },
 						  { 0, -2 }, Mat<2>::Zero());
-		scene.system.updateSurface(3);
+		scene.system.surfaces().update(3);
 		double gap = 0;
 		int steps = 0;
 		for (; sleepers(scene) == 3 && steps < 10000; ++steps) {
@@ -341,10 +341,10 @@ TEST_CASE("Sleep: what wakes an island", "[sleep]")
 	}
 	SECTION("one of them is moved by hand")
 	{
-		scene.system.wake(1);
+		scene.system.activity().wake(1);
 		scene.system.setOf(1).moveRigidly(1, Mat<2>::Identity(), Vec<2>::Zero(),
 						  { 0.01, 0 }, Mat<2>::Zero());
-		scene.system.updateSurface(1);
+		scene.system.surfaces().update(1);
 		scene.system.invalidateForces();
 		CHECK(scene.advance(dt).activeGrains == 3);
 	}
@@ -413,7 +413,8 @@ TEST_CASE("Sleep: the same bits with any number of threads, and after a pause", 
 						second.laneOf(g),
 						scene.system.setOf(g).state(scene.laneOf(g)));
 				for (int g = 0; g < scene.system.grains(); ++g)
-					second.system.restoreSleep(g, scene.system.sleepNumbers(g));
+					second.system.activity().restoreSleep(
+						g, scene.system.activity().sleepNumbers(g));
 				second.lists = scene.lists;
 				second.system.continueFrom(scene.system.continuation());
 				second.system.updateSurfaces(1);
@@ -424,7 +425,7 @@ TEST_CASE("Sleep: the same bits with any number of threads, and after a pause", 
 				BodyLoad<2> load = scene.system.loads()[2];
 				load.acceleration[0] = 0.1 * gravity;
 				slept = sleepers(scene) == 3;
-				scene.system.setLoad(2, load);
+				scene.system.activity().setLoad(2, load);
 			}
 			scene.advance(dt);
 		}
@@ -451,17 +452,17 @@ TEST_CASE("Sleep: free grains that do not move, whether damped or not", "[sleep]
 	CHECK(scene.state() == state);
 	BodyLoad<2> load;
 	load.acceleration = { 0, 1 };
-	scene.system.setLoad(0, load);
+	scene.system.activity().setLoad(0, load);
 	CHECK(scene.advance(1e-5).sleepingGrains == 2);
 	CHECK(scene.whole(0).velocity[1] == 1e-5);
-	scene.system.setLoad(0, {});
+	scene.system.activity().setLoad(0, {});
 	scene.advance(1e-5);
 	CHECK(scene.advance(1e-5).sleepingGrains == 2); // in flight
 	// one is thrown at another and wakes it before they touch
-	scene.system.wake(1);
+	scene.system.activity().wake(1);
 	scene.system.setOf(1).moveRigidly(1, Mat<2>::Identity(), Vec<2>::Zero(), { 1, 0 },
 					  Mat<2>::Zero());
-	scene.system.updateSurface(1);
+	scene.system.surfaces().update(1);
 	int steps = 0;
 	while (scene.system.isAsleep(2) && ++steps < 2000)
 		scene.advance(1e-5);

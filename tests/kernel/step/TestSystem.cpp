@@ -247,13 +247,13 @@ TEMPLATE_TEST_CASE_SIG(
 	scene.advance(1e-6);
 	BodyLoad<dim> load;
 	load.acceleration[0] = std::numeric_limits<double>::infinity();
-	scene.system.setLoad(1, load);
+	scene.system.activity().setLoad(1, load);
 	const auto before = scene.state();
 	const StepError error = failureOfStep(scene);
 	CHECK(error.grain == 1);
 	CHECK(error.point == -1);
 	load.acceleration[0] = 1; // and it can go on
-	scene.system.setLoad(1, load);
+	scene.system.activity().setLoad(1, load);
 	scene.advance(1e-6);
 	CHECK(scene.state() != before);
 }
@@ -366,27 +366,29 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 	CHECK(!isMeasured(1));
 	CHECK(scene.system.presentCriticalTimeStep(bound) == bound);
 	CHECK(!isMeasured(1));
-	scene.system.takeMeasuredPoints();
+	scene.system.timeSteps().takeMeasuredPoints();
 	const double measured = scene.system.presentCriticalTimeStep(1.001 * bound, 2);
 	CHECK(isMeasured(1));
 	CHECK(!isMeasured(0)); // twice as large
 	CHECK(measured > 1.001 * bound);
 	const int points = scene.system.setOf(1).reference().points();
-	CHECK(scene.system.takeMeasuredPoints() == 8 * points); // that was enough
-	CHECK(scene.system.takeMeasuredPoints() == 0);
+	CHECK(scene.system.timeSteps().takeMeasuredPoints() == 8 * points); // that was enough
+	CHECK(scene.system.timeSteps().takeMeasuredPoints() == 0);
 	CHECK(scene.system.presentCriticalTimeStep() == measured);
 
 	// Without motion a twentieth of the smaller point spacing; else twice the way of a step.
 	const double dt = 1e-4;
-	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) - 0.05 * 0.35 * 0.005) < 1e-15);
+	CHECK(std::abs(scene.system.surfaces().reach(0, 1, {}, dt) - 0.05 * 0.35 * 0.005) < 1e-15);
 	setVelocity<2>(scene.batchOf(0), 0, { 3, 4 });
 	setVelocity<2>(scene.batchOf(1), 1, { 0, -2 });
 	scene.system.updateSurfaces(1);
-	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) - 2 * dt * std::hypot(3, 6)) < 1e-12);
+	CHECK(std::abs(scene.system.surfaces().reach(0, 1, {}, dt) - 2 * dt * std::hypot(3, 6)) <
+	      1e-12);
 	const PairImage<2> image { { 0, 0 }, { 3, 0 } };
-	CHECK(std::abs(scene.system.reach(0, 1, image, dt) - 2 * dt * 6) < 1e-12);
+	CHECK(std::abs(scene.system.surfaces().reach(0, 1, image, dt) - 2 * dt * 6) < 1e-12);
 	const Plane<2> plane { { 0, 0 }, { 0, 1 }, { 0, 1 } };
-	CHECK(std::abs(scene.system.reach(0, plane, dt) - 2 * dt * std::hypot(3, 3)) < 1e-12);
+	CHECK(std::abs(scene.system.surfaces().reach(0, plane, dt) - 2 * dt * std::hypot(3, 3)) <
+	      1e-12);
 
 	// What is common to all nodes of both does not count, what they differ by does.
 	const double spin = 500;
@@ -394,7 +396,7 @@ TEST_CASE("System: time step, stiffening and reach", "[step]")
 		scene.batchOf(k).place(k, Mat<2>::Identity(), { 30, 0 },
 				       spinMatrix<2>(Eigen::Matrix<double, 1, 1>(k * spin)));
 	scene.system.updateSurfaces(1);
-	CHECK(std::abs(scene.system.reach(0, 1, {}, dt) / (2 * dt * 0.005 * spin) - 1) <
+	CHECK(std::abs(scene.system.surfaces().reach(0, 1, {}, dt) / (2 * dt * 0.005 * spin) - 1) <
 	      0.02); // 18 nodes
 }
 

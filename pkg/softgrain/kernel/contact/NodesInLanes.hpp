@@ -3,7 +3,7 @@
 
 #include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
-#include "material/VectorLanes.hpp"
+#include "lanes/VectorLanes.hpp"
 
 namespace softgrain {
 

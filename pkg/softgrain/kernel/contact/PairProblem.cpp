@@ -1,6 +1,6 @@
 #include "contact/PairProblem.hpp"
 #include "contact/CoulombCone.hpp"
-#include "material/Lanes.hpp"
+#include "lanes/Lanes.hpp"
 
 namespace softgrain {
 

@@ -3,7 +3,7 @@
 #include "contact/Bias.hpp"
 #include "contact/CoulombCone.hpp"
 #include "contact/Pressure.hpp"
-#include "material/Lanes.hpp"
+#include "lanes/Lanes.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -1,7 +1,7 @@
 #include "contact/RigidPairSolver.hpp"
 #include "contact/Bias.hpp"
 #include "contact/Pressure.hpp"
-#include "material/Lanes.hpp"
+#include "lanes/Lanes.hpp"
 
 namespace softgrain {
 

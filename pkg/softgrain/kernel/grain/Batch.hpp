@@ -3,9 +3,9 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "lanes/Lanes.hpp"
 #include "material/Damping.hpp"
 #include "material/Elasticity.hpp"
-#include "material/Lanes.hpp"
 #include "reference/GrainTemplate.hpp"
 
 #include <algorithm>
@@ -118,7 +118,6 @@ template <int dim> struct Batch {
 	int activeBlocks() const { return activeBlocks_; }
 	int blocks() const { return static_cast<int>(lame.size()); }
 	int blockOf(int g) const { return slot_[g] / laneWidth; }
-	int laneOf(int g) const { return slot_[g] % laneWidth; }
 	bool hasGrain(int block, int lane) const { return inSlot_[block * laneWidth + lane] >= 0; }
 	int grainsInBlock(int block) const
 	{

@@ -45,7 +45,7 @@ struct GrainState {
 	std::vector<double> held;  ///< forces that act beyond the next step; else empty
 	std::vector<double> stiffening; ///< Stiffening::numbers, if measured; else empty
 	std::vector<double> rest;  ///< RestWatch::numbers of a grain that comes to rest; else empty
-	std::vector<double> sleep; ///< System::sleepNumbers of a grain that is asleep; else empty
+	std::vector<double> sleep; ///< Activity::sleepNumbers of a grain that is asleep; else empty
 };
 
 /// Ball about the outline of a grain that moves rigidly.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "grain/Batch.hpp"
+#include "material/PointLanes.hpp"
 
 namespace softgrain {
 

@@ -1,7 +1,7 @@
 #include "grain/Observables.hpp"
 #include "Vectors.hpp"
-#include "material/Lanes.hpp"
-#include "reference/NodeBlocks.hpp"
+#include "lanes/Lanes.hpp"
+#include "lanes/NodeBlocks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include "grain/Batch.hpp"
 #include "grain/Strip.hpp"
-#include "material/FourNumbers.hpp"
+#include "lanes/FourNumbers.hpp"
 
 namespace softgrain {
 

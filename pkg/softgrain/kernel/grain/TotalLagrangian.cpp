@@ -334,7 +334,7 @@ template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
 namespace {
 
 /// In point spacings per critical time step: slower grains cannot close a gap worth counting
-/// within some steps (System::reach), so that a coarse bound of their speed does.
+/// within some steps (Surfaces::reach), so that a coarse bound of their speed does.
 constexpr double slowSpeed = 0.005;
 
 } // namespace

@@ -1,7 +1,7 @@
 // Elastic constants and kinematic conditions common to all laws.
 #pragma once
 
-#include "material/Lanes.hpp"
+#include "lanes/Lanes.hpp"
 
 #include <string>
 

@@ -2,8 +2,9 @@
 // P = mu (F - F^-T) + lambda ln J F^-T (method: section 2).
 #pragma once
 
+#include "lanes/LaneMath.hpp"
 #include "material/Elasticity.hpp"
-#include "material/LaneMath.hpp"
+#include "material/PointLanes.hpp"
 
 #include <cmath>
 #include <limits>

@@ -3,7 +3,7 @@
 // that the nodes of a stencil are some blocks.
 #pragma once
 
-#include "reference/NodeBlocks.hpp"
+#include "lanes/NodeBlocks.hpp"
 #include "reference/SparseRows.hpp"
 
 namespace softgrain {

@@ -2,7 +2,7 @@
 // a place over a facet, does to the velocities of the contact nodes.
 #pragma once
 
-#include "reference/NodeBlocks.hpp"
+#include "lanes/NodeBlocks.hpp"
 #include "reference/Outline.hpp"
 #include "reference/SparseRows.hpp"
 

@@ -1,7 +1,5 @@
-// Interface laws in the step: what they need before the solve, and what their bonds ask of the time
-// step.
+#include "step/Interfaces.hpp"
 #include "contact/Pressure.hpp"
-#include "step/System.hpp"
 
 #include <algorithm>
 #include <map>
@@ -9,22 +7,27 @@
 namespace softgrain {
 
 template <int dim>
-void System<dim>::beginInterfaces(const std::vector<ContactList<dim>*>& lists, double kick,
-				  double dt)
+void Interfaces<dim>::begin(const std::vector<ContactList<dim>*>& lists, double kick, double dt)
 {
-	rebounds_ = false;
+	rebound_ = false;
 	for (ContactList<dim>* list : lists) {
 		if (!list->interface) continue;
 		list->interface->begin(kick, dt);
-		rebounds_ = rebounds_ || list->interface->law.restitution > 0;
+		rebound_ = rebound_ || list->interface->law.restitution > 0;
 	}
+}
+
+namespace {
+
+template <int dim> bool hasBond(const ContactList<dim>& list)
+{
+	return list.interface && list.interface->law.hasBond();
 }
 
 /// max_s sum_s' |W_ss'| a_s': no velocity that unit tractions on the outline give in unit time is
 /// larger.
-template <int dim> double System<dim>::areaMobility(int g) const
+template <int dim> double areaMobility(const ContactBody<dim>& body)
 {
-	const ContactBody<dim>& body = bodies_[g];
 	const SparseRows<double>& W = *body.delassus;
 	const auto area = body.nodeAreas();
 	double largest = 0;
@@ -38,10 +41,10 @@ template <int dim> double System<dim>::areaMobility(int g) const
 }
 
 /// What tractions on the contacts of a pair do to its rigid body, as above.
-template <int dim> double System<dim>::rigidAreaMobility(const ContactList<dim>& list) const
+template <int dim>
+double rigidAreaMobility(const ContactList<dim>& list, const ContactBody<dim>& body,
+			 const RigidPartner<dim>& partner)
 {
-	const ContactBody<dim>& body = bodies_[list.first];
-	const RigidPartner<dim>& partner = partners_[list.rigid->partner];
 	const auto area = contactAreas<dim>(body, nullptr, list.contacts);
 	double sum = 0;
 	for (std::size_t k = 0; k < area.size(); ++k)
@@ -53,38 +56,46 @@ template <int dim> double System<dim>::rigidAreaMobility(const ContactList<dim>&
 	return sum;
 }
 
+} // namespace
+
+template <int dim> void Interfaces<dim>::noteSleepers(const std::vector<ContactList<dim>*>& lists)
+{
+	bondsAsleep_ = std::any_of(lists.begin(), lists.end(), [](const ContactList<dim>* list) {
+		return list->isAsleep() && hasBond(*list);
+	});
+}
+
 /// With bonds of the stiffness K alone the squared frequencies are eigenvalues of W A K, and no
 /// larger than its largest sum of a row; they add to those of the grains at most (Weyl).
-/// (A free rigid body couples all its contacts.) Sleeping bonds count as when they fell asleep.
-template <int dim> void System<dim>::measureBonds(const std::vector<ContactList<dim>*>& lists)
+/// (A free rigid body couples all its contacts.)
+template <int dim>
+void Interfaces<dim>::measureBonds(const std::vector<ContactList<dim>*>& lists,
+				   const std::vector<ContactBody<dim>>& bodies,
+				   const std::vector<RigidPartner<dim>>& partners)
 {
-	if (!bondsAsleep_) continuation_.bondRate = 0;
+	if (!bondsAsleep_) bondRate_ = 0;
 	std::map<int, double> mobility, partnerMobility;
 	for (const ContactList<dim>* list : lists)
-		if (list->rigid && list->interface && list->interface->law.hasBond())
-			partnerMobility[list->rigid->partner] += rigidAreaMobility(*list);
+		if (list->rigid && hasBond(*list)) {
+			const int partner = list->rigid->partner;
+			partnerMobility[partner] +=
+				rigidAreaMobility(*list, bodies[list->first], partners[partner]);
+		}
 	auto mobilityOf = [&](int g) {
 		const auto [entry, isNew] = mobility.emplace(g, 0);
-		if (isNew) entry->second = areaMobility(g);
+		if (isNew) entry->second = areaMobility(bodies[g]);
 		return entry->second;
 	};
 	for (const ContactList<dim>* list : lists) {
-		if (!list->interface || !list->interface->law.hasBond()) continue;
-		if (list->contacts.empty()) continue;
+		if (!hasBond(*list) || list->contacts.empty()) continue;
 		double W = mobilityOf(list->first);
 		if (list->second >= 0) W += mobilityOf(list->second);
 		if (list->rigid) W += partnerMobility[list->rigid->partner];
-		continuation_.bondRate =
-			std::max(continuation_.bondRate, list->interface->law.stiffness() * W);
+		bondRate_ = std::max(bondRate_, list->interface->law.stiffness() * W);
 	}
 }
 
-#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
-	template void System<dim>::beginInterfaces(const std::vector<ContactList<dim>*>&, double,  \
-						   double);                                        \
-	template void System<dim>::measureBonds(const std::vector<ContactList<dim>*>&);
-SOFTGRAIN_INSTANTIATE(2)
-SOFTGRAIN_INSTANTIATE(3)
-#undef SOFTGRAIN_INSTANTIATE
+template class Interfaces<2>;
+template class Interfaces<3>;
 
 } // namespace softgrain

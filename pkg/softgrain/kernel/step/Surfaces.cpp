@@ -1,9 +1,9 @@
-// Surfaces of the grains of a system: when they are made anew, and what lies within reach of them.
-#include "step/System.hpp"
+#include "step/Surfaces.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace softgrain {
 
@@ -18,43 +18,70 @@ template <class Renew> void Freshness::renew(Renew&& renewNow)
 		state_.wait(busy);
 }
 
-template <int dim> void System<dim>::renewOutline(int g)
+template <int dim> void Surfaces<dim>::followNewGrains()
+{
+	for (int g = static_cast<int>(bodies_.size()); g < grains_.count(); ++g)
+		add(g);
+	surface_.resize(bodies_.size());
+}
+
+template <int dim> void Surfaces<dim>::add(int g)
+{
+	const GrainSet<dim>& set = grains_.setOf(g);
+	const GrainTemplate<dim>& reference = set.reference();
+	const double radius = set.parameters(grains_.indexInSet(g)).radius;
+	ContactBody<dim> body;
+	body.mesh = &reference.contactMesh;
+	body.nodeRadius = radius * reference.contactRadius;
+	body.pointSpacing = radius * reference.pointSpacing();
+	body.overlap = &reference.overlap;
+	body.inradius = radius * reference.inradius;
+	set.contactPositions(grains_.indexInSet(g), body.position);
+	body.velocity.assign(reference.contactNodes(), Vec<dim>::Zero());
+	body.impulse = body.velocity;
+	lastPosition_.push_back(body.position);
+	bodies_.push_back(std::move(body));
+	if (reference.recipe.contact == ContactGeometry::nodes)
+		gridSpacing_ = std::max(gridSpacing_, radius * reference.recipe.nodeSpacing *
+							      reference.pointSpacing());
+}
+
+template <int dim> void Surfaces<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
 	const Vec<dim> lastCentre = body.box.centre();
 	lastPosition_[g].swap(body.position);
 	surface_[g].expire();
-	renewSurface(g);
+	renew(g);
 	const Vec<dim> together = body.box.centre() - lastCentre;
 	body.carried += together;
 	body.travelled += farthestWay<dim>(lastPosition_[g], body.position, together);
 }
 
-template <int dim> void System<dim>::renewSurface(int g) const
+template <int dim> void Surfaces<dim>::renew(int g) const
 {
-	surface_[g].renew([this, g] { measureSurface(g); });
+	surface_[g].renew([this, g] { measure(g); });
 }
 
-template <int dim> void System<dim>::measureSurface(int g) const
+template <int dim> void Surfaces<dim>::measure(int g) const
 {
 	ContactBody<dim>& body = bodies_[g];
-	setOf(g).contactPositions(indexInSet(g), body.position);
+	grains_.setOf(g).contactPositions(grains_.indexInSet(g), body.position);
 	body.updateGeometry();
-	if (gridSpacing_ > 0) updateGridNodes(g);
+	if (haveCommonGrid()) updateGridNodes(g);
 }
 
-template <int dim> void System<dim>::updateSurface(int g)
+template <int dim> void Surfaces<dim>::update(int g)
 {
 	renewOutline(g);
-	bodies_[g].velocities = setOf(g).contactVelocityRange(indexInSet(g));
+	bodies_[g].velocities = grains_.setOf(g).contactVelocityRange(grains_.indexInSet(g));
 }
 
-/// Of the present positions, dt after the last ones; that of a rigid grain is left to who asks.
-template <int dim> void System<dim>::followMotion(int g, double dt)
+template <int dim> void Surfaces<dim>::followMotion(int g, double dt)
 {
 	ContactBody<dim>& body = bodies_[g];
-	body.velocities = setOf(g).contactVelocityRange(indexInSet(g));
-	if (isRigid(g)) {
+	body.velocities = grains_.setOf(g).contactVelocityRange(grains_.indexInSet(g));
+	if (grains_.isRigid(g)) {
 		body.travelled += dt * body.velocities.fastest();
 		surface_[g].expire();
 	} else
@@ -62,20 +89,37 @@ template <int dim> void System<dim>::followMotion(int g, double dt)
 }
 
 /// What the grain gives to the common grid at its present place.
-template <int dim> void System<dim>::updateGridNodes(int g) const
+template <int dim> void Surfaces<dim>::updateGridNodes(int g) const
 {
 	GridPoints<dim> points;
-	setOf(g).massPoints(indexInSet(g), points.position, points.mass);
+	grains_.setOf(g).massPoints(grains_.indexInSet(g), points.position, points.mass);
 	bodies_[g].gridSpacing = gridSpacing_;
 	bodies_[g].gridNode = nodesOnGrid(points, gridSpacing_);
 }
 
-template <int dim> void System<dim>::updateSurfaces(int threads)
+template <int dim> void Surfaces<dim>::updateAll(int threads)
 {
-	std::vector<int> all(grains());
+	std::vector<int> all(grains_.count());
 	std::iota(all.begin(), all.end(), 0);
-	forEachOf(all, threads, [this](int g, auto&&...) { updateSurface(g); });
-	forcesFresh_ = false;
+	grains_.forEachOf(all, threads, [this](int g, auto&&...) { update(g); });
+}
+
+template <int dim> void Surfaces<dim>::useGridNodes(const std::vector<ContactList<dim>*>& lists)
+{
+	std::vector<std::vector<char>> used(grains_.count());
+	auto use = [&](int g, int node) {
+		used[g].resize(bodies_[g].gridNode.size(), 0);
+		used[g][node] = 1;
+	};
+	for (const ContactList<dim>* list : lists)
+		for (const Contact<dim>& contact : list->contacts) {
+			use(list->first, contact.key.node);
+			if (contact.partners > 0) use(list->second, contact.partner[0]);
+		}
+	for (int g = 0; g < grains_.count(); ++g)
+		if (!used[g].empty())
+			grains_.setOf(g).useContactNodes(grains_.indexInSet(g),
+							 pointShares(bodies_[g].gridNode, used[g]));
 }
 
 namespace {
@@ -98,7 +142,7 @@ double withinRange(double speed, double dt, double finer, double coarser, double
 } // namespace
 
 template <int dim>
-double System<dim>::reach(int first, int second, const PairImage<dim>& image, double dt) const
+double Surfaces<dim>::reach(int first, int second, const PairImage<dim>& image, double dt) const
 {
 	const ContactBody<dim>&a = bodies_[first], &b = bodies_[second];
 	const Vec<dim> apart = a.velocities.middle - b.velocities.middle - image.velocity;
@@ -107,7 +151,7 @@ double System<dim>::reach(int first, int second, const PairImage<dim>& image, do
 			   std::max(a.pointSpacing, b.pointSpacing), interfaceRange_);
 }
 
-template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, double dt) const
+template <int dim> double Surfaces<dim>::reach(int g, const Plane<dim>& plane, double dt) const
 {
 	const ContactBody<dim>& body = bodies_[g];
 	const Vec<dim> apart = body.velocities.middle - plane.velocity;
@@ -116,18 +160,18 @@ template <int dim> double System<dim>::reach(int g, const Plane<dim>& plane, dou
 }
 
 template <int dim>
-double System<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
-			  double dt) const
+double Surfaces<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
+			    double dt) const
 {
 	const double spacing = bodies_[g].pointSpacing;
 	return withinRange(bodies_[g].velocities.fastest() + rigid.speed + image.velocity.norm(),
 			   dt, spacing, spacing, interfaceRange_);
 }
 
-template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) const
+template <int dim> typename Surfaces<dim>::Ball Surfaces<dim>::ballAbout(int g) const
 {
-	if (isRigid(g)) {
-		const RigidBounds<dim> bounds = setOf(g).rigidBounds(indexInSet(g));
+	if (grains_.isRigid(g)) {
+		const RigidBounds<dim> bounds = grains_.setOf(g).rigidBounds(grains_.indexInSet(g));
 		return { bounds.centre, bounds.radius + bounds.bulge };
 	}
 	const ContactBody<dim>& own = body(g);
@@ -137,30 +181,30 @@ template <int dim> typename System<dim>::Ball System<dim>::ballAbout(int g) cons
 
 /// Of two outlines that are further apart nothing is a contact: on the common grid each gives mass
 /// to nodes up to a step of the grid away.
-template <int dim> double System<dim>::outsideReach(double reach) const
+template <int dim> double Surfaces<dim>::outsideReach(double reach) const
 {
 	return reach + 2 * gridSpacing_;
 }
 
 template <int dim>
-bool System<dim>::areFarApart(int first, int second, const PairImage<dim>& image, double dt) const
+bool Surfaces<dim>::areFarApart(int first, int second, const PairImage<dim>& image, double dt) const
 {
 	const Ball a = ballAbout(first), b = ballAbout(second);
 	const double distance = a.radius + b.radius + outsideReach(reach(first, second, image, dt));
 	return (a.centre - b.centre - image.shift).squaredNorm() > distance * distance;
 }
 
-template <int dim> bool System<dim>::isFarFrom(int g, const Plane<dim>& plane, double reach) const
+template <int dim> bool Surfaces<dim>::isFarFrom(int g, const Plane<dim>& plane, double reach) const
 {
-	if (!isRigid(g)) return false;
+	if (!grains_.isRigid(g)) return false;
 	const Ball ball = ballAbout(g);
 	return (ball.centre - plane.point).dot(plane.normal) > ball.radius + outsideReach(reach);
 }
 
 template <int dim>
-bool System<dim>::isFarFrom(int g, const RigidSide<dim>& rigid, double reach) const
+bool Surfaces<dim>::isFarFrom(int g, const RigidSide<dim>& rigid, double reach) const
 {
-	if (!isRigid(g)) return false;
+	if (!grains_.isRigid(g)) return false;
 	const Ball own = ballAbout(g);
 	const BallSurface<dim> other = softgrain::ballAbout<dim>(rigid.surface);
 	const double distance = own.radius + other.radius + outsideReach(reach);
@@ -181,15 +225,8 @@ const ContactBody<dim>& imageOf(const ContactBody<dim>& body, const PairImage<di
 
 } // namespace
 
-template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) const
+template <int dim> bool Surfaces<dim>::search(ContactList<dim>& list, double dt) const
 {
-	if (list.isAsleep()) {
-		if (!liesStill(list))
-			list.rest.changed = true;
-		else if (list.rest.found)
-			return false;
-	}
-	list.rest.found = true;
 	auto searchWithin = [&](double within, bool isFar) {
 		if (isFar)
 			list.clearContacts();
@@ -210,34 +247,21 @@ template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) c
 			  : searchOn(list.plane, reach(list.first, list.plane, dt));
 }
 
-template <int dim> bool System<dim>::isInside(int g, const Box<dim>& box, double margin) const
+template <int dim> bool Surfaces<dim>::isInside(int g, const Box<dim>& box, double margin) const
 {
 	auto holds = [&box](const Box<dim>& own) {
 		return (own.low.array() >= box.low.array()).all() &&
 		       (own.high.array() <= box.high.array()).all();
 	};
-	if (isRigid(g)) {
-		const RigidBounds<dim> bounds = setOf(g).rigidBounds(indexInSet(g));
+	if (grains_.isRigid(g)) {
+		const RigidBounds<dim> bounds = grains_.setOf(g).rigidBounds(grains_.indexInSet(g));
 		const Box<dim> about { bounds.centre, bounds.centre };
 		if (holds(about.grown(bounds.radius + margin))) return true;
 	}
 	return holds(body(g).box.grown(margin));
 }
 
-#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
-	template void System<dim>::updateSurfaces(int);                                            \
-	template void System<dim>::updateSurface(int);                                             \
-	template void System<dim>::renewSurface(int) const;                                        \
-	template void System<dim>::followMotion(int, double);                                      \
-	template double System<dim>::reach(int, int, const PairImage<dim>&, double) const;         \
-	template double System<dim>::reach(int, const Plane<dim>&, double) const;                  \
-	template double System<dim>::reach(int, const RigidSide<dim>&, const PairImage<dim>&,      \
-					   double) const;                                          \
-	template bool System<dim>::search(ContactList<dim>&, double) const;                        \
-	template bool System<dim>::areFarApart(int, int, const PairImage<dim>&, double) const;     \
-	template bool System<dim>::isInside(int, const Box<dim>&, double) const;
-SOFTGRAIN_INSTANTIATE(2)
-SOFTGRAIN_INSTANTIATE(3)
-#undef SOFTGRAIN_INSTANTIATE
+template class Surfaces<2>;
+template class Surfaces<3>;
 
 } // namespace softgrain

@@ -2,108 +2,51 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace softgrain {
 
 template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 {
-	const GrainTemplate<dim>& reference = set->reference();
-	for (int k = 0; k < set->grains(); ++k) {
-		place_.push_back({ static_cast<int>(sets_.size()), k });
-		damped_ |= set->parameters(k).damping.acts();
-		const double radius = set->parameters(k).radius;
-		ContactBody<dim> body;
-		body.mesh = &reference.contactMesh;
-		body.nodeRadius = radius * reference.contactRadius;
-		body.pointSpacing = radius * reference.pointSpacing();
-		body.overlap = &reference.overlap;
-		body.inradius = radius * reference.inradius;
-		set->contactPositions(k, body.position);
-		body.velocity.assign(reference.contactNodes(), Vec<dim>::Zero());
-		body.impulse = body.velocity;
-		lastPosition_.push_back(body.position);
-		bodies_.push_back(std::move(body));
-		if (reference.recipe.contact == ContactGeometry::nodes)
-			gridSpacing_ =
-				std::max(gridSpacing_, radius * reference.recipe.nodeSpacing *
-							       reference.pointSpacing());
-	}
-	loads_.resize(place_.size());
-	resting_.resize(place_.size(), -1);
-	surface_.resize(place_.size());
-	sets_.push_back(std::move(set));
-	for (int g = static_cast<int>(rate_.size()); g < grains(); ++g) {
-		rate_.push_back(1);
-		undeformedTimeStep_ = std::min(undeformedTimeStep_, timeStepOf(g, 1, 1));
-	}
-	ratesChosen_ = false;
-	listGrains();
+	grains_.add(std::move(set));
+	surfaces_.followNewGrains();
+	timeSteps_.followNewGrains();
+	activity_.followNewGrains();
 	forcesFresh_ = false;
 }
 
-/// Lists of active, rigid and sleeping grains as the sets say.
-template <int dim> void System<dim>::listGrains()
+template <int dim> double System<dim>::presentCriticalTimeStep(double enough, int threads)
 {
-	long changes = 0;
-	for (const auto& set : sets_)
-		changes += set->changesOfActivity();
-	if (listedChanges_ == changes && listed_.size() == place_.size()) return;
-	listedChanges_ = changes;
-	listed_.resize(place_.size());
-	for (auto* list : { &active_, &asleep_, &awake_ })
-		list->clear();
-	for (int g = 0; g < grains(); ++g) {
-		listed_[g] = isAsleep(g) ? asleep : isRigid(g) ? rigid : active;
-		if (listed_[g] == active) active_.push_back(g);
-		(listed_[g] == asleep ? asleep_ : awake_).push_back(g);
-	}
-	measureSleepers();
-	for (const auto& set : sets_)
-		set->arrangeGrains();
+	return timeSteps_.present(enough, interfaces_.bondRate(), threads);
 }
 
-/// Grains that are touched, or spin too fast, are woken before the solve. Rigid ones that do not
-/// move and that nothing drives sleep.
-template <int dim>
-void System<dim>::chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings)
+template <int dim> void System<dim>::setMultirate(bool on)
 {
-	for (int g : awake_) {
-		GrainSet<dim>& set = setOf(g);
-		const int k = indexInSet(g);
-		const bool rigid = settings.rigidMotion && !touched[g] && set.mayMoveRigidly(k);
-		if (rigid && !set.isRigid(k)) set.beginRigidMotion(k);
-		if (!rigid && set.isRigid(k)) {
-			body(g); // the next surface is compared with the present one
-			set.endRigidMotion(k);
-		}
-		if (rigid && settings.sleep && set.isMotionless(k) && loads_[g].isZero()) {
-			set.fallAsleep(k);
-			bodies_[g].velocities = {};
-			resting_[g] = 0;
-		}
-	}
-	listGrains();
+	if (timeSteps_.setMultirate(on)) forcesFresh_ = false;
 }
 
-/// Grid nodes in contact become the contact nodes of their grains.
-template <int dim> void System<dim>::useGridNodes(const std::vector<ContactList<dim>*>& lists)
+template <int dim> Continuation System<dim>::continuation() const
 {
-	std::vector<std::vector<char>> used(grains());
-	auto use = [&](int g, int node) {
-		used[g].resize(bodies_[g].gridNode.size(), 0);
-		used[g][node] = 1;
-	};
-	for (const ContactList<dim>* list : lists)
-		for (const Contact<dim>& contact : list->contacts) {
-			use(list->first, contact.key.node);
-			if (contact.partners > 0) use(list->second, contact.partner[0]);
-		}
-	for (int g = 0; g < grains(); ++g)
-		if (!used[g].empty())
-			setOf(g).useContactNodes(indexInSet(g),
-						 pointShares(bodies_[g].gridNode, used[g]));
+	return { energies_.sums(), lastStep_, steps_, interfaces_.bondRate() };
+}
+
+template <int dim> void System<dim>::continueFrom(const Continuation& c)
+{
+	energies_.continueFrom(c.sums);
+	lastStep_ = c.lastStep;
+	steps_ = c.steps;
+	interfaces_.continueFrom(c.bondRate);
+}
+
+template <int dim> void System<dim>::updateSurfaces(int threads)
+{
+	surfaces_.updateAll(threads);
+	forcesFresh_ = false;
+}
+
+template <int dim> bool System<dim>::search(ContactList<dim>& list, double dt) const
+{
+	return activity_.isSearchDue(list) && surfaces_.search(list, dt);
 }
 
 namespace {
@@ -128,29 +71,29 @@ template <int dim> std::string whatStopped(const GrainSet<dim>& set, int g)
 /// made anew each time.)
 template <int dim> void System<dim>::updateForces(int threads)
 {
-	listGrains();
-	threads = threadsFor(static_cast<long>(active_.size()), threads);
-	const int sets = static_cast<int>(sets_.size());
-	const bool allSmall = std::all_of(sets_.begin(), sets_.end(), [](const auto& set) {
+	grains_.renewLists();
+	threads = threadsFor(static_cast<long>(grains_.active().size()), threads);
+	const auto& sets = grains_.sets();
+	const int count = static_cast<int>(sets.size());
+	const bool allSmall = std::all_of(sets.begin(), sets.end(), [](const auto& set) {
 		return set->grains() <= laneWidth;
 	});
-	const bool shareSets = allSmall || sets >= setsPerThread * threads;
-	const ForceSchedule schedule { shareSets ? 1 : threads, continuation_.steps,
-				       continuation_.lastStep };
+	const bool shareSets = allSmall || count >= setsPerThread * threads;
+	const ForceSchedule schedule { shareSets ? 1 : threads, steps_, lastStep_ };
 	auto updateSet = [&](int i) {
-		return static_cast<long>(sets_[i]->updateForces(schedule)) *
-		       sets_[i]->reference().points();
+		return static_cast<long>(sets[i]->updateForces(schedule)) *
+		       sets[i]->reference().points();
 	};
 	long points = 0;
 	if (shareSets) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(+ : points)
-		for (int i = 0; i < sets; ++i)
+		for (int i = 0; i < count; ++i)
 			points += updateSet(i);
 	} else
-		for (int i = 0; i < sets; ++i)
+		for (int i = 0; i < count; ++i)
 			points += updateSet(i);
 	updatedPoints_ += points;
-	for (int g : active_) {
+	for (int g : grains_.active()) {
 		const int point = setOf(g).report(indexInSet(g)).invertedPoint;
 		if (point >= 0) throw StepError(g, point, whatStopped(setOf(g), indexInSet(g)));
 	}
@@ -161,7 +104,7 @@ template <int dim> void System<dim>::updateForces(int threads)
 /// the vibration it follows.)
 template <int dim> double System<dim>::kickTime(double dt) const
 {
-	return continuation_.lastStep > 0 ? 0.5 * (continuation_.lastStep + dt) : dt;
+	return lastStep_ > 0 ? 0.5 * (lastStep_ + dt) : dt;
 }
 
 /// Velocities without contact, of the nodes and of the contact nodes; stops if one is not finite.
@@ -170,17 +113,17 @@ void System<dim>::predictVelocities(const std::vector<char>& touched, const Step
 {
 	const double kick = kickTime(settings.dt);
 	finite_.resize(grains());
-	forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
-		set.predictVelocities(k, kick, loads_[g]);
+	grains_.forEachOf(grains_.awake(), settings.threads, [&](int g, GrainSet<dim>& set, int k) {
+		set.predictVelocities(k, kick, grains_.loads()[g]);
 		finite_[g] = set.hasFiniteVelocities(k);
-		if (touched[g]) gatherContacts(g, settings.trackEnergy || rebounds_);
+		if (touched[g]) gatherContacts(g, settings.trackEnergy || interfaces_.rebound());
 	});
 	stopAtInfinite();
 }
 
 template <int dim> void System<dim>::stopAtInfinite() const
 {
-	for (int g : awake_)
+	for (int g : grains_.awake())
 		if (!finite_[g]) throw StepError(g, -1, "a nodal velocity is not finite");
 }
 
@@ -188,7 +131,7 @@ template <int dim> void System<dim>::gatherContacts(int g, bool trackEnergy)
 {
 	GrainSet<dim>& set = setOf(g);
 	const int k = indexInSet(g);
-	ContactBody<dim>& body = bodies_[g];
+	ContactBody<dim>& body = surfaces_.bodies()[g];
 	const ContactMobility<dim> mobility = set.contactMobility(k);
 	body.delassus = mobility.table;
 	body.surfaceMobility = mobility.surface;
@@ -203,61 +146,11 @@ template <int dim>
 void System<dim>::checkImpulses(const SolverReport& solved, const std::vector<char>& touched)
 {
 	if (std::isfinite(solved.residual)) return;
-	for (int g : awake_)
-		finite_[g] = !touched[g] || bodies_[g].hasFiniteVelocities();
+	for (int g : grains_.awake())
+		finite_[g] = !touched[g] || surfaces_.bodies()[g].hasFiniteVelocities();
 	stopAtInfinite();
 	throw std::runtime_error("a velocity of a rigid body in contact is not finite. Hint: look "
 				 "at its State and at what acts on it");
-}
-
-/// The new velocities of a grain, with the impulses of its contacts.
-template <int dim>
-void System<dim>::correctVelocities(int g, const std::vector<char>& touched,
-				    const StepSettings& settings)
-{
-	GrainSet<dim>& set = setOf(g);
-	const int k = indexInSet(g);
-	if (touched[g]) set.applyContactImpulses(k, bodies_[g].impulse);
-	if (settings.trackEnergy) works_[g].kinetic = set.kineticEnergy(k);
-}
-
-/// Before the new velocities take the place of those that the works are of.
-template <int dim> void System<dim>::measureWorks(int g)
-{
-	GrainSet<dim>& set = setOf(g);
-	const int k = indexInSet(g);
-	ContactWork::Halves loads, damping;
-	if (!loads_[g].isZero())
-		set.addLoadWork(k, lastKick_, loads_[g], loads.before, loads.after);
-	set.addDampingLoss(k, lastKick_, damping.before, damping.after);
-	works_[g].loads = loads;
-	works_[g].damping = damping;
-}
-
-template <int dim> void System<dim>::balanceEnergy(const ContactWork& work, double dropped)
-{
-	energy_ = continuation_.sums;
-	energy_.kinetic = energy_.elastic = 0;
-	for (int g = 0; g < grains(); ++g)
-		energy_.elastic += setOf(g).report(indexInSet(g)).elasticEnergy;
-	ContactWork::Halves loads, damping;
-	for (int g : awake_) { // one after the other, whoever computed it
-		energy_.kinetic += works_[g].kinetic;
-		loads += works_[g].loads;
-		damping += works_[g].damping;
-	}
-	auto book = [this](double EnergyBalance::* sum, const ContactWork::Halves& halves) {
-		energy_.*sum += halves.before; // the first half is done when t_n is reached
-		continuation_.sums.*sum += halves.before + halves.after;
-	};
-	book(&EnergyBalance::impact, work.impact);
-	book(&EnergyBalance::friction, work.friction);
-	book(&EnergyBalance::planes, work.planes);
-	book(&EnergyBalance::cell, work.cell);
-	book(&EnergyBalance::cohesion, work.cohesion);
-	book(&EnergyBalance::loads, loads);
-	book(&EnergyBalance::damping, damping);
-	book(&EnergyBalance::sleep, { dropped, 0 });
 }
 
 /// Into the order of the sweeps, which is part of the result: it must not depend on who found which
@@ -295,16 +188,14 @@ void System<dim>::chooseInactiveGrains(std::vector<ContactList<dim>*>& lists,
 				       const std::vector<char>& touched,
 				       const StepSettings& settings, StepReport& report)
 {
-	wakeGrains(lists, report.kick, settings.sleep);
-	chooseRigidGrains(touched, settings);
-	bondsAsleep_ = std::any_of(lists.begin(), lists.end(), [](const ContactList<dim>* list) {
-		return list->isAsleep() && list->interface && list->interface->law.hasBond();
-	});
+	activity_.wakeChanged(lists, report.kick, settings.sleep);
+	activity_.chooseRigidGrains(touched, settings);
+	interfaces_.noteSleepers(lists);
 	std::erase_if(lists,
 		      [](ContactList<dim>* list) { return list->rest.kept = list->isAsleep(); });
-	findRestedGrains(lists, touched, settings);
-	report.activeGrains = static_cast<int>(active_.size());
-	report.sleepingGrains = static_cast<int>(asleep_.size());
+	activity_.findRested(lists, touched, settings, steps_);
+	report.activeGrains = static_cast<int>(grains_.active().size());
+	report.sleepingGrains = static_cast<int>(grains_.asleep().size());
 }
 
 /// To t_{n+1}. What is done to a grain is done in one go where nothing has to be known of others in
@@ -314,35 +205,69 @@ void System<dim>::move(const std::vector<ContactList<dim>*>& lists,
 		       const std::vector<char>& touched, const StepSettings& settings,
 		       StepReport& report)
 {
-	if (settings.trackEnergy) works_.resize(grains());
-	auto correct = [&](int g, GrainSet<dim>&, int) { correctVelocities(g, touched, settings); };
+	if (settings.trackEnergy) energies_.beginMove();
+	auto correctVelocities = [&](int g, GrainSet<dim>& set, int k) {
+		if (touched[g]) set.applyContactImpulses(k, surfaces_.bodies()[g].impulse);
+		if (settings.trackEnergy) energies_.noteKineticEnergy(g);
+	};
 	auto advance = [&](int g, GrainSet<dim>& set, int k) {
-		if (settings.trackEnergy) measureWorks(g);
+		if (settings.trackEnergy) energies_.measureWorks(g, lastKick_);
 		set.move(k, settings.dt);
-		followMotion(g, settings.dt);
+		surfaces_.followMotion(g, settings.dt);
 		settings.moved(g);
 	};
-	const bool together = std::any_of(sets_.begin(), sets_.end(),
+	const auto& sets = grains_.sets();
+	const bool together = std::any_of(sets.begin(), sets.end(),
 					  [](const auto& set) { return set->preparesMove(); });
-	if (!together && rested_.empty()) {
-		forEachOf(awake_, settings.threads, [&](int g, GrainSet<dim>& set, int k) {
-			correct(g, set, k);
-			advance(g, set, k);
-		});
+	if (!together && activity_.rested().empty()) {
+		grains_.forEachOf(grains_.awake(), settings.threads,
+				  [&](int g, GrainSet<dim>& set, int k) {
+					  correctVelocities(g, set, k);
+					  advance(g, set, k);
+				  });
 		return;
 	}
-	forEachOf(awake_, settings.threads, correct);
-	fallAsleep(lists, report);
-	for (const auto& set : sets_)
+	grains_.forEachOf(grains_.awake(), settings.threads, correctVelocities);
+	report.dropped = activity_.fallAsleep(lists, report.kick);
+	if (settings.trackEnergy)
+		for (int g : activity_.rested())
+			energies_.noteRest(g);
+	for (const auto& set : sets)
 		set->prepareMove(settings.threads);
-	forEachOf(awake_, settings.threads, advance);
+	grains_.forEachOf(grains_.awake(), settings.threads, advance);
+}
+
+/// The velocities after the step are zero in grains that fall asleep; outside of here they remain
+/// what was solved, and where the solver knows them to be (contactProblem).
+template <int dim> ContactWork System<dim>::workOfContacts()
+{
+	std::vector<ContactBody<dim>>& bodies = surfaces_.bodies();
+	const std::vector<int>& rested = activity_.rested();
+	std::vector<std::vector<Vec<dim>>> solved;
+	for (int g : rested) {
+		std::vector<Vec<dim>>& velocity = bodies[g].velocity;
+		solved.push_back(velocity);
+		velocity.assign(velocity.size(), Vec<dim>::Zero());
+	}
+	const ContactWork work = solver_.work();
+	for (std::size_t i = 0; i < rested.size(); ++i)
+		std::copy(solved[i].begin(), solved[i].end(), bodies[rested[i]].velocity.begin());
+	return work;
+}
+
+template <int dim>
+void System<dim>::balanceEnergy(const StepSettings& settings, const StepReport& report)
+{
+	energies_.balance(workOfContacts(), report.dropped.energy);
+	if (settings.trackRigidBodies)
+		energies_.balanceRigidBodies(solver_.rigidWork(), free_, partners_);
 }
 
 template <int dim> void System<dim>::endStep(double dt)
 {
-	listGrains();
-	continuation_.lastStep = dt;
-	++continuation_.steps;
+	grains_.renewLists();
+	lastStep_ = dt;
+	++steps_;
 	forcesFresh_ = false;
 }
 
@@ -362,13 +287,13 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	clock.end("chooseInactiveGrains");
 	solver_.plan(lists, grains(), &partners_, &rigidContacts_); // while lists are in the caches
 	clock.end("plan");
-	if (gridSpacing_ > 0) useGridNodes(lists);
-	beginInterfaces(lists, report.kick, settings.dt);
+	if (surfaces_.haveCommonGrid()) surfaces_.useGridNodes(lists);
+	interfaces_.begin(lists, report.kick, settings.dt);
 	predictVelocities(touched, settings);
-	measureBonds(lists);
+	interfaces_.measureBonds(lists, surfaces_.bodies(), partners_);
 	clock.end("predictVelocities");
 	if (settings.trackRigidBodies) free_ = partners_;
-	solver_.prepare(bodies_, settings.dt, settings.solver, settings.threads);
+	solver_.prepare(surfaces_.bodies(), settings.dt, settings.solver, settings.threads);
 	clock.end("prepare");
 	report.solver = solver_.solve();
 	solver_.separateRigidBodies(settings.dt);
@@ -377,8 +302,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	move(lists, touched, settings, report);
 	clock.end("move");
 	if (settings.trackEnergy) {
-		balanceEnergy(workOfContacts(), report.droppedEnergy);
-		if (settings.trackRigidBodies) balanceRigidBodies();
+		balanceEnergy(settings, report);
 		clock.end("balanceEnergy");
 	}
 	endStep(settings.dt);

@@ -1,7 +1,7 @@
 // Functions of one number in every lane.
 #pragma once
 
-#include "material/Lanes.hpp"
+#include "lanes/Lanes.hpp"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "Vector.hpp"
-#include "material/LaneMath.hpp"
+#include "lanes/LaneMath.hpp"
 
 namespace softgrain {
 

@@ -1,5 +1,5 @@
 #include "Helpers.hpp"
-#include "material/LaneMath.hpp"
+#include "lanes/LaneMath.hpp"
 
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "Vector.hpp"
-#include "material/FourNumbers.hpp"
+#include "lanes/FourNumbers.hpp"
 
 #include <cstdint>
 #include <vector>

@@ -1,0 +1,19 @@
+// What laws compute with.
+#pragma once
+
+#include "lanes/Lanes.hpp"
+
+namespace softgrain {
+
+/// Kinematics in, response out, of one material point in every lane.
+template <int dim> struct PointLanes {
+	Lanes F[dim][dim]; ///< deformation gradient
+	Lanes P[dim][dim]; ///< first Piola-Kirchhoff stress, Pa
+	Lanes J;           ///< det of F (in 2D of its in-plane part)
+	Lanes energy;      ///< strain energy per reference volume, Pa
+	/// (Largest tangent modulus of acceleration waves over that of the undeformed material);
+	/// the critical time step falls with its square root.
+	Lanes stiffening;
+};
+
+} // namespace softgrain

@@ -1,0 +1,101 @@
+// Which grains of a system are computed, which move as rigid bodies, and which sleep.
+//
+// Whole islands, connected by contacts within reach, fall asleep and wake together, so that no
+// contact lies between a grain that is solved and one that is not
+// (doc/decisions/0014-inactive-grains.md).
+//
+// Falling asleep is an impulse on every node, at t_n after the contacts were solved, that brings it
+// to rest: positions, internal forces and contact impulses stay those of t_n, and the work of that
+// impulse is what is booked as dropped.
+#pragma once
+
+#include "step/Grains.hpp"
+#include "step/Islands.hpp"
+#include "step/StepSettings.hpp"
+#include "step/Surfaces.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+/// What grains lost by falling asleep in a step.
+struct DroppedMotion {
+	double momentum = 0; ///< sum over the grains, N s
+	double energy = 0;   ///< kinetic, J
+};
+
+template <int dim> class Activity {
+public:
+	/// Of these grains and their surfaces, which must outlive it.
+	Activity(Grains<dim>& grains, Surfaces<dim>& surfaces)
+		: grains_(grains)
+		, surfaces_(surfaces)
+	{
+	}
+	/// After a set was added.
+	void followNewGrains();
+
+	/// Wakes a sleeping grain if the load is another.
+	void setLoad(int g, const BodyLoad<dim>& load);
+	/// The same for all grains; so many threads share the calls of `loadOf(g)`, which must
+	/// throw nothing.
+	template <class LoadOf> void setLoads(LoadOf&& loadOf, int threads);
+	/// A grain about which something was changed by hand; the grains that it rests with follow
+	/// in the next step.
+	void wake(int g);
+	/// What a sleeping grain is saved with besides its state: the load under which it sleeps
+	/// and the number of its pairs in contact. Empty if it is awake.
+	std::vector<double> sleepNumbers(int g) const;
+	void restoreSleep(int g, const std::vector<double>& numbers);
+
+	/// Whether a pair of sleepers is to be searched: once, and when it does not lie still any
+	/// more, which is noted.
+	bool isSearchDue(ContactList<dim>& list) const;
+
+	/// At the beginning of a step in which forces act for `kick`: wakes islands in which
+	/// something changed.
+	void wakeChanged(const std::vector<ContactList<dim>*>& lists, double kick, bool sleep);
+	/// Then: grains that are touched, or spin too fast, are computed; undeformed ones without
+	/// contact move rigidly, and sleep if they do not move and nothing drives them.
+	void chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings);
+	/// Then, in step number `step`, with the lists of those who are awake: which grains will
+	/// fall asleep at the end of it, if forces balance then.
+	void findRested(const std::vector<ContactList<dim>*>& lists,
+			const std::vector<char>& touched, const StepSettings& settings, long step);
+	const std::vector<int>& rested() const { return rested_; }
+	/// With the new velocities, before the grains move.
+	DroppedMotion fallAsleep(const std::vector<ContactList<dim>*>& lists, double kick);
+
+private:
+	bool liesStill(const ContactList<dim>& list) const;
+	std::vector<int> changedGrains(const std::vector<ContactList<dim>*>& lists,
+				       bool sleep) const;
+	Islands islandsInContact(const std::vector<ContactList<dim>*>& lists) const;
+	void keepBalanced(const std::vector<ContactList<dim>*>& lists, double kick);
+	bool mayComeToRest(const StepSettings& settings, std::vector<double>& periods);
+
+	Grains<dim>& grains_;
+	Surfaces<dim>& surfaces_;
+	std::vector<int> rested_;  ///< falling asleep in the step at hand
+	std::vector<int> resting_; ///< by sleeping grain: its pairs in contact; -1: woken
+	bool damped_ = false;      ///< a grain has damping
+};
+
+template <int dim>
+template <class LoadOf>
+void Activity<dim>::setLoads(LoadOf&& loadOf, int threads)
+{
+	const int count = grains_.count();
+	std::vector<BodyLoad<dim>>& loads = grains_.loads();
+	std::vector<char> changed(count);
+#pragma omp parallel for schedule(static) num_threads(threads)
+	for (int g = 0; g < count; ++g) {
+		const BodyLoad<dim> load = loadOf(g);
+		changed[g] = !(load == loads[g]);
+		loads[g] = load;
+	}
+	for (int g = 0; g < count; ++g)
+		if (changed[g]) wake(g);
+}
+
+} // namespace softgrain

@@ -1,0 +1,44 @@
+#include "step/Grains.hpp"
+
+#include <utility>
+
+namespace softgrain {
+
+template <int dim> void Grains<dim>::add(std::unique_ptr<GrainSet<dim>> set)
+{
+	for (int k = 0; k < set->grains(); ++k)
+		place_.push_back({ static_cast<int>(sets_.size()), k });
+	loads_.resize(place_.size());
+	sets_.push_back(std::move(set));
+	renewLists();
+}
+
+template <int dim> typename Grains<dim>::Activity Grains<dim>::activityOf(int g) const
+{
+	return isAsleep(g) ? Activity::asleep : isRigid(g) ? Activity::rigid : Activity::active;
+}
+
+template <int dim> void Grains<dim>::renewLists()
+{
+	long changes = 0;
+	for (const auto& set : sets_)
+		changes += set->changesOfActivity();
+	if (listedChanges_ == changes && listed_.size() == place_.size()) return;
+	listedChanges_ = changes;
+	++listsMade_;
+	listed_.resize(place_.size());
+	for (auto* list : { &active_, &asleep_, &awake_ })
+		list->clear();
+	for (int g = 0; g < count(); ++g) {
+		listed_[g] = activityOf(g);
+		if (listed_[g] == Activity::active) active_.push_back(g);
+		(listed_[g] == Activity::asleep ? asleep_ : awake_).push_back(g);
+	}
+	for (const auto& set : sets_)
+		set->arrangeGrains();
+}
+
+template class Grains<2>;
+template class Grains<3>;
+
+} // namespace softgrain
