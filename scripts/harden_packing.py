@@ -63,10 +63,10 @@ def make_packing(options):
         massDamping=DAMPING,
     )
     sg.soften(ids, material=soft, zeta=options.zeta)
-    engines = sg.engines(rigid="nonsmooth")
+    O.engines = sg.engines(rigid="nonsmooth")
     goal = (-options.stress, -options.stress, 0)
     control = sg.WallStressController(walls=walls, goal=goal)
-    O.engines = engines[:3] + [control] + engines[3:]
+    sg.insert_before_solve(control)
     sg.set_time_step(0.8)
     while O.time < CONSOLIDATION:
         sg.advance(200)

@@ -93,8 +93,7 @@ def hold_stress(stress, mass):
         growDamping=0.5,
         maxStrainRate=(RATE, RATE, 0),
     )
-    engines = list(O.engines)
-    O.engines = engines[:3] + [control] + engines[3:]
+    sg.insert_before_solve(control)
     O.cell.velGrad = Matrix3.Zero
 
 

@@ -251,8 +251,8 @@ def pressure_control(dim):
 def press_cell(dim, mu, options):
     """From a loose cloud to a packing that bears the pressure."""
     fill_cell(dim, mu, options)
-    made = sg.engines(rigid="nonsmooth", tolerance=1e-3)
-    O.engines = made[:3] + [pressure_control(dim)] + made[3:]
+    O.engines = sg.engines(rigid="nonsmooth", tolerance=1e-3)
+    sg.insert_before_solve(pressure_control(dim))
     O.dt = CELL_STEP
 
     def error():

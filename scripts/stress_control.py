@@ -117,13 +117,12 @@ def make_walls(sides, boxes):
 def press_by_controller(walls, stress, drag):
     """Softgrain's own controller."""
     controller = sg.WallStressController(walls=walls, goal=(stress,) * 3, drag=drag)
-    engines = list(O.engines)
-    O.engines = engines[:3] + [controller] + engines[3:]
+    sg.insert_before_solve(controller)
 
 
 def press_by_force(walls, stress, mass):
     """Free walls under YADE's ForceEngine; returns what to do before each step."""
-    engines, sides = list(O.engines), present_sides(walls)
+    sides = present_sides(walls)
     forces = []
     for axis in range(len(sides)):
         state = O.bodies[walls[2 * axis + 1]].state
@@ -131,7 +130,7 @@ def press_by_force(walls, stress, mass):
         state.blockedDOFs = "xyzXYZ".replace("xyz"[axis], "")
         state.mass = mass * DENSITY * area * RADIUS
         forces.append(ForceEngine(ids=[walls[2 * axis + 1]]))
-    O.engines = engines[:3] + forces + engines[3:]
+    sg.insert_before_solve(*forces)
 
     def follow():
         for axis, (engine, area) in enumerate(zip(forces, present_areas(walls))):

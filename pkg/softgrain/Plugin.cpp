@@ -66,6 +66,7 @@ yade::Vector3r contactForce(int id)
 
 BOOST_PYTHON_MODULE(_softgrain)
 {
+	py::scope().attr("version") = SOFTGRAIN_VERSION;
 	py::scope().attr("yadeVersion") = SOFTGRAIN_YADE_VERSION;
 	py::scope().attr("yadeBits") = YADE_REAL_BIT;
 	py::def("registerClasses", registerClasses,

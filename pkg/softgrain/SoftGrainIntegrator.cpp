@@ -368,6 +368,9 @@ void SoftGrainIntegrator::publishEnergy()
 
 py::dict SoftGrainIntegrator::energyDict() const
 {
+	if (!Omega::instance().getScene()->trackEnergy)
+		throw std::runtime_error("energy: O.trackEnergy = False, so that energies are not "
+					 "known; admissible: True, before the steps that count");
 	return namedEnergies({ energies, rigidEnergies });
 }
 

@@ -19,7 +19,7 @@ from softgrain import _host  # noqa: E402
 _classes = _host.load_plugin()
 globals().update(_classes)
 
-from softgrain import yade_utils  # noqa: E402
+from softgrain import _softgrain, yade_utils  # noqa: E402
 from softgrain.build import (  # noqa: E402
     soft_block,
     soft_disk,
@@ -53,10 +53,18 @@ from softgrain.quasi_static import (  # noqa: E402
     unbalanced_force,
 )
 from softgrain.softening import as_disks, soften  # noqa: E402
-from softgrain.time_loop import advance, critical_time_step, engines, set_time_step  # noqa: E402
+from softgrain.time_loop import (  # noqa: E402
+    advance,
+    critical_time_step,
+    engines,
+    insert_before_solve,
+    set_time_step,
+)
 from softgrain.timing import phase_times, reset_times  # noqa: E402
 
 yade_utils.replace()
+
+__version__ = _softgrain.version
 
 __all__ = sorted(_classes) + [
     "Balance",
@@ -77,6 +85,7 @@ __all__ = sorted(_classes) + [
     "grain_area",
     "grains_from_image",
     "harden",
+    "insert_before_solve",
     "integrator",
     "packing_fraction",
     "pair_forces",

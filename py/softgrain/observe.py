@@ -234,6 +234,17 @@ class Balance:
             energies to compare.
     """
 
+    _STORED_AND_LOST = (
+        "kinetic",
+        "elastic",
+        "friction",
+        "impact",
+        "damping",
+        "sleep",
+        "cohesion",
+    )
+    _WORKS = ("walls", "cell", "loads")
+
     def __init__(self):
         self._check()
         self._start = self._stored_and_lost(integrator().energy())
@@ -248,17 +259,18 @@ class Balance:
             "last step: set O.trackEnergy = True and take a step first"
         )
 
-    @staticmethod
-    def _stored_and_lost(energy):
-        stored = energy["kinetic"] + energy["elastic"]
-        lost = sum(energy[name] for name in ("friction", "impact", "damping", "sleep", "cohesion"))
-        return stored + lost - energy["walls"] - energy["cell"] - energy["loads"]
+    @classmethod
+    def _stored_and_lost(cls, energy):
+        return sum(energy[name] for name in cls._STORED_AND_LOST) - sum(
+            energy[name] for name in cls._WORKS
+        )
 
     def error(self):
         """|work - change of energy - dissipation| over the largest magnitude so far [-]."""
         self._check()
         energy = integrator().energy()
-        self._scale = max([self._scale] + [abs(value) for value in energy.values()])
+        terms = self._STORED_AND_LOST + self._WORKS  # not what rigid bodies have by themselves
+        self._scale = max([self._scale] + [abs(energy[name]) for name in terms])
         if self._scale == 0:
             return 0.0
         return abs(self._stored_and_lost(energy) - self._start) / self._scale

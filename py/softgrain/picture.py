@@ -26,7 +26,7 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         path (str | Path): picture file; the suffix decides the format (png, pdf, svg).
         box (tuple | None): (xmin, xmax, ymin, ymax) of the walls to draw [m].
         field (str | None): 'von_mises' or 'pressure' of the Cauchy stress; None: plain grains.
-        scale (float | None): stresses are divided by it (e.g. Young's modulus); None: in kPa.
+        scale (float | None): stresses are divided by it (e.g. Young's modulus) [Pa]; None: in kPa.
         limits (tuple | None): (low, high) of the colours; None: from 0 (pressure: the lowest) to
             the 99th percentile.
         title (str | None): above the picture.
@@ -150,9 +150,17 @@ def _draw_field(figure, axes, images, outlines, field, scale, limits):
     for (points, stress), outline in zip(fields, outlines):
         _draw_grain(axes, points, stress / unit, outline, limits)
     name = {"von_mises": "von Mises stress", "pressure": "pressure"}[field]
-    label = f"{name} / E" if scale else f"{name} (kPa)"
+    label = f"{name} {_unit_label(scale)}"
     mappable = axes.collections[0]
     figure.colorbar(mappable, ax=axes, label=label, shrink=0.6, pad=0.02)
+
+
+def _unit_label(scale):
+    """Of stresses over ``scale`` [Pa]; None: in kPa."""
+    if scale is None:
+        return "(kPa)"
+    moduli = {b.material.young for b in soft_bodies()}
+    return "/ E" if moduli == {scale} else f"/ {scale:g} Pa"
 
 
 def _point_values(body, shift, field):

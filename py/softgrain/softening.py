@@ -9,7 +9,7 @@ from softgrain.build import soft_material, soft_polygon, volume_and_inertia
 from softgrain.checks import bodies_of
 from softgrain.disk_union import outline_of_disks
 from softgrain.overlaps import overlap_factor
-from softgrain.time_loop import check_fraction, set_time_step
+from softgrain.time_loop import check_fraction, insert_before_solve, integrators, set_time_step
 
 #: Members of a clump count as touching, not overlapping, at this share of two radii: rounding.
 TOUCHING = 0.999
@@ -174,17 +174,16 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
     if clumps:
         raise ValueError(f"ids: clump #{clumps[0]} with when='loaded'; admissible: spheres")
     softener = wrapper.SoftenWhenLoaded(ids=ids, shape=grain, material=material, load=load)
-    engines = list(O.engines)
-    places = [k for k, e in enumerate(engines) if isinstance(e, wrapper.SoftGrainIntegrator)]
-    if not places:
+    engine = next(iter(integrators()), None)
+    if engine is None:
         raise ValueError(
             "when = 'loaded' needs a SoftGrainIntegrator in O.engines; assign O.engines = "
             "sg.engines(verlet_distance=...) first"
         )
     if grain.dim == 2:
         as_disks(ids)
-    engines[places[0]].timeStepFraction = fraction
-    O.engines = engines[: places[0]] + [softener] + engines[places[0] :]
+    engine.timeStepFraction = fraction
+    insert_before_solve(softener)
 
 
 def _rigid_grains(ids):

@@ -151,6 +151,27 @@ def engines(
     ]
 
 
+def insert_before_solve(*engines):
+    """Put engines into ``O.engines`` right before its ``SoftGrainIntegrator``: those whose forces
+    or velocities the coming solve is to see, such as ``WallStressController``,
+    ``PeriTriaxController(dynCell=True)``, ``ForceEngine``.
+
+    Args:
+        *engines (Engine): in this order.
+
+    Raises:
+        ValueError: ``O.engines`` holds no ``SoftGrainIntegrator``.
+    """
+    present = list(O.engines)
+    places = [k for k, e in enumerate(present) if isinstance(e, wrapper.SoftGrainIntegrator)]
+    if not places:
+        raise ValueError(
+            "insert_before_solve: O.engines holds no SoftGrainIntegrator; assign O.engines = "
+            "sg.engines() first"
+        )
+    O.engines = present[: places[0]] + list(engines) + present[places[0] :]
+
+
 def _checked_interface(interface):
     """The attributes, numbers as MatchMakers."""
     known = set(wrapper.Ip2_SoftPhys().dict()) - set(wrapper.IPhysFunctor().dict())

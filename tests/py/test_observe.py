@@ -142,6 +142,15 @@ def test_balance(monkeypatch):
     assert balance.error() == pytest.approx(0)
 
 
+def test_balance_beside_rigid_bodies(monkeypatch):
+    """What rigid bodies have by themselves is no measure of what soft grains miss."""
+    ledger = Ledger(kinetic=1.0, rigidKinetic=1e3)
+    keep_books(monkeypatch, ledger)
+    balance = sg.Balance()
+    ledger.values.update(kinetic=1.2, walls=0.1)
+    assert balance.error() == pytest.approx(0.1 / 1.2)
+
+
 def test_balance_without_energy(monkeypatch):
     keep_books(monkeypatch, Ledger())
     assert sg.Balance().error() == 0
@@ -189,6 +198,14 @@ def test_picture(tmp_path, field, contact):
     )
     assert path.read_bytes()[:4] == b"\x89PNG"
     assert path.stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    "scale, label", ((None, "(kPa)"), (2e6, "/ E"), (1e6, "/ 1e+06 Pa")), ids=str
+)
+def test_unit_of_the_colours(scale, label):
+    O.bodies.append(sg.soft_disk((0, 0, 0), 0.01, sg.SoftMat(young=2e6), zeta=0.3))
+    assert picture._unit_label(scale) == label
 
 
 def area(polygon):

@@ -64,7 +64,7 @@ def largest_stress(body):
 def present_state():
     """All that a run goes on from, as arrays by name."""
     grains = sg.soft_bodies()
-    energy = sg.integrator().energy()
+    energy = sg.integrator().energy() if O.trackEnergy else {}
     return {
         "nodes": np.concatenate([b.shape.nodes() for b in grains]),
         "velocities": np.concatenate([b.shape.nodeVelocities() for b in grains]),

@@ -49,8 +49,7 @@ def eight_balls():
 def insert_controller(walls, **attributes):
     """A WallStressController in its place in O.engines."""
     controller = sg.WallStressController(walls=walls, **attributes)
-    engines = list(O.engines)
-    O.engines = engines[:3] + [controller] + engines[3:]
+    sg.insert_before_solve(controller)
     return controller
 
 

@@ -45,6 +45,11 @@ def test_class_is_part_of_yade_and_of_the_package(name):
     assert getattr(yade, name)().dict() is not None
 
 
+def test_version_is_that_of_the_project():
+    text = (Path(__file__).parents[2] / "CMakeLists.txt").read_text()
+    assert f"project(softgrain VERSION {sg.__version__} " in text
+
+
 def test_all_names_exist():
     assert all(hasattr(sg, name) for name in sg.__all__)
 

@@ -31,6 +31,18 @@ def with_engine(engine):
     O.engines = engines[:1] + [engine] + engines[1:]
 
 
+def test_engines_before_the_solve():
+    free_grain()
+    names = [type(engine).__name__ for engine in O.engines]
+    sg.insert_before_solve(ForceEngine(), TorqueEngine())
+    place = names.index("SoftGrainIntegrator")
+    expected = names[:place] + ["ForceEngine", "TorqueEngine"] + names[place:]
+    assert [type(engine).__name__ for engine in O.engines] == expected
+    O.engines = []
+    with pytest.raises(ValueError, match="sg.engines"):
+        sg.insert_before_solve(ForceEngine())
+
+
 def test_force_and_torque_engine_on_a_grain():
     disk = free_grain()
     with_engine(ForceEngine(ids=[disk.id], force=(0.3, 0.1, 0)))

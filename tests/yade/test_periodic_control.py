@@ -23,8 +23,7 @@ def test_stress_control_by_yade(mass):
         growDamping=0.5,
         maxStrainRate=(5, 5, 0),
     )
-    engines = O.engines
-    O.engines = engines[:3] + [control] + engines[3:]
+    sg.insert_before_solve(control)
     run(6000)
     stresses = []
     for _ in range(300):
@@ -66,8 +65,7 @@ def test_full_stress_and_strain_control_by_yade(dim):
         doneHook="pass",
         **paths,
     )
-    engines = O.engines
-    O.engines = engines[:3] + [control] + engines[3:]
+    sg.insert_before_solve(control)
     errors = []
     while control.progress < 1:
         O.step()

@@ -117,7 +117,7 @@ def test_ids_that_are_no_bodies():
     material = O.bodies[0].material
     softener = sg.SoftenWhenLoaded(ids=[-1, 10**6], shape=sg.SoftGrain(), material=material)
     ready()
-    O.engines = O.engines[:3] + [softener] + O.engines[3:]
+    sg.insert_before_solve(softener)
     run(1)
     assert softener.ids == []
 

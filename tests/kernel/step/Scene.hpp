@@ -7,11 +7,14 @@
 #include "step/System.hpp"
 
 #include <deque>
+#include <memory>
 
 namespace softgrain::testing {
 
 template <int dim> struct Scene {
-	System<dim> system;
+	/// Keeps its place when a scene is moved.
+	std::unique_ptr<System<dim>> owned = std::make_unique<System<dim>>();
+	System<dim>& system = *owned;
 	std::deque<ContactList<dim>> lists; ///< planes move with their velocity
 	StepSettings settings;
 	double courant = 0.5; ///< time step over the critical one

@@ -6,6 +6,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 using namespace softgrain;
 using namespace softgrain::testing;
@@ -398,29 +399,35 @@ TEST_CASE("Sleep: damping far above critical does not let grains sleep half way"
 	CHECK(std::abs(with / without - 1) < 1e-4);
 }
 
+namespace {
+
+/// A heap of its own that goes on from another one.
+Scene<2> continued(const Scene<2>& from)
+{
+	Scene<2> scene = heap();
+	for (int g = 0; g < from.system.grains(); ++g)
+		scene.system.setOf(g).setState(scene.laneOf(g),
+					       from.system.setOf(g).state(from.laneOf(g)));
+	for (int g = 0; g < from.system.grains(); ++g)
+		scene.system.activity().restoreSleep(g, from.system.activity().sleepNumbers(g));
+	scene.lists = from.lists;
+	scene.system.continueFrom(from.system.continuation());
+	scene.system.updateSurfaces(1);
+	return scene;
+}
+
+} // namespace
+
 TEST_CASE("Sleep: the same bits with any number of threads, and after a pause", "[sleep]")
 {
 	auto run = [](int threads, int save) {
-		Scene<2> scene = heap();
-		scene.settings.threads = threads;
-		const double dt = 0.5 * scene.system.criticalTimeStep();
+		std::optional<Scene<2>> running = heap();
+		running->settings.threads = threads;
+		const double dt = 0.5 * running->system.criticalTimeStep();
 		bool slept = false;
 		for (int n = 0; n < 5000; ++n) {
-			if (n == save) { // a system of its own goes on
-				Scene<2> second = heap();
-				for (int g = 0; g < scene.system.grains(); ++g)
-					second.system.setOf(g).setState(
-						second.laneOf(g),
-						scene.system.setOf(g).state(scene.laneOf(g)));
-				for (int g = 0; g < scene.system.grains(); ++g)
-					second.system.activity().restoreSleep(
-						g, scene.system.activity().sleepNumbers(g));
-				second.lists = scene.lists;
-				second.system.continueFrom(scene.system.continuation());
-				second.system.updateSurfaces(1);
-				std::swap(scene.system, second.system);
-				scene.lists = second.lists;
-			}
+			if (n == save) running.emplace(continued(*running));
+			Scene<2>& scene = *running;
 			if (n == 4900) {
 				BodyLoad<2> load = scene.system.loads()[2];
 				load.acceleration[0] = 0.1 * gravity;
@@ -430,8 +437,8 @@ TEST_CASE("Sleep: the same bits with any number of threads, and after a pause", 
 			scene.advance(dt);
 		}
 		CHECK(slept);
-		CHECK(sleepers(scene) == 0);
-		return scene.state();
+		CHECK(sleepers(*running) == 0);
+		return running->state();
 	};
 	const auto bits = run(1, -1);
 	CHECK(run(2, -1) == bits);
