@@ -13,6 +13,8 @@ from softgrain.observe import nearest_images, soft_bodies, von_mises
 WIDTH, LARGEST_HEIGHT, TITLE_HEIGHT = 6.5, 9.0, 0.4
 #: Percentile of the stresses at which colours end if no limits are given: single points stick out.
 HIGHEST_SHOWN = 99
+#: Stresses that differ by less, in their unit, are those of rounding.
+FLAT = 1e-9
 #: Corners of the polygon that a rigid sphere is drawn as.
 CORNERS_OF_A_CIRCLE = 72
 
@@ -146,7 +148,8 @@ def _draw_field(figure, axes, images, outlines, field, scale, limits):
             if field == "von_mises"
             else min(0.0, float(np.percentile(values, 100 - HIGHEST_SHOWN)))
         )
-        limits = (low, max(float(np.percentile(values, HIGHEST_SHOWN)), low + 1e-12))
+        high = float(np.percentile(values, HIGHEST_SHOWN))
+        limits = (low, high if high > low + FLAT else low + 1)
     for (points, stress), outline in zip(fields, outlines):
         _draw_grain(axes, points, stress / unit, outline, limits)
     name = {"von_mises": "von Mises stress", "pressure": "pressure"}[field]
