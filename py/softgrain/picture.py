@@ -142,20 +142,20 @@ def _draw_field(figure, axes, images, outlines, field, scale, limits):
     fields = [_point_values(b, shift, field) for b, shift in images]
     unit = scale if scale else 1e3
     values = np.concatenate([v for _, v in fields]) / unit
-    if limits is None:
-        low = (
-            0.0
-            if field == "von_mises"
-            else min(0.0, float(np.percentile(values, 100 - HIGHEST_SHOWN)))
-        )
-        high = float(np.percentile(values, HIGHEST_SHOWN))
-        limits = (low, high if high > low + FLAT else low + 1)
+    limits = limits or _limits_of(values)
     for (points, stress), outline in zip(fields, outlines):
         _draw_grain(axes, points, stress / unit, outline, limits)
     name = {"von_mises": "von Mises stress", "pressure": "pressure"}[field]
     label = f"{name} {_unit_label(scale)}"
     mappable = axes.collections[0]
     figure.colorbar(mappable, ax=axes, label=label, shrink=0.6, pad=0.02)
+
+
+def _limits_of(values):
+    """Colours from 0, or the lowest where stresses are negative, to the highest shown."""
+    low, high = np.percentile(values, (100 - HIGHEST_SHOWN, HIGHEST_SHOWN))
+    low = min(0.0, float(low))  # an equivalent stress is never below 0
+    return low, float(high) if high > low + FLAT else low + 1
 
 
 def _unit_label(scale):

@@ -9,7 +9,6 @@ otherwise.
 
 import argparse
 import math
-import resource
 import statistics
 import sys
 import tempfile
@@ -27,9 +26,17 @@ from yade import (
 import softgrain as sg
 from softgrain import command_line
 
-sys.path.append(str(Path(sys.argv[0]).resolve().parents[1]))  # scripts/
+sys.path.extend(map(str, Path(sys.argv[0]).resolve().parents[:2]))  # scripts/benchmark/, scripts/
 
 import compaction  # noqa: E402
+from measuring import (  # noqa: E402
+    counted_work,
+    figures_of,
+    measure,
+    medians,
+    peak_memory,
+    resident_memory,
+)
 
 RADIUS = compaction.MEAN_RADIUS
 SPREAD = compaction.RADIUS_SPREAD
@@ -47,76 +54,9 @@ STIFFNESS_DAMPING = 1e-6  # s, a twentieth of the critical time step
 GRAVITY = 9.81  # m/s²
 #: Attributes of SoftGrainIntegrator that skip grains at rest or in free flight, where it has them.
 SKIPPING = ("rigidMotion", "sleep")
-COUNTS = (
-    "totalSweeps",
-    "pointsUpdated",
-    "pointsMeasured",
-    "pairsSearched",
-    "candidatesTested",
-    "contactsSwept",
-)
 
 
-# --- measuring -----------------------------------------------------------------------------------
-
-
-def measure(options):
-    """Figures of a step: medians over the repetitions."""
-    O.timingEnabled = True
-    return medians([_repetition(options.steps) for _ in range(options.repeat)])
-
-
-def _repetition(steps):
-    sg.reset_times()
-    before = counted_work()
-    wall, processor = time.perf_counter(), time.process_time()
-    sg.advance(steps)
-    wall, processor = time.perf_counter() - wall, time.process_time() - processor
-    return figures_of(steps, wall, processor, before)
-
-
-def figures_of(steps, wall, processor, before):
-    """Figures of each of the steps since the books were reset and ``before`` was counted.
-
-    Phases are booked in wall time. ``busy`` is the share of it in which this process had the
-    processor; what other programs took is left out of all phases alike.
-    """
-    after = counted_work()
-    busy = min(processor / wall, 1)
-    times = {name: seconds for name, (seconds, _) in sg.phase_times().items()}
-    times["outside the engines"] = max(wall - sum(times.values()), 0)
-    return {
-        "wall": wall / steps,
-        "busy": busy,
-        "phases": {name: busy * seconds / steps for name, seconds in times.items()},
-        "counts": {name: (after[name] - before[name]) / steps for name in after},
-    }
-
-
-def counted_work():
-    try:
-        engine = sg.integrator()
-    except ValueError:
-        return {}
-    return {name: getattr(engine, name) for name in COUNTS}
-
-
-def medians(rows):
-    """Medians of nested dicts of numbers, key by key; a phase that a row lacks took no time."""
-    if not isinstance(rows[0], dict):
-        return statistics.median(rows)
-    keys = dict.fromkeys(key for row in rows for key in row)
-    return {key: medians([row.get(key, 0.0) for row in rows]) for key in keys}
-
-
-def peak_memory():
-    """Of this process so far [bytes]."""
-    return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-
-
-def resident_memory():
-    """Of this process now [bytes]."""
-    return resource.getpagesize() * int(Path("/proc/self/statm").read_text().split()[1])
+# --- scenes --------------------------------------------------------------------------------------
 
 
 def skip(allowed):
@@ -126,9 +66,6 @@ def skip(allowed):
     for name in known:
         setattr(engine, name, allowed)
     return bool(known)
-
-
-# --- scenes --------------------------------------------------------------------------------------
 
 
 def material(mu=0.3):

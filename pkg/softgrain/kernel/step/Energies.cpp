@@ -31,7 +31,7 @@ void book(Balance& now, Balance& sums, double Balance::* sum, const ContactWork:
 
 } // namespace
 
-template <int dim> void Energies<dim>::balance(const ContactWork& contacts, double dropped)
+template <int dim> void Energies<dim>::balanceGrains(const ContactWork& contacts, double dropped)
 {
 	balance_ = sums_;
 	balance_.kinetic = balance_.elastic = 0;

@@ -63,7 +63,7 @@ public:
 	void measureWorks(int g, double kick);
 
 	/// The balance at t_n, with what contacts did and what grains that fell asleep had.
-	void balance(const ContactWork& contacts, double dropped);
+	void balanceGrains(const ContactWork& contacts, double dropped);
 	/// Afterwards, of rigid bodies: with their velocities without and with contact.
 	void balanceRigidBodies(const ContactWork& contacts,
 				const std::vector<RigidPartner<dim>>& free,

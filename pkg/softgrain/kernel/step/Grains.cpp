@@ -13,9 +13,9 @@ template <int dim> void Grains<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 	renewLists();
 }
 
-template <int dim> typename Grains<dim>::Activity Grains<dim>::activityOf(int g) const
+template <int dim> typename Grains<dim>::Listed Grains<dim>::listOf(int g) const
 {
-	return isAsleep(g) ? Activity::asleep : isRigid(g) ? Activity::rigid : Activity::active;
+	return isAsleep(g) ? Listed::asleep : isRigid(g) ? Listed::rigid : Listed::active;
 }
 
 template <int dim> void Grains<dim>::renewLists()
@@ -30,9 +30,9 @@ template <int dim> void Grains<dim>::renewLists()
 	for (auto* list : { &active_, &asleep_, &awake_ })
 		list->clear();
 	for (int g = 0; g < count(); ++g) {
-		listed_[g] = activityOf(g);
-		if (listed_[g] == Activity::active) active_.push_back(g);
-		(listed_[g] == Activity::asleep ? asleep_ : awake_).push_back(g);
+		listed_[g] = listOf(g);
+		if (listed_[g] == Listed::active) active_.push_back(g);
+		(listed_[g] == Listed::asleep ? asleep_ : awake_).push_back(g);
 	}
 	for (const auto& set : sets_)
 		set->arrangeGrains();

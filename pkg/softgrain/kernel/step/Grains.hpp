@@ -31,7 +31,7 @@ public:
 	const std::vector<int>& active() const { return active_; } ///< computed
 	const std::vector<int>& asleep() const { return asleep_; }
 	const std::vector<int>& awake() const { return awake_; } ///< active, or moving rigidly
-	bool isListedAsleep(int g) const { return listed_[g] == Activity::asleep; }
+	bool isListedAsleep(int g) const { return listed_[g] == Listed::asleep; }
 	/// Another number after every change of the lists.
 	long listsMade() const { return listsMade_; }
 
@@ -43,15 +43,15 @@ private:
 	struct Place {
 		int set, index;
 	};
-	enum class Activity : char { active, rigid, asleep };
+	enum class Listed : char { active, rigid, asleep };
 
-	Activity activityOf(int g) const;
+	Listed listOf(int g) const;
 
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
 	std::vector<Place> place_;
 	std::vector<BodyLoad<dim>> loads_;
-	std::vector<Activity> listed_; ///< by grain: the list it is in
-	long listedChanges_ = -1;      ///< of activity, of all sets, when the lists were made
+	std::vector<Listed> listed_; ///< by grain: the list it is in
+	long listedChanges_ = -1;    ///< of activity, of all sets, when the lists were made
 	long listsMade_ = 0;
 	std::vector<int> active_, asleep_, awake_;
 };

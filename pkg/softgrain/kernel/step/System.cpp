@@ -258,7 +258,7 @@ template <int dim> ContactWork System<dim>::workOfContacts()
 template <int dim>
 void System<dim>::balanceEnergy(const StepSettings& settings, const StepReport& report)
 {
-	energies_.balance(workOfContacts(), report.dropped.energy);
+	energies_.balanceGrains(workOfContacts(), report.dropped.energy);
 	if (settings.trackRigidBodies)
 		energies_.balanceRigidBodies(solver_.rigidWork(), free_, partners_);
 }
