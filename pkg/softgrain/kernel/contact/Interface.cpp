@@ -62,8 +62,9 @@ double PairInterface<dim>::biasOf(double bias, double gap, double before, bool c
 }
 
 template <int dim>
-void PairInterface<dim>::remember(std::size_t k, const Vec<dim>& normal, const Vec<dim>& reaction,
-				  const Vec<dim>& u, double friction, double gap, double closed)
+Vec<dim> PairInterface<dim>::remember(std::size_t k, const Vec<dim>& normal,
+				      const Vec<dim>& reaction, const Vec<dim>& u, double friction,
+				      double gap, double pointSpacing)
 {
 	ContactHistory<dim>& h = history[k];
 	const double pressed = reaction.dot(normal);
@@ -73,8 +74,9 @@ void PairInterface<dim>::remember(std::size_t k, const Vec<dim>& normal, const V
 	if (h.bond == Bond::whole)
 		h.slip += dt_ * across<dim>(u, normal);
 	else if (h.bond == Bond::none && law.hasBond() && law.bondAtTouch &&
-		 (pressed > 0 || gap < closed))
+		 (pressed > 0 || gap < touchingGap * pointSpacing))
 		bondNow(k, gap + dt_ * u.dot(normal));
+	return reaction + h.pull;
 }
 
 template <int dim> void PairInterface<dim>::bondNow(std::size_t k, double gap)

@@ -76,10 +76,11 @@ public:
 	void engage(Constraints& constraints, const std::vector<Contact<dim>>& contacts,
 		    const std::vector<ContactArea>& areas, bool onRigid, Apply&& apply,
 		    Approach&& approach);
-	/// What became of contact k in the step: reaction r', velocity u after it, with the gap of
-	/// t_n and the one below which it counts as closed, m.
-	void remember(std::size_t k, const Vec<dim>& normal, const Vec<dim>& reaction,
-		      const Vec<dim>& u, double friction, double gap, double closed);
+	/// Keeps what became of contact k in the step: reaction r', velocity u after it, with the
+	/// gap of t_n, m, and the spacing dr of its node's points, m. Returns its whole impulse, r'
+	/// + p.
+	Vec<dim> remember(std::size_t k, const Vec<dim>& normal, const Vec<dim>& reaction,
+			  const Vec<dim>& u, double friction, double gap, double pointSpacing);
 	/// Contact k is bonded from now on.
 	void bondNow(std::size_t k, double gap);
 

@@ -253,15 +253,6 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairSolver<dim>::solveAlone(double violat
 	return sweeps;
 }
 
-/// Its reaction and traction together; keeps what the interface has to remember.
-template <int dim> Vec<dim> PairSolver<dim>::finishInterface(std::size_t k)
-{
-	const Constraint& c = constraints_[k];
-	interface_->remember(k, c.normal, c.impulse, velocity(c), friction_, list_->contacts[k].gap,
-			     touchingGap * own(c)->pointSpacing);
-	return c.impulse + interface_->history[k].pull;
-}
-
 template <int dim> void PairSolver<dim>::finish()
 {
 	PairImpulse<dim> sum;
@@ -270,7 +261,11 @@ template <int dim> void PairSolver<dim>::finish()
 		list_->contacts[k].impulse = c.impulse;
 		sum.point += own(c)->contactPoint(c.node);
 		if (!c.onFirst) sum.point += list_->image.shift;
-		const Vec<dim> r = interface_ ? finishInterface(k) : c.impulse;
+		const Vec<dim> r =
+			interface_ ? interface_->remember(k, c.normal, c.impulse, velocity(c),
+							  friction_, list_->contacts[k].gap,
+							  own(c)->pointSpacing)
+				   : c.impulse;
 		if (r.isZero(0)) continue;
 		++sum.active;
 		const Vec<dim> normal = r.dot(c.normal) * c.normal;

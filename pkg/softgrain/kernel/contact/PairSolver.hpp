@@ -126,7 +126,6 @@ private:
 			return visit([this](const Constraint&) { return friction_; });
 		return visit([this](const Constraint& c) { return friction(c); });
 	}
-	Vec<dim> finishInterface(std::size_t k);
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	/// Adds what an impulse does to velocities of the nodes of both bodies.
 	void push(const Constraint& c, const Vec<dim>& J, Vec<dim>* own, Vec<dim>* other) const;

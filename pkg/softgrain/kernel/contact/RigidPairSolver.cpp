@@ -101,14 +101,6 @@ template <int dim> ResidualSum RigidPairSolver<dim>::residual() const
 	return sum;
 }
 
-template <int dim> Vec<dim> RigidPairSolver<dim>::finishInterface(std::size_t k)
-{
-	const Constraint& c = constraints_[k];
-	interface_->remember(k, c.normal, c.impulse, velocity(c), friction_, list_->contacts[k].gap,
-			     touchingGap * grain_->pointSpacing);
-	return c.impulse + interface_->history[k].pull;
-}
-
 template <int dim> void RigidPairSolver<dim>::finish()
 {
 	PairImpulse<dim>& sum = list_->impulse;
@@ -119,7 +111,11 @@ template <int dim> void RigidPairSolver<dim>::finish()
 		list_->contacts[k].impulse =
 			list_->contacts[k].key.side == 0 ? c.impulse : Vec<dim>(-c.impulse);
 		sum.point += place;
-		const Vec<dim> r = interface_ ? finishInterface(k) : c.impulse;
+		const Vec<dim> r =
+			interface_ ? interface_->remember(k, c.normal, c.impulse, velocity(c),
+							  friction_, list_->contacts[k].gap,
+							  grain_->pointSpacing)
+				   : c.impulse;
 		if (r.isZero(0)) continue;
 		++sum.active;
 		const Vec<dim> normal = r.dot(c.normal) * c.normal;

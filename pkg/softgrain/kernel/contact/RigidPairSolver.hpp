@@ -58,7 +58,6 @@ public:
 
 private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
-	Vec<dim> finishInterface(std::size_t k);
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);

@@ -151,7 +151,7 @@ void appendLine(const std::vector<int>& points, const std::vector<Stencil<dim>>&
 	for (int a = 0; a < dim; ++a)
 		first[a] = stencils[points[0]][a].first;
 	const int place = placeOf(lines, low, first), line = static_cast<int>(lines.line.size());
-	lines.line.push_back({ begin, begin, static_cast<int>(lines.run.size()), place, 0 });
+	lines.line.push_back({ begin, begin, static_cast<int>(lines.run.size()), place });
 	for (int p : points) {
 		const SplineStencil& along = stencils[p][dim - 1];
 		const typename PointLines<dim>::Point point { p, along.first - first[dim - 1],
@@ -163,7 +163,6 @@ void appendLine(const std::vector<int>& points, const std::vector<Stencil<dim>>&
 		if (end == begin || point.row != lines.point.back().row)
 			lines.run.push_back({ end, end, place + point.row, line });
 		lines.point.push_back(point);
-		lines.line.back().rows = point.row + width;
 		lines.run.back().end = ++end;
 	}
 	appendAcross<dim>(stencils[points[0]], width, grid.spacing(), lines.across);

@@ -21,7 +21,6 @@ template <int dim> struct PointLines {
 		int begin, end; ///< its points
 		int firstRun;   ///< the others follow
 		int place;      ///< in the box: first node of the first row
-		int rows;       ///< one B-spline along the line each; all are met by points
 	};
 	/// Points of a line that meet the same rows.
 	struct Run {
