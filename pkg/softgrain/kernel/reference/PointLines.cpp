@@ -195,7 +195,7 @@ template <int dim> PointLines<dim> makePointTable(int nodes, const Quadrature<di
 	const int points = static_cast<int>(quadrature.point.size());
 	for (int begin = 0; begin < points; begin += PointLines<dim>::maxPoints)
 		lines.line.push_back(
-			{ begin, std::min(begin + PointLines<dim>::maxPoints, points), 0, 0, 0 });
+			{ begin, std::min(begin + PointLines<dim>::maxPoints, points), 0, 0 });
 	for (int p = 0; p < points; ++p)
 		lines.point.push_back({ p, 0, quadrature.weight[p], 0 });
 	return lines;
