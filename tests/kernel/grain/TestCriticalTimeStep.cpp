@@ -1,5 +1,6 @@
 #include "Helpers.hpp"
 #include "grain/CriticalTimeStep.hpp"
+#include "grain/HighestFrequency.hpp"
 #include "grain/InternalForce.hpp"
 #include "grain/Stiffening.hpp"
 #include "grain/Vibrations.hpp"
@@ -16,13 +17,6 @@ using namespace softgrain;
 using namespace softgrain::testing;
 
 namespace {
-
-Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A)
-{
-	const Eigen::MatrixXd symmetric = 0.5 * (A + A.transpose());
-	return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly)
-		.eigenvalues();
-}
 
 /// Rows and columns of the nodes that are at least half as heavy as the heaviest.
 template <int dim> std::vector<int> heavyComponents(const GrainTemplate<dim>& reference)
@@ -93,69 +87,6 @@ TEMPLATE_TEST_CASE("Critical time step: highest frequency of the internal force"
 			const Eigen::MatrixXd inside = dynamics(heavy, heavy);
 			CHECK(eigenvalues(inside)[0] > 0.005 * largest);
 		}
-}
-
-TEMPLATE_TEST_CASE("Critical time step: highest frequency of a deformed grain", "[grain]",
-		   PlaneStrain, PlaneStress, Solid)
-{
-	constexpr int dim = TestType::dim;
-	Random random(1);
-	for (int order : { 2, 3 })
-		for (double size : { 0.1, 0.3 }) {
-			CAPTURE(order, size);
-			auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.2 : 0.5, order),
-						      paperGrain<dim>(), TestType::condition);
-			deform<dim>(batch, 0, random.deformation<dim>(size));
-			for (int I = 0; I < batch.reference->nodes(); ++I) {
-				const Vec<dim> X = batch.reference->nodePosition[I]; // not affine
-				batch.x.set(0, I,
-					    batch.x.get(0, I) + size * 0.3 * batch.grain[0].radius *
-									X[0] * X[1] *
-									Vec<dim>::Unit(1));
-			}
-			const Eigen::VectorXd squares = eigenvalues(dynamicMatrix(batch));
-			const double ratio =
-				highestFrequency(batch, 0) / std::sqrt(squares[squares.size() - 1]);
-			CAPTURE(ratio);
-			CHECK(ratio > 1);
-			CHECK(ratio < 1.0101);
-		}
-}
-
-TEMPLATE_TEST_CASE("Critical time step: what few iterations find is on the safe side", "[grain]",
-		   PlaneStrain, PlaneStress, Solid)
-{
-	constexpr int dim = TestType::dim;
-	Random random(3);
-	for (double zeta : { dim == 2 ? 0.2 : 0.4, dim == 2 ? 0.08 : 0.15 })
-		for (double nodeSpacing : { 1.25, 2. })
-			for (double size : { 0., 0.1, 0.3 }) {
-				auto batch =
-					singleGrain<dim>(recipe(zeta, 3, nodeSpacing),
-							 paperGrain<dim>(), TestType::condition);
-				const Mat<dim> F = size > 0 ? random.deformation<dim>(size)
-							    : Mat<dim>(Mat<dim>::Identity());
-				for (int I = 0; I < batch.reference->nodes(); ++I) {
-					const Vec<dim> X = batch.reference->nodePosition[I];
-					const double dent = std::exp(
-						-20 * (X - Vec<dim>::Unit(0)).squaredNorm());
-					batch.x.set(0, I,
-						    0.01 * (F * X -
-							    0.5 * size * dent * Vec<dim>::Unit(0)));
-				}
-				const double exact = highestFrequency(batch, 0);
-				auto found = [&](bool early) {
-					const MeasuredFrequency measured = highestFrequency(
-						batch, 0, [&](double) { return early; });
-					CHECK(measured.forces == (early ? 8 : 24));
-					return measured.frequency / exact;
-				};
-				CAPTURE(zeta, nodeSpacing, size, batch.reference->nodes());
-				CHECK(found(true) > 1);
-				CHECK(found(true) < 1.04);
-				CHECK(found(false) > 0.985);
-				CHECK(found(false) <= 1 + 1e-12);
-			}
 }
 
 TEST_CASE("Critical time step: a measured stiffening keeps its share of the bound", "[grain]")

@@ -36,4 +36,12 @@ template <int dim> Eigen::MatrixXd dynamicMatrix(Batch<dim> batch)
 	return K;
 }
 
+/// Of the symmetric part, in ascending order.
+inline Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A)
+{
+	const Eigen::MatrixXd symmetric = 0.5 * (A + A.transpose());
+	return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly)
+		.eigenvalues();
+}
+
 } // namespace softgrain::testing

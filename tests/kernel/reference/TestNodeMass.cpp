@@ -1,5 +1,5 @@
 #include "Helpers.hpp"
-#include "grain/CriticalTimeStep.hpp"
+#include "grain/HighestFrequency.hpp"
 #include "reference/NodeMass.hpp"
 
 #include <algorithm>

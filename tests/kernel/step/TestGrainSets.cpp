@@ -85,7 +85,7 @@ TEST_CASE("Formulations: stiffening is measured alike wherever velocities live",
 		set->updateForces({});
 		const double bound = set->stiffening(0);
 		REQUIRE(set->mayMeasureStiffening(0));
-		set->measureStiffening(0, 1);
+		set->measureStiffening({ { 0, 1. } });
 		CHECK(!set->mayMeasureStiffening(0));
 		CHECK(set->stiffening(0) > 1.05);
 		CHECK(set->stiffening(0) < 0.95 * bound);

@@ -16,6 +16,10 @@
 
 namespace softgrain {
 
+/// Grains in a block from which on they are computed side by side; in a block of fewer, each on its
+/// own with its points side by side (doc/decisions/0013-bulk-pass.md).
+constexpr int fullBlock = 4;
+
 /// One vector per node and grain, the nodes of a grain side by side. Grains that were exchanged lie
 /// in the memory of the other field, which has to live as long; a copy has all of its own.
 template <int dim> class NodalField {

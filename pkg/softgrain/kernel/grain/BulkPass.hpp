@@ -11,10 +11,6 @@
 
 namespace softgrain {
 
-/// Grains in a block from which on they are computed side by side; in a block of fewer, each on its
-/// own with its points side by side (doc/decisions/0013-bulk-pass.md).
-constexpr int fullBlock = 4;
-
 /// Calls `use(sideOf)` for all grains of a block or, one after the other, for each of them, where
 /// `sideOf(field)` is the side of a nodal field of the batch.
 template <int dim, class Use> void forEachSide(const Batch<dim>& batch, int block, Use&& use)

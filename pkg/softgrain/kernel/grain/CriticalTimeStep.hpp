@@ -3,7 +3,7 @@
 
 #include "grain/Batch.hpp"
 
-#include <functional>
+#include <vector>
 
 namespace softgrain {
 
@@ -12,22 +12,6 @@ namespace softgrain {
 /// step amplifies a mode by -1 where the largest eigenvalue of dt^2 (2 - S) M^-1 K is 4; that is at
 /// most twice the largest of M^-1 K, so 1/sqrt(2) is safe.
 constexpr double pointVelocityTimeStepShare = 0.7071067811865476;
-
-/// Highest angular frequency of a grain in its present shape, rad/s: the largest eigenvalue of
-/// M^-1 K with the tangent K as differences of internal forces, by Lanczos' iteration. Raised by 1
-/// % because the iteration approaches from below. Takes the time of 40 computations of its forces.
-template <int dim> double highestFrequency(const Batch<dim>& batch, int g);
-
-struct MeasuredFrequency {
-	double frequency; ///< rad/s
-	int forces;       ///< computations of the grain's forces that it took
-};
-
-/// The same in the time of 24, or of 8 if what is found then, raised by 4 %, suffices, which
-/// `suffices(frequency)` tells.
-template <int dim>
-MeasuredFrequency highestFrequency(const Batch<dim>& batch, int g,
-				   const std::function<bool(double)>& suffices);
 
 /// dt_c of the undeformed grain, s.
 template <int dim>

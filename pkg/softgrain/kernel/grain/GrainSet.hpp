@@ -67,6 +67,12 @@ template <int dim> struct ContactMobility {
 	double scale;
 };
 
+/// A grain whose stiffening is to be measured, and the critical step that is long enough, s.
+struct DueMeasurement {
+	int grain;
+	double enough;
+};
+
 template <int dim> class GrainSet {
 public:
 	virtual ~GrainSet() = default;
@@ -82,10 +88,10 @@ public:
 	virtual double stiffening(int g) const = 0;
 	/// Whether it may be less than known.
 	virtual bool mayMeasureStiffening(int) const { return false; }
-	/// Finds out, or that with its damping the critical step of the grain is at least `enough`,
-	/// s; may be called for several grains at a time. Returns how often it computed the forces
-	/// of the grain.
-	virtual int measureStiffening(int /*g*/, double /*enough*/) { return 0; }
+	/// Finds out, or that with its damping the critical step of the grain is long enough, of
+	/// grains side by side; may be called for different grains at a time. Returns how often it
+	/// computed the forces of a grain.
+	virtual int measureStiffening(const std::vector<DueMeasurement>&) { return 0; }
 	/// How much faster damping acts in the grain as deformed now, >= 1 (Damper).
 	virtual double rateStiffening(int) const { return 1; }
 

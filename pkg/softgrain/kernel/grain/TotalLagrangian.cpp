@@ -1,5 +1,6 @@
 #include "grain/TotalLagrangian.hpp"
 #include "grain/CriticalTimeStep.hpp"
+#include "grain/HighestFrequency.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -12,7 +13,7 @@ namespace {
 /// square times that of a wave of unit strain, is lost in the rounding of the energy of any motion.
 constexpr double undeformedStrain = 1e-8;
 /// A step so many times as long as it has to be is known well enough by few iterations
-/// (highestFrequency): what they may lack in grains of far more nodes is in it.
+/// (highestFrequencies): what they may lack in grains of far more nodes is in it.
 constexpr double amply = 1.05;
 /// Strain by centrifugal forces, (omega R/c)^2, that rigid motion may leave out.
 constexpr double spinStrain = 1e-4;
@@ -134,23 +135,39 @@ template <int dim> int TotalLagrangian<dim>::updateForces(const ForceSchedule& s
 	return static_cast<int>(computed_.size());
 }
 
-template <int dim> int TotalLagrangian<dim>::measureStiffening(int g, double enough)
+/// Square of a frequency over that of the undeformed grain, as far as it is to be believed.
+template <int dim> double TotalLagrangian<dim>::stiffeningOf(int g, double frequency) const
 {
-	const BulkReport& present = batch_.report[g];
 	const double ofNodes = // critical step of the undeformed grain
 		criticalTimeStep_[g] / (pointVelocities_ ? pointVelocityTimeStepShare : 1);
+	const double ratio = 0.5 * ofNodes * frequency, squared = ratio * ratio;
 	// what is reported of held forces is of another shape than that of the nodes
-	const double least = holder_.rate(g) > 1 ? Stiffening::safeShare * present.stiffening : 0;
-	auto valueOf = [&](double frequency) {
-		const double ratio = 0.5 * ofNodes * frequency;
-		return std::max(least, ratio * ratio);
-	};
-	const MeasuredFrequency measured = highestFrequency(batch_, g, [&](double found) {
-		return dampedTimeStep(criticalTimeStep_[g], batch_.grain[g].damping, valueOf(found),
+	const bool held = holder_.rate(g) > 1;
+	return held ? std::max(squared, Stiffening::safeShare * batch_.report[g].stiffening)
+		    : squared;
+}
+
+template <int dim>
+int TotalLagrangian<dim>::measureStiffening(const std::vector<DueMeasurement>& due)
+{
+	std::vector<int> grains;
+	for (const DueMeasurement& one : due)
+		grains.push_back(one.grain);
+	const auto suffices = [&](std::size_t k, double frequency) {
+		const auto [g, enough] = due[k];
+		return dampedTimeStep(criticalTimeStep_[g], batch_.grain[g].damping,
+				      stiffeningOf(g, frequency),
 				      rateStiffening(g)) >= amply * enough;
-	});
-	stiffening_[g].set(present, valueOf(measured.frequency));
-	return measured.forces;
+	};
+	const std::vector<MeasuredFrequency> measured =
+		highestFrequencies(batch_, grains, suffices);
+	int forces = 0;
+	for (std::size_t k = 0; k < due.size(); ++k) {
+		const int g = grains[k];
+		stiffening_[g].set(batch_.report[g], stiffeningOf(g, measured[k].frequency));
+		forces += measured[k].forces;
+	}
+	return forces;
 }
 
 /// Relative to the grain's origin.

@@ -36,7 +36,7 @@ public:
 	{
 		return stiffening_[g].isDue(batch_.report[g]);
 	}
-	int measureStiffening(int g, double enough) override;
+	int measureStiffening(const std::vector<DueMeasurement>& due) override;
 
 	bool isRigid(int g) const override { return isRigid_[g]; }
 	bool mayMoveRigidly(int g) const override;
@@ -120,6 +120,7 @@ private:
 	};
 
 	int nodes() const { return batch_.reference->nodes(); }
+	double stiffeningOf(int g, double frequency) const;
 	WholeGrain<dim> wholeOfParticles(int g) const;
 	void measureShapes();
 	/// Energy of the motion apart from the rigid one, J.

@@ -49,7 +49,6 @@ template <int dim> void TimeSteps<dim>::measureSleepers()
 		ofSleepers_ = std::min(ofSleepers_, presentStepOf(g));
 }
 
-/// (All grains that have to be measured are so at once: who they are does not depend on threads.)
 template <int dim> double TimeSteps<dim>::deformed(double enough, int threads)
 {
 	measureSleepers();
@@ -65,22 +64,62 @@ template <int dim> double TimeSteps<dim>::deformed(double enough, int threads)
 		else
 			known = own;
 	}
-	std::erase_if(due, [known](const auto& grain) { return grain.second >= known; });
-	if (due.empty()) return shortest;
-	const int count = static_cast<int>(due.size());
-	long points = 0;
-#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(+ : points) if (count > 1)
-	for (int i = 0; i < count; ++i) {
-		const int g = due[i].first;
-		GrainSet<dim>& set = grains_.setOf(g);
-		const int forces = set.measureStiffening(grains_.indexInSet(g), rate_[g] * enough);
-		points += static_cast<long>(forces) * set.reference().points();
-	}
-	measuredPoints_ += points;
+	std::vector<int> measured;
+	for (const auto& [g, own] : due)
+		if (own < known) measured.push_back(g);
+	if (measured.empty()) return shortest;
+	measure(measured, enough, threads);
 	shortest = ofOthers;
 	for (int g : grains_.active())
 		shortest = std::min(shortest, presentStepOf(g));
 	return shortest;
+}
+
+namespace {
+
+/// Grains of one set that are measured side by side.
+template <int dim> struct Lot {
+	GrainSet<dim>* set;
+	std::vector<DueMeasurement> due;
+};
+
+/// Fewer than what is computed side by side go each on their own, for as many threads.
+template <int dim> void splitIfSmall(std::vector<Lot<dim>>& lots)
+{
+	const Lot<dim> last = lots.back();
+	if (last.due.size() >= fullBlock) return;
+	lots.pop_back();
+	for (const DueMeasurement& one : last.due)
+		lots.push_back({ last.set, { one } });
+}
+
+} // namespace
+
+/// (All that have to be measured are so at once: which they are, and beside which others, does not
+/// depend on threads.)
+template <int dim>
+void TimeSteps<dim>::measure(const std::vector<int>& grains, double enough, int threads)
+{
+	std::vector<Lot<dim>> lots;
+	for (int g : grains) {
+		GrainSet<dim>* set = &grains_.setOf(g);
+		const bool fits = !lots.empty() && lots.back().set == set &&
+				  lots.back().due.size() < laneWidth;
+		if (!fits) {
+			if (!lots.empty()) splitIfSmall(lots);
+			lots.push_back({ set, {} });
+		}
+		lots.back().due.push_back({ grains_.indexInSet(g), rate_[g] * enough });
+	}
+	splitIfSmall(lots);
+	const int count = static_cast<int>(lots.size());
+	long points = 0;
+#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(+ : points) if (count > 1)
+	for (int k = 0; k < count; ++k) {
+		const int forces = lots[k].set->measureStiffening(lots[k].due);
+		points += static_cast<long>(forces) * lots[k].set->reference().points();
+	}
+	measuredPoints_ += points;
 }
 
 template <int dim> double TimeSteps<dim>::present(double enough, double bondRate, int threads)

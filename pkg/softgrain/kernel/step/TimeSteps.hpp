@@ -39,6 +39,7 @@ private:
 	double stepOf(int g, double stiffening, double rateStiffening) const;
 	double presentStepOf(int g) const;
 	double deformed(double enough, int threads);
+	void measure(const std::vector<int>& grains, double enough, int threads);
 	void measureUndeformed();
 	void measureSleepers();
 	std::vector<int> ratesOf(const std::vector<double>& steps) const;
