@@ -38,6 +38,7 @@ DENSITY = 1000  # kg/m3, the paper's value
 MEAN_RADIUS = 0.01  # m, the paper's value
 RADIUS_SPREAD = 0.15  # uniform in mean (1 +- spread): weak, yet enough not to crystallise
 CLOUD_PHI = 0.45  # of the generated cloud
+MOST_SEEDS = 20  # tried for it: a few grains may leave no room for the last one
 START_PHI = 0.70  # of the loose packing made by rigid DEM, below random loose packing for all mu
 RECORDS_PER_UNIT_PHI = 400
 JAMMING_PHI = 0.84  # of frictionless disks; the paper's Figure 3b
@@ -103,20 +104,7 @@ def prepare_rigid(options):
     solid = options.grains * math.pi * MEAN_RADIUS**2
     width = math.sqrt(solid / FILLED_PHI)
     box = Box(width, solid / CLOUD_PHI / width)
-    cloud = pack.SpherePack()
-    made = cloud.makeCloud(
-        (0, 0, 0),
-        (width, box.height, 0),
-        rMean=MEAN_RADIUS,
-        rRelFuzz=RADIUS_SPREAD,
-        num=options.grains,
-        seed=options.seed,
-    )
-    if made < options.grains:
-        raise RuntimeError(
-            f"makeCloud placed {made} of {options.grains} grains; try another --seed"
-        )
-    ids = cloud.toSimulation(material="walls")
+    ids = _cloud(options, box).toSimulation(material="walls")
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"
     # One thread, sorted interactions: otherwise the order of YADE's sums depends on the threads.
@@ -142,6 +130,24 @@ def prepare_rigid(options):
     box.close(0)
     sg.advance(RIGID_SETTLING_STEPS)
     return box
+
+
+def _cloud(options, box):
+    """Circles at random in the box; by the next seed where one leaves no room for the last of
+    them."""
+    for seed in range(options.seed, options.seed + MOST_SEEDS):
+        cloud = pack.SpherePack()
+        made = cloud.makeCloud(
+            (0, 0, 0),
+            (box.width, box.height, 0),
+            rMean=MEAN_RADIUS,
+            rRelFuzz=RADIUS_SPREAD,
+            num=options.grains,
+            seed=seed,
+        )
+        if made == options.grains:
+            return cloud
+    raise RuntimeError(f"makeCloud finds no room for {options.grains} grains; try another --seed")
 
 
 def make_soft(options):
@@ -170,11 +176,6 @@ def centres():
     """Centres of mass of the grains: array (n, 2)."""
     places = [b.state.pos for b in sg.soft_bodies()]
     return np.array([(x[0], x[1]) for x in places])
-
-
-def _finite(value):
-    """None, which JSON knows, where there is nothing to divide by."""
-    return value if math.isfinite(value) else None
 
 
 class Recorder:
@@ -227,8 +228,8 @@ class Recorder:
             self._top / scale,
             moved[1] / moved[0] if moved[0] > 0 else 0.0,
             sg.coordination_number(),
-            _finite(indicator["kinetic_over_elastic"]),
-            _finite(indicator["unbalanced_force"]),
+            indicator["kinetic_over_elastic"],
+            indicator["unbalanced_force"],
         )
         for name, value in zip(self.records, values):
             self.records[name].append(value)

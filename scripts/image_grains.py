@@ -8,6 +8,7 @@ areas, and the stress on the walls against the packing fraction.
 """
 
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -130,6 +131,9 @@ def compact(options, walls):
 def main():
     options = parse_options()
     grains, walls = make_scene(options)
+    start = sg.packing_fraction(area())
+    if options.phi <= start:
+        sys.exit(f"--phi: {options.phi} is not above that of the start, {start:.3f}")
     sg.draw_packing(options.out / "before.png", box=wall_box(), field=None)
     record = compact(options, walls)
     sg.draw_packing(options.out / "after.png", box=wall_box(), scale=YOUNG)

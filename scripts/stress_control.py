@@ -1,6 +1,6 @@
 """Stress control of walls around soft disks: how each way of it reaches the stress and holds it.
 
-A dozen disks (2D, mu = 0.3) or eight balls (3D, --dim 3) in a box are pressed to a stress on all
+Eight disks (2D, mu = 0.3) or eight balls (3D, --dim 3) in a box are pressed to a stress on all
 walls that can move. Reported for each way of control: overshoot, time to settle within 1 %, and
 largest error after that, of the mean contact stress on the walls along each axis.
 """

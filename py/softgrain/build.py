@@ -1,15 +1,18 @@
 """Making soft grains."""
 
 import math
+import operator
 
 import numpy as np
-from yade import Body, O, Quaternion, Vector3, utils, wrapper
+from yade import Body, Material, O, Quaternion, Vector3, utils, wrapper
 
-from softgrain.checks import finite_vector
+from softgrain.checks import finite_vector, lengths
 from softgrain.outlines import area_and_inertia, normalized
 
 #: Attributes of ``SoftGrain`` that the functions here set themselves.
-_FORM = ("form", "aspect", "exponent", "vertices", "corners")
+_FORM = ("form", "aspect", "exponent", "vertices", "corners", "radius", "dim")
+#: Label of the material that grains get where a scene has none.
+_DEFAULT_MATERIAL = "softMat"
 
 
 def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
@@ -52,11 +55,7 @@ def soft_block(center, size, material=-1, color=None, mask=1, **shape):
     Raises:
         ValueError: a value is out of its range, or the material is no ``SoftMat``.
     """
-    sides = [float(side) for side in size]
-    if len(sides) not in (2, 3):
-        raise ValueError(f"size = {tuple(size)} has {len(sides)} components, admissible: 2, 3")
-    if not all(0 < side < math.inf for side in sides):
-        raise ValueError(f"size = {tuple(size)} is outside the admissible range (0, inf) m")
+    sides = lengths("size", size, (2, 3))
     return _soft_body(
         center,
         min(sides) / 2,
@@ -99,17 +98,14 @@ def soft_superdisk(
 
     Returns, raises: as :func:`soft_ellipse`.
     """
-    axes = [float(axis) for axis in half_axes]
-    if len(axes) != 2 or not all(0 < axis < math.inf for axis in axes):
-        raise ValueError(
-            f"half_axes = {tuple(half_axes)}: admissible are two numbers in the range (0, inf) m"
-        )
+    axes = lengths("half_axes", half_axes, (2,))
     if axes[1] > axes[0]:  # the longer one along the grain's own x axis: one table for both
         axes.reverse()
         angle += math.pi / 2
     outline = {"form": "superdisk", "aspect": _aspect(axes), "exponent": exponent}
+    turned = _turned(angle)
     body = _soft_body(center, min(axes), 2, material, color, mask, shape, outline)
-    body.state.ori = _turned(angle)
+    body.state.ori = turned
     return body
 
 
@@ -163,17 +159,13 @@ def _turned(angle):
 def _soft_body(center, radius, dim, material, color, mask, shape, form=None):
     """`shape`: attributes as the user gave them; `form`: those of the outline."""
     center = finite_vector("center", center, 3, "m")
-    for name in (*_FORM, "radius", "dim"):
-        if name in shape:
-            raise ValueError(
-                f"{name} = {shape[name]!r}: the function that makes the grain sets it; call the "
-                "one for the outline that is meant (sg.soft_disk, sg.soft_block, ...)"
-            )
+    refuse_form(shape)
+    material = soft_material(material)
     body = Body()
     body.shape = wrapper.SoftGrain(
         radius=radius,
         dim=dim,
-        color=color if color else utils.randomColor(),
+        color=utils.randomColor() if color is None else Vector3(*color),
         **shape,
         **(form or {}),
     )
@@ -182,12 +174,24 @@ def _soft_body(center, radius, dim, material, color, mask, shape, form=None):
         body,
         volume,
         Vector3(inertia, inertia, inertia),
-        soft_material(material),
+        material,
         pos=center,
         fixed=True,
     )
     body.mask = mask
+    keep_material(material)
     return body
+
+
+def refuse_form(shape):
+    """ValueError for attributes of ``SoftGrain`` that are not the user's to give: they make the
+    outline."""
+    for name in _FORM:
+        if name in shape:
+            raise ValueError(
+                f"{name} = {shape[name]!r}: the function that makes the grain sets it; call the "
+                "one for the outline that is meant (sg.soft_disk, sg.soft_block, ...)"
+            )
 
 
 def volume_and_inertia(grain):
@@ -221,14 +225,50 @@ def _moment_of_superdisk(a, b, n, p, q):
 
 
 def soft_material(material):
-    """The SoftMat that a SoftMat, an index or a label of ``O.materials`` stands for (-1: the last
-    one, added with default values if there is none); ValueError for another material."""
-    if isinstance(material, str) or (isinstance(material, int) and material >= 0):
-        material = O.materials[material]
-    elif isinstance(material, int):
-        if not any(isinstance(m, wrapper.SoftMat) for m in O.materials):
-            O.materials.append(wrapper.SoftMat(label="softMat"))
-        material = [m for m in O.materials if isinstance(m, wrapper.SoftMat)][-1]
+    """The SoftMat that is meant.
+
+    Args:
+        material (SoftMat | int | str): itself, an index or a label of ``O.materials``; -1: the last
+            one there, or a new one with default values, which :func:`keep_material` adds.
+
+    Returns:
+        SoftMat.
+
+    Raises:
+        ValueError: there is none of that kind.
+    """
+    if isinstance(material, str):
+        named = [m for m in O.materials if m.label == material]
+        if not named:
+            known = [m.label for m in O.materials if m.label]
+            raise ValueError(f"material = {material!r} is unknown; known: {known}")
+        material = named[-1]
+    elif not isinstance(material, Material):
+        material = _material_at(material)
     if not isinstance(material, wrapper.SoftMat):
         raise ValueError(f"material = {type(material).__name__}: soft grains need a SoftMat")
     return material
+
+
+def _material_at(index):
+    """By index; -1: the last SoftMat, or a new one."""
+    count = len(O.materials)
+    try:
+        place = None if isinstance(index, bool) else operator.index(index)
+    except TypeError:
+        place = None
+    if place is None or not -1 <= place < count:
+        raise ValueError(
+            f"material = {index!r}: admissible are a SoftMat, a label, or an index of O.materials, "
+            f"in [-1, {count - 1}]"
+        )
+    if place >= 0:
+        return O.materials[place]
+    soft = [m for m in O.materials if isinstance(m, wrapper.SoftMat)]
+    return soft[-1] if soft else wrapper.SoftMat(label=_DEFAULT_MATERIAL)
+
+
+def keep_material(material):
+    """Add a material that was made for lack of another to ``O.materials``."""
+    if material.label == _DEFAULT_MATERIAL and material.id < 0:
+        O.materials.append(material)

@@ -134,7 +134,7 @@ class WallContact:
         reach in every sample: mean force over the length that the node stands for. The mean over
         time takes out most of the scatter of single nodes, without an average along the contact,
         which would carry pressure over its edges."""
-        nodes = set.intersection(*[set(s["node"]) for s in self._samples])
+        nodes = set.intersection(*[set(s["node"]) for s in self._samples] or [set()])
         kept = [np.isin(s["node"], list(nodes)) for s in self._samples]
         mean = {
             name: np.mean([s[name][k] for s, k in zip(self._samples, kept)], axis=0)
@@ -143,6 +143,8 @@ class WallContact:
         grain = O.bodies[self._ids[0]].shape
         dr = grain.zeta * grain.radius
         length = np.gradient(mean["position"]) if len(nodes) > 1 else dr
+        if not mean["force"].sum() > 0:
+            return np.zeros(0), np.zeros(0)
         centre = np.dot(mean["force"], mean["position"]) / mean["force"].sum()
         return mean["position"] - centre, mean["force"] / length
 

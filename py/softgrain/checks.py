@@ -1,9 +1,9 @@
-"""Checks of arguments that several functions share."""
+"""Checks of arguments that several functions share; nothing of a scene."""
 
+import math
 import operator
 
 import numpy as np
-from yade import O
 
 
 def finite_vector(name, value, size, unit):
@@ -18,31 +18,75 @@ def finite_vector(name, value, size, unit):
     Raises:
         ValueError: other than so many finite numbers.
     """
-    try:
-        numbers = tuple(float(number) for number in value)
-    except TypeError:
-        numbers = ()
+    numbers = _numbers(value)
     if len(numbers) != size or not np.isfinite(numbers).all():
         raise ValueError(f"{name} = {value}: admissible are {size} finite numbers, in {unit}")
     return numbers
 
 
-def bodies_of(ids):
-    """The bodies with these ids.
+def lengths(name, value, sizes):
+    """An argument as a list of positive lengths [m].
 
     Args:
-        ids (iterable of int): ids, each once.
-
-    Returns:
-        list of Body.
+        name (str): of the argument, for the message.
+        value (sequence): numbers.
+        sizes (tuple of int): how many there may be.
 
     Raises:
-        ValueError: an id that no body has, or one that comes twice.
+        ValueError: other than so many numbers in (0, inf).
     """
-    ids = [operator.index(i) for i in ids]
-    for i in ids:
-        if not 0 <= i < len(O.bodies) or O.bodies[i] is None:
-            raise ValueError(f"ids: there is no body #{i}")
-    if len(set(ids)) < len(ids):
-        raise ValueError(f"ids: #{next(i for i in ids if ids.count(i) > 1)} is given twice")
-    return [O.bodies[i] for i in ids]
+    numbers = _numbers(value)
+    if len(numbers) not in sizes or not all(0 < number < math.inf for number in numbers):
+        many = " or ".join(map(str, sizes))
+        raise ValueError(f"{name} = {value}: admissible are {many} numbers in the range (0, inf) m")
+    return list(numbers)
+
+
+def _numbers(value):
+    """A tuple of floats; an empty one where the value is no sequence of numbers."""
+    try:
+        return tuple(float(number) for number in value)
+    except (TypeError, ValueError):
+        return ()
+
+
+def number(name, value, admissible, unit=""):
+    """An argument as a float.
+
+    Args:
+        name (str): of the argument, for the message.
+        value (float): to be checked.
+        admissible (str): a range, such as '(0, inf)' or '[0, 1]'.
+        unit (str): for the message.
+
+    Raises:
+        ValueError: no number, or outside the range.
+    """
+    low, high = map(float, admissible[1:-1].split(","))
+    try:
+        x = float(value)
+    except (TypeError, ValueError):
+        x = math.nan
+    above = x >= low if admissible[0] == "[" else x > low
+    below = x <= high if admissible[-1] == "]" else x < high
+    if not (above and below):
+        raise ValueError(
+            f"{name} = {value} is outside the admissible range {admissible} {unit}".rstrip()
+        )
+    return x
+
+
+def indices(name, values):
+    """An argument as a list of int.
+
+    Args:
+        name (str): of the argument, for the message.
+        values (iterable of int): whole numbers.
+
+    Raises:
+        ValueError: not iterable, or something else in it.
+    """
+    try:
+        return [operator.index(value) for value in values]
+    except TypeError:
+        raise ValueError(f"{name} = {values}: admissible are whole numbers") from None

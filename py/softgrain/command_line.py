@@ -242,12 +242,14 @@ def write_json(path, value):
 
     Args:
         path (Path): the file; one that is there is replaced.
-        value: lists, dicts, texts and numbers, those of numpy and its arrays included.
+        value: lists, dicts, texts and numbers, those of numpy and its arrays included. What is no
+            finite number, which JSON does not know, becomes null.
 
     Raises:
         TypeError, ValueError: the value has something else in it; nothing is written.
     """
-    text = json.dumps(value, indent=1, default=_plain)
+    finite = json.loads(json.dumps(value, default=_plain), parse_constant=lambda name: None)
+    text = json.dumps(finite, indent=1)
     part = path.with_name(path.name + ".part")
     part.write_text(text + "\n")
     os.replace(part, path)

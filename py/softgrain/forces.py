@@ -60,7 +60,7 @@ def _no_rows(name):
 
 
 def body_forces():
-    """What contacts of soft grains do to each body.
+    """What contacts of soft grains do to each body, members of a clump each by itself.
 
     Returns:
         dict of arrays, by id, for all soft grains and the bodies that they exchange force with: id

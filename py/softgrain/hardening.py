@@ -7,10 +7,10 @@ import numpy as np
 from yade import FrictMat, Matrix3, O, Sphere, Vector3, utils, wrapper
 
 from softgrain import _softgrain
-from softgrain.checks import bodies_of
+from softgrain.checks import number
 from softgrain.filling import fill
-from softgrain.observe import soft_bodies
-from softgrain.overlaps import overlap_factor
+from softgrain.observe import bodies_of, soft_bodies
+from softgrain.overlaps import Ball, overlap_factor
 from softgrain.softening import drop_interactions, look_anew
 
 #: Outlines of clumps are off by that much of the size of the grain, if nothing else is said, by
@@ -160,18 +160,19 @@ def _into_spheres(bodies, material, overlap, error):
     if overlap not in ("keep", "shrink"):
         raise ValueError(f"overlap = {overlap!r} is unknown; known: 'keep', 'shrink'")
     _refuse(error is not None, "error", error, "spheres")
+    radii = [_equivalent_radius(body.shape) for body in bodies]
+    factor = 1.0
+    if overlap == "shrink":
+        factor = overlap_factor([Ball.of(b, r) for b, r in zip(bodies, radii)], "shrink")
     made = Hardened()
-    for body in bodies:
+    for body, radius in zip(bodies, radii):
         energy = _energy(body)
-        _become_sphere(body, material)
+        _become_sphere(body, material, radius)
+        body.shape.radius *= factor
         state = body.state
         turning = sum(state.inertia[a] * state.angVel[a] ** 2 for a in range(3))
         made.energy += energy - 0.5 * (state.mass * state.vel.squaredNorm() + turning)
         made.bodies[body.id] = [body.id]
-    if overlap == "shrink":
-        factor = overlap_factor(bodies, "shrink")
-        for body in bodies:
-            body.shape.radius *= factor
     drop_interactions(bodies)
     return made
 
@@ -181,9 +182,8 @@ def _refuse(given, name, value, into):
         raise ValueError(f"{name} = {value!r}: it has no meaning with into={into!r}")
 
 
-def _become_sphere(body, material):
+def _become_sphere(body, material, radius):
     state, grain, motion = body.state, body.shape, _Motion.of(body)
-    radius = _equivalent_radius(grain)
     inertia = (0.5 if grain.dim == 2 else 0.4) * state.mass * radius**2
     body.shape = Sphere(radius=radius, color=grain.color)
     body.material = material
@@ -219,8 +219,7 @@ def _into_clumps(bodies, material, overlap, error):
     if error is None:
         error = DEFAULT_ERROR[bodies[0].shape.dim]
     low, high = ERROR_RANGE
-    if not low <= error <= high:
-        raise ValueError(f"error = {error} is outside the admissible range [{low}, {high}]")
+    error = number("error", error, f"[{low}, {high}]")
     fillings = [_filling(body, error) for body in bodies]
     made = Hardened()
     for body, (centres, radii) in zip(bodies, fillings):

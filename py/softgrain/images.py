@@ -1,13 +1,12 @@
 """Grains from a labelled image: one soft grain for each label."""
 
 from dataclasses import dataclass, field
-from math import inf
 
 import numpy as np
 from PIL import Image
 
 from softgrain.build import soft_polygon
-from softgrain.checks import finite_vector
+from softgrain.checks import finite_vector, number
 from softgrain.label_outlines import label_outlines
 
 
@@ -48,7 +47,7 @@ def grains_from_image(
     the first steps work off.
 
     Args:
-        image (str | Path | ndarray): a picture file, or integers of shape (rows, columns), the
+        image (str | Path | array): a picture file, or integers of shape (rows, columns), the
             first row on top. Of grey or palette pictures the value is the label, of coloured ones
             red + 256 green + 65536 blue.
         pixel (float): its side, > 0 [m].
@@ -69,10 +68,8 @@ def grains_from_image(
         ValueError: a value is out of its range, the image has no usable label, or an unusable one
             that is refused.
     """
-    if not 0 < pixel < inf:
-        raise ValueError(f"pixel = {pixel} is outside the admissible range (0, inf) m")
-    if not least_pixels >= 10:
-        raise ValueError(f"least_pixels = {least_pixels} is outside the admissible range [10, inf)")
+    pixel = number("pixel", pixel, "(0, inf)", "m")
+    least_pixels = number("least_pixels", least_pixels, "[10, inf)")
     if unusable not in ("refuse", "skip"):
         raise ValueError(f"unusable = {unusable!r} is unknown; known: 'refuse', 'skip'")
     origin = finite_vector("origin", origin, 3, "m")
@@ -112,12 +109,14 @@ def read_labels(image):
     Raises:
         ValueError: an array that is empty, not two-dimensional or not of integers.
     """
-    if not isinstance(image, np.ndarray):
-        picture = Image.open(image)
-        if picture.mode in ("RGB", "RGBA"):
-            colours = np.array(picture, dtype=np.int64)[:, :, :3]
-            return colours @ np.array([1, 256, 65536])
-        image = np.array(picture)
+    if isinstance(image, (list, tuple)):
+        image = np.array(image)
+    elif not isinstance(image, np.ndarray):
+        with Image.open(image) as picture:
+            if picture.mode in ("RGB", "RGBA"):
+                colours = np.array(picture, dtype=np.int64)[:, :, :3]
+                return colours @ np.array([1, 256, 65536])
+            image = np.array(picture)
     if image.ndim != 2 or not (np.issubdtype(image.dtype, np.integer) or image.dtype == bool):
         raise ValueError(
             f"image: {image.dtype} of shape {image.shape}; admissible: integers (rows, columns)"

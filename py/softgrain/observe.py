@@ -7,12 +7,20 @@ import numpy as np
 from yade import O, wrapper
 
 from softgrain import _softgrain
+from softgrain.checks import indices, number
 from softgrain.time_loop import integrators
 
 
 def soft_bodies():
     """All bodies with a soft shape, by id."""
     return [b for b in O.bodies if b and isinstance(b.shape, wrapper.SoftGrain)]
+
+
+def has_own_motion(body):
+    """Whether forces move a body by itself: a soft grain, or a rigid body that is neither held nor
+    a member of a clump. (YADE gives mass to bodies that are held, too.)"""
+    is_soft = isinstance(body.shape, wrapper.SoftGrain)
+    return is_soft or (body.dynamic and not body.isClumpMember)
 
 
 def some_soft_bodies(asker):
@@ -28,6 +36,27 @@ def some_soft_bodies(asker):
     if not bodies:
         raise ValueError(f"{asker}: the scene has no soft grain")
     return bodies
+
+
+def bodies_of(ids):
+    """The bodies with these ids.
+
+    Args:
+        ids (iterable of int): ids, each once.
+
+    Returns:
+        list of Body.
+
+    Raises:
+        ValueError: something else, an id that no body has, or one that comes twice.
+    """
+    ids = indices("ids", ids)
+    for i in ids:
+        if not 0 <= i < len(O.bodies) or O.bodies[i] is None:
+            raise ValueError(f"ids: there is no body #{i}")
+    if len(set(ids)) < len(ids):
+        raise ValueError(f"ids: #{next(i for i in ids if ids.count(i) > 1)} is given twice")
+    return [O.bodies[i] for i in ids]
 
 
 def integrator():
@@ -63,8 +92,7 @@ def packing_fraction(box_area=None, nominal=False):
     """
     if box_area is None:
         box_area = cell_volume()
-    if not 0 < box_area < math.inf:
-        raise ValueError(f"box_area = {box_area} is outside the admissible range (0, inf)")
+    box_area = number("box_area", box_area, "(0, inf)", "m² or m³")
     grains = some_soft_bodies("packing_fraction")
     if nominal:
         areas = [b.shape.undeformedVolume() for b in grains]
@@ -81,7 +109,13 @@ def von_mises(cauchy):
 
     Returns:
         array (...): [Pa].
+
+    Raises:
+        ValueError: another shape.
     """
+    cauchy = np.asarray(cauchy, float)
+    if cauchy.shape[-2:] != (3, 3):
+        raise ValueError(f"cauchy has shape {cauchy.shape}; admissible: (..., 3, 3)")
     mean = np.trace(cauchy, axis1=-2, axis2=-1) / 3
     deviator = cauchy - mean[..., None, None] * np.eye(3)
     return np.sqrt(1.5 * np.sum(deviator**2, axis=(-2, -1)))
@@ -134,7 +168,7 @@ def cell_stress(source="contacts"):
 def _carried_momentum():
     """Sum of m c c, c the velocity beyond the flow of the cell and the mean motion."""
     flow = np.array(O.cell.velGrad)
-    bodies = [b for b in O.bodies if b and b.state.mass > 0 and not b.isClumpMember]
+    bodies = [b for b in O.bodies if b and has_own_motion(b)]
     mass = np.array([b.state.mass for b in bodies])
     c = np.array([np.array(b.state.vel) - flow @ np.array(b.state.pos) for b in bodies])
     c -= mass @ c / mass.sum()
@@ -190,7 +224,8 @@ def nearest_images(position, half_size):
 
 
 def wall_force(body_id):
-    """Force of all contacts on a wall, or any other body, in the last step.
+    """Force of all contacts on a wall, or any other body, in the last step; on a clump that on all
+    its members.
 
     ``O.forces.f(body_id)`` has besides what pushes a body that is free, as a wall under stress is.
 
@@ -203,23 +238,34 @@ def wall_force(body_id):
     Raises:
         ValueError: there is no such body.
     """
-    return np.array(_softgrain.contactForce(body_id))
+    force = np.array(_softgrain.contactForce(body_id))
+    if not O.bodies[body_id].isClump:
+        return force
+    members = O.bodies[body_id].shape.members
+    return np.sum([_softgrain.contactForce(member) for member in members], axis=0)
 
 
 def coordination_number():
-    """Mean number of bodies that a soft grain exchanges force with, walls and rigid ones included
-    [-].
+    """Mean number of bodies that a soft grain exchanges force with, walls and rigid ones included,
+    a clump as one [-].
 
     Raises:
         ValueError: the scene has no soft grain.
     """
     bodies = some_soft_bodies("coordination_number")
     ids = {b.id for b in bodies}
-    ends = 0
+    partners = set()  # (soft grain, what it touches)
     for i in O.interactions:
         if i.isReal and isinstance(i.phys, wrapper.SoftPhys) and i.phys.activeContacts > 0:
-            ends += (i.id1 in ids) + (i.id2 in ids)
-    return ends / len(bodies)
+            ends = (i.id1, i.id2)
+            partners |= {(a, _whole_of(b)) for a, b in (ends, ends[::-1]) if a in ids}
+    return len(partners) / len(bodies)
+
+
+def _whole_of(body_id):
+    """The clump that a body is a member of, or the body itself; by id."""
+    body = O.bodies[body_id]
+    return body.clumpId if body.isClumpMember else body_id
 
 
 class Balance:
@@ -266,7 +312,8 @@ class Balance:
         )
 
     def error(self):
-        """|work - change of energy - dissipation| over the largest magnitude so far [-]."""
+        """|work - change of energy - dissipation| over the largest of these so far, as far as it
+        was asked: ask at every record where energies come and go [-]."""
         self._check()
         energy = integrator().energy()
         terms = self._STORED_AND_LOST + self._WORKS  # not what rigid bodies have by themselves

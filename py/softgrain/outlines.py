@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import optimize, spatial
 
+from softgrain.checks import indices
+
 #: Vertices at which a polygon turns by more than this are corners, if nothing else is said [rad].
 CORNER_TURN = np.radians(20)
 #: Longest side of the bounding box over the radius of the largest circle inside; as in the kernel.
@@ -131,7 +133,10 @@ def normalized(vertices, corners=None):
     Raises:
         ValueError: no polygon, or an index that is out of range.
     """
-    x = np.array(vertices, float)
+    try:
+        x = np.array(vertices, float)
+    except (TypeError, ValueError):
+        raise ValueError("vertices: admissible are numbers of shape (n, 2)") from None
     if x.ndim != 2 or x.shape[1] != 2 or len(x) < 3 or not np.isfinite(x).all():
         raise ValueError(
             f"vertices has shape {x.shape}; admissible: (n, 2) with n >= 3, finite numbers"
@@ -143,7 +148,7 @@ def normalized(vertices, corners=None):
         )
     sharp = np.abs(turns(x)) > CORNER_TURN
     if corners is not None:
-        corners = [int(c) for c in corners]
+        corners = indices("corners", corners)
         if any(not 0 <= c < len(x) for c in corners):
             raise ValueError(f"corners = {corners}: indices are in [0, {len(x) - 1}]")
         sharp = np.isin(np.arange(len(x)), corners)

@@ -1,6 +1,8 @@
 """Overlaps of rigid packings, when their spheres turn soft or soft grains turn into spheres."""
 
-from yade import O, Vector3, wrapper
+from dataclasses import dataclass
+
+from yade import O, Sphere, Vector3, wrapper
 
 from softgrain.observe import nearest_images
 
@@ -9,11 +11,38 @@ from softgrain.observe import nearest_images
 WORKABLE_OVERLAP = 0.05
 
 
-def overlap_factor(bodies, overlap):
-    """Common factor of the radii after the choice about overlaps.
+@dataclass
+class Ball:
+    """A sphere, or what is to become one.
+
+    Attributes:
+        id (int): of the body.
+        position (Vector3): of the centre [m].
+        radius (float): [m].
+        clump (int | None): the clump that it is a member of, whose members overlap by design.
+        shrinks (bool): its radius is one of those that are reduced with 'shrink'.
+    """
+
+    id: int
+    position: Vector3
+    radius: float
+    clump: int | None
+    shrinks: bool
+
+    @classmethod
+    def of(cls, body, radius=None, shrinks=True):
+        """Of a body, with its radius or another one."""
+        clump = body.clumpId if body.isClumpMember else None
+        radius = body.shape.radius if radius is None else radius
+        return cls(body.id, Vector3(body.state.pos), radius, clump, shrinks)
+
+
+def overlap_factor(balls, overlap):
+    """Common factor of the radii after the choice about overlaps. Spheres and walls that stay
+    rigid count as well; soft grains, facets and boxes do not.
 
     Args:
-        bodies (list of Body): spheres; walls of the scene count as well.
+        balls (list of Ball): what is to be converted.
         overlap (str): as for :func:`soften`.
 
     Returns:
@@ -24,50 +53,74 @@ def overlap_factor(bodies, overlap):
     """
     if overlap not in ("relax", "shrink", "refuse"):
         raise ValueError(f"overlap = {overlap!r} is unknown; known: 'relax', 'shrink', 'refuse'")
-    worst, factor, pair = 0.0, 1.0, None
-    for distance, reach, smaller, ids in _near_pairs(bodies):
-        relative = (reach - distance) / smaller
-        if relative > worst:
-            worst, pair = relative, ids
-        factor = min(factor, distance / reach)
     limit = {"relax": WORKABLE_OVERLAP, "shrink": 1.0, "refuse": 0.0}[overlap]
-    if worst > limit:
+    pairs = list(_near_pairs(balls))
+    worst = max(pairs, key=lambda pair: pair.overlap, default=None)
+    if worst and worst.overlap > limit:
+        hint = "" if overlap == "shrink" else " or use overlap='shrink'"
         raise ValueError(
-            f"overlap = {overlap!r}: bodies #{pair[0]} and #{pair[1]} overlap by "
-            f"{100 * worst:.2g} % of the smaller radius, more than the admissible "
-            f"{100 * limit:g} %; relax the rigid packing further or use overlap='shrink'"
+            f"overlap = {overlap!r}: bodies #{worst.ids[0]} and #{worst.ids[1]} overlap by "
+            f"{100 * worst.overlap:.2g} % of the smaller radius, more than the admissible "
+            f"{100 * limit:g} %; relax the rigid packing further{hint}"
         )
-    return factor if overlap == "shrink" else 1.0
+    if overlap != "shrink":
+        return 1.0
+    return min((pair.factor for pair in pairs), default=1.0)
 
 
-def _near_pairs(bodies):
-    """Distance, sum of radii, smaller radius and ids of the pairs of spheres (and sphere-wall
-    pairs) that may overlap, members of one clump left out, by sorting along x. In a periodic cell
-    pairs at its borders may come twice."""
-    largest = max(b.shape.radius for b in bodies)
-    images = [
-        (b.state.pos + Vector3(*shift), b)
-        for b in bodies
-        for shift in nearest_images(b.state.pos, largest)
+@dataclass
+class _NearPair:
+    """Two bodies that overlap: by how much of the smaller radius, and the factor of the radii that
+    shrink at which they would touch."""
+
+    ids: tuple
+    overlap: float
+    factor: float
+
+
+def _near_pairs(balls):
+    """The pairs of balls, and of balls and walls, that overlap, of which one shrinks at least. In a
+    periodic cell pairs at its borders may come twice."""
+    converted = {ball.id for ball in balls}
+    others = [
+        Ball.of(b, shrinks=False)
+        for b in O.bodies
+        if b and isinstance(b.shape, Sphere) and b.id not in converted
     ]
-    rows = sorted(
-        ((place[0] - b.shape.radius, b.id, place, b) for place, b in images),
-        key=lambda row: row[:2],
-    )
+    yield from _pairs_of_balls(balls + others)
+    for w in O.bodies:
+        if not (w and isinstance(w.shape, wrapper.Wall)):
+            continue
+        axis = w.shape.axis
+        for ball in balls:
+            distance = abs(ball.position[axis] - w.state.pos[axis])
+            if distance < ball.radius:
+                factor = distance / ball.radius
+                yield _NearPair((w.id, ball.id), 1 - factor, factor)
+
+
+def _pairs_of_balls(balls):
+    """By sorting along x."""
+    largest = max(ball.radius for ball in balls)
+    images = [
+        (ball.position + Vector3(*shift), ball)
+        for ball in balls
+        for shift in nearest_images(ball.position, largest)
+    ]
+    images.sort(key=lambda image: (image[0][0] - image[1].radius, image[1].id))
     active = []
-    for low, _, place, b in rows:
-        active = [(x, a) for x, a in active if x[0] + a.shape.radius > low]
+    for place, b in images:
+        active = [(x, a) for x, a in active if x[0] + a.radius > place[0] - b.radius]
         for x, a in active:
-            if a.isClumpMember and a.clumpId == b.clumpId:
-                continue
+            together = a.clump is not None and a.clump == b.clump
             distance = (x - place).norm()
-            reach = a.shape.radius + b.shape.radius
-            if distance < reach:
-                yield distance, reach, min(a.shape.radius, b.shape.radius), (a.id, b.id)
+            if not together and (a.shrinks or b.shrinks) and distance < a.radius + b.radius:
+                yield _pair(a, b, distance)
         active.append((place, b))
-    walls = [w for w in O.bodies if w and isinstance(w.shape, wrapper.Wall)]
-    for w in walls:
-        for b in bodies:
-            distance = abs(b.state.pos[w.shape.axis] - w.state.pos[w.shape.axis])
-            if distance < b.shape.radius:
-                yield distance, b.shape.radius, b.shape.radius, (w.id, b.id)
+
+
+def _pair(a, b, distance):
+    stays = sum(ball.radius for ball in (a, b) if not ball.shrinks)
+    shrinks = a.radius + b.radius - stays
+    overlap = (a.radius + b.radius - distance) / min(a.radius, b.radius)
+    return _NearPair((a.id, b.id), overlap, (distance - stays) / shrinks)

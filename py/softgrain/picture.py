@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from yade import O, wrapper
 
-from softgrain.checks import finite_vector
+from softgrain.checks import finite_vector, number
 from softgrain.observe import nearest_images, soft_bodies, von_mises
 
 #: Size of a picture, without its colour bar, and the room for the title [inches].
@@ -43,8 +43,10 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         box = finite_vector("box", box, 4, "m")
     if limits is not None:
         limits = finite_vector("limits", limits, 2, "the unit of the field")
-    if scale is not None and not 0 < scale < np.inf:
-        raise ValueError(f"scale = {scale} is outside the admissible range (0, inf) Pa")
+        if not limits[0] < limits[1]:
+            raise ValueError(f"limits = {limits}: the first has to be below the second")
+    if scale is not None:
+        scale = number("scale", scale, "(0, inf)", "Pa")
     disks = [b for b in soft_bodies() if b.shape.dim == 2]
     if not disks:
         raise ValueError("draw_packing draws soft disks, and the scene has none")

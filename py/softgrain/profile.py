@@ -74,9 +74,16 @@ def contact_halfwidth(position, force):
         float: a [m]; 0 without force.
 
     Raises:
-        ValueError: a force is negative or no number.
+        ValueError: a force is negative or no number, a position no finite one, or there are not as
+            many of these as of those.
     """
-    force = np.asarray(force, float)
+    position, force = np.asarray(position, float), np.asarray(force, float)
+    if position.ndim != 1 or position.shape != force.shape:
+        raise ValueError(
+            f"position, force have shapes {position.shape}, {force.shape}; admissible: (n,) both"
+        )
+    if not np.isfinite(position).all():
+        raise ValueError("position holds a value outside the admissible range (-inf, inf) m")
     if not np.all(force >= -ROUNDING * np.abs(force).max(initial=0)):
         raise ValueError("force holds a value outside the admissible range [0, inf)")
     total = np.sum(force)

@@ -6,9 +6,10 @@ Formulas: ``doc/theory.md``, section 3; measured: ``doc/decisions/0016-quasi-sta
 import math
 import warnings
 
-from yade import NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
+from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 
 from softgrain import time_loop
+from softgrain.checks import number
 from softgrain.observe import soft_bodies, some_soft_bodies
 
 #: Grains whose kinetic energy is below this share of the elastic one count as at rest.
@@ -122,10 +123,8 @@ def suggest_speed(stress=None, share=0.1):
     bodies = some_soft_bodies("suggest_speed")
     if stress is None:
         stress = 0.01 * min(body.material.young for body in bodies)
-    if not 0 < stress < math.inf:
-        raise ValueError(f"stress = {stress} is outside the admissible range (0, inf) Pa")
-    if not 0 < share <= 1:
-        raise ValueError(f"share = {share} is outside the admissible range (0, 1]")
+    stress = number("stress", stress, "(0, inf)", "Pa")
+    share = number("share", share, "(0, 1]")
     return share * stress / max(body.material.waveImpedance(body.shape.dim) for body in bodies)
 
 
@@ -141,7 +140,7 @@ def scale_mass(factor, materials=None):
 
     Args:
         factor (float): on the true density, in [1, inf) [-]; 1 takes the scaling back.
-        materials (iterable of SoftMat | None): None: those of all soft grains of the scene.
+        materials (SoftMat | list of SoftMat | None): None: those of all soft grains of the scene.
 
     Returns:
         float: the new critical time step of the undeformed grains [s].
@@ -155,9 +154,11 @@ def scale_mass(factor, materials=None):
             energy jump with their mass.
     """
     bodies = some_soft_bodies("scale_mass")
-    if not 1 <= factor < math.inf:
-        raise ValueError(f"factor = {factor} is outside the admissible range [1, inf)")
-    materials = [b.material for b in bodies] if materials is None else list(materials)
+    factor = number("factor", factor, "[1, inf)")
+    if materials is None:
+        materials = [b.material for b in bodies]
+    elif isinstance(materials, Material):
+        materials = [materials]
     for material in materials:
         if not isinstance(material, wrapper.SoftMat):
             raise ValueError(f"materials: {type(material).__name__} is no SoftMat")

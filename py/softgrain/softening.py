@@ -5,10 +5,16 @@ from dataclasses import dataclass
 
 from yade import Body, InsertionSortCollider, Material, O, Sphere, Vector3, wrapper
 
-from softgrain.build import soft_material, soft_polygon, volume_and_inertia
-from softgrain.checks import bodies_of
+from softgrain.build import (
+    keep_material,
+    refuse_form,
+    soft_material,
+    soft_polygon,
+    volume_and_inertia,
+)
 from softgrain.disk_union import outline_of_disks
-from softgrain.overlaps import overlap_factor
+from softgrain.observe import bodies_of
+from softgrain.overlaps import Ball, overlap_factor
 from softgrain.time_loop import check_fraction, insert_before_solve, integrators, set_time_step
 
 #: Members of a clump count as touching, not overlapping, at this share of two radii: rounding.
@@ -77,6 +83,7 @@ def soften(
             or a parameter is out of its range. Nothing has been changed then.
     """
     check_fraction("time_step_fraction", time_step_fraction)
+    _refuse_kept(shape)
     bodies = _rigid_grains(ids)
     dim = _dimension(bodies) if dim is None else dim
     material = soft_material(material)
@@ -89,10 +96,17 @@ def soften(
     if when != "now":
         raise ValueError(f"when = {when!r} is unknown; known: 'now', 'loaded'")
     spheres = [part for body in bodies for part in _spheres_of(body)]
-    factor = overlap_factor(spheres, overlap)
+    factor = overlap_factor([Ball.of(sphere) for sphere in spheres], overlap)
     shape.update(dim=dim, zeta=zeta)
     grains = [_soft_counterpart(body, factor, material, shape) for body in bodies]
     return _replace(bodies, grains, material, time_step_fraction)
+
+
+def _refuse_kept(shape):
+    """ValueError for attributes of ``SoftGrain`` that the spheres decide on."""
+    refuse_form(shape)
+    if "color" in shape:
+        raise ValueError(f"color = {shape['color']}: soft grains keep that of their spheres")
 
 
 def _replace(bodies, grains, material, fraction):
@@ -112,6 +126,7 @@ def _replace(bodies, grains, material, fraction):
             if body.isClump:
                 O.bodies.erase(grain_id)
         raise
+    keep_material(material)
     drop_interactions([part for body in bodies for part in _spheres_of(body)])
     for body in bodies:
         if body.isClump:
@@ -182,6 +197,7 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
         )
     if grain.dim == 2:
         as_disks(ids)
+    keep_material(material)
     engine.timeStepFraction = fraction
     insert_before_solve(softener)
 
@@ -276,14 +292,16 @@ def as_disks(ids=None):
         list of int: ids of the changed bodies.
 
     Raises:
-        ValueError: a body is neither, its out-of-plane degrees of freedom ``z``, ``X`` and ``Y``
-            are not blocked, or a clump has members that overlap or differ in radius. Nothing has
-            been changed then.
+        ValueError: a body is neither, or there is none, its out-of-plane degrees of freedom ``z``,
+            ``X`` and ``Y`` are not blocked, or a clump has members that overlap or differ in
+            radius. Nothing has been changed then.
     """
     if ids is None:
         bodies = [b for b in O.bodies if b and (b.isClump or _is_single_sphere(b))]
     else:
         bodies = bodies_of(ids)
+    if not bodies:
+        raise ValueError("ids: there is no sphere and no clump")
     disks = [(b, _disk_mass_and_inertia(b)) for b in bodies]
     for body, (mass, inertia) in disks:
         body.state.mass = mass

@@ -26,12 +26,24 @@ from yade import (
 )
 
 from softgrain import _softgrain
-from softgrain.checks import finite_vector
+from softgrain.checks import finite_vector, number
 
-#: O.dt as last set by set_time_step [s] and the fraction of the critical step that it was.
-_own_step = {"dt": None, "fraction": None}
+#: Tag of the scene: ``O.dt`` as last set by set_time_step [s] and the fraction of the critical step
+#: that it was.
+_OWN_STEP = "softgrain.timeStep"
 #: What rigid bodies do to each other, by the name of ``engines(rigid=)``.
 _RIGID_LAWS = ("linear", "nonsmooth")
+#: Admissible range and unit of what ``engines(interface=)`` takes as one number for all pairs.
+_INTERFACE_RANGES = {
+    "frictAngle": (f"[0, {math.pi / 2})", "rad"),
+    "dynamicFrictAngle": (f"[0, {math.pi / 2})", "rad"),
+    "cohesion": ("[0, inf)", "Pa"),
+    "cohesionRange": ("[0, inf)", "m"),
+    "bondStrength": ("[0, inf)", "Pa"),
+    "bondEnergy": ("[0, inf)", "J/m²"),
+    "bondStiffness": ("[0, inf)", "Pa/m"),
+    "restitution": ("[0, 1]", ""),
+}
 #: Radii that bounding boxes of spheres have, so that the functors "ahead" are asked in time.
 _AHEAD = 1.05
 #: Distance by which bounding boxes are enlarged, over the smallest radius, if nothing else is said.
@@ -100,10 +112,7 @@ def engines(
         if not radii:
             raise ValueError("verlet_distance: give it, or add soft grains or spheres first")
         verlet_distance = _VERLET_SHARE * min(radii)
-    if not 0 <= verlet_distance < math.inf:
-        raise ValueError(
-            f"verlet_distance = {verlet_distance} is outside the admissible range [0, inf) m"
-        )
+    verlet_distance = number("verlet_distance", verlet_distance, "[0, inf)", "m")
     walls = [b.id for b in O.bodies if b and isinstance(b.shape, wrapper.Wall)]
     if O.periodic and walls:
         raise ValueError(
@@ -114,8 +123,9 @@ def engines(
     integrator.setdefault("interfaceRange", _longest_range(interface))
     if label:
         integrator["label"] = label
-    if O.dt == _own_step["dt"]:  # set before there was an integrator: it is to keep that fraction
-        integrator.setdefault("timeStepFraction", _own_step["fraction"])
+    fraction = _fraction_set()
+    if fraction is not None:  # before there was an integrator: it is to keep that
+        integrator.setdefault("timeStepFraction", fraction)
         integrator.setdefault("dtSet", O.dt)
     return [
         ForceResetter(),
@@ -179,11 +189,13 @@ def _checked_interface(interface):
     if unknown:
         raise ValueError(f"interface: unknown {unknown}; known: {sorted(known)}")
 
-    def matcher(name, value):
+    checked = {}
+    for name, value in interface.items():
         is_ready = name == "bondAtTouch" or isinstance(value, MatchMaker)
-        return value if is_ready else MatchMaker(algo="val", val=value)
-
-    return {name: matcher(name, value) for name, value in interface.items()}
+        if not is_ready:
+            number(f"interface: {name}", value, *_INTERFACE_RANGES[name])
+        checked[name] = value if is_ready else MatchMaker(algo="val", val=value)
+    return checked
 
 
 def _values(match):
@@ -250,8 +262,7 @@ def _geometry_functors(nonsmooth):
 
 def check_fraction(name, fraction):
     """ValueError unless ``fraction`` of the critical step [-] is in (0, 1]."""
-    if not 0 < fraction <= 1:
-        raise ValueError(f"{name} = {fraction} is outside the admissible range (0, 1]")
+    number(name, fraction, "(0, 1]")
 
 
 def critical_time_step():
@@ -276,7 +287,15 @@ def automatic_fraction():
     """Fraction of the critical step that ``O.dt`` is kept at; None where it is the user's [-]."""
     for engine in integrators():
         return engine.timeStepFraction if O.dt == engine.dtSet else None
-    return _own_step["fraction"] if O.dt == _own_step["dt"] else None
+    return _fraction_set()
+
+
+def _fraction_set():
+    """Fraction of the critical step that set_time_step made ``O.dt``; None where it did not [-]."""
+    if _OWN_STEP not in O.tags.keys():
+        return None
+    dt, fraction = map(float, O.tags[_OWN_STEP].split())
+    return fraction if O.dt == dt else None
 
 
 def set_time_step(fraction=0.9):
@@ -293,8 +312,8 @@ def set_time_step(fraction=0.9):
         ValueError: the fraction is out of its range, or the scene has no soft grain.
     """
     check_fraction("fraction", fraction)
-    O.dt = _own_step["dt"] = fraction * critical_time_step()
-    _own_step["fraction"] = fraction
+    O.dt = fraction * critical_time_step()
+    O.tags[_OWN_STEP] = f"{O.dt!r} {float(fraction)!r}"
     for engine in integrators():
         engine.timeStepFraction = fraction
         engine.dtSet = O.dt

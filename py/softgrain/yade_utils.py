@@ -8,7 +8,8 @@ import numpy as np
 from yade import O, Sphere, Vector3, utils, wrapper
 
 from softgrain import _host
-from softgrain.observe import cell_volume, soft_bodies
+from softgrain.checks import number
+from softgrain.observe import bodies_of, cell_volume, has_own_motion, soft_bodies
 from softgrain.quasi_static import unbalanced_force
 
 _of_yade = {
@@ -56,7 +57,7 @@ def kineticEnergy(findMaxId=False):
     """
     if not soft_bodies():
         return _of_yade["kineticEnergy"](findMaxId)
-    energies = {b.id: _kinetic_energy(b) for b in O.bodies if b and _counts(b)}
+    energies = {b.id: _kinetic_energy(b) for b in O.bodies if b and has_own_motion(b)}
     total = sum(energies.values())
     if not findMaxId:
         return total
@@ -78,8 +79,7 @@ def aabbExtrema(cutoff=0.0, centers=False):
     """
     if not soft_bodies():
         return _of_yade["aabbExtrema"](cutoff, centers)
-    if not 0 <= cutoff <= 1:
-        raise ValueError(f"cutoff = {cutoff} is outside the admissible range [0, 1]")
+    cutoff = number("cutoff", cutoff, "[0, 1]")
     ends = np.array([_ends(b, centers) for b in O.bodies if b and (_is_soft(b) or _is_sphere(b))])
     low, high = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
     cut = cutoff / 2 * (high - low)
@@ -139,9 +139,10 @@ def growParticle(bodyID, multiplier, updateMass=True):
         updateMass (bool): of mass and inertia, too.
 
     Raises:
-        ValueError: the body is a soft grain.
+        ValueError: the body is a soft grain, or there is none.
     """
-    if _is_soft(O.bodies[bodyID]):
+    (body,) = bodies_of([bodyID])
+    if _is_soft(body):
         raise ValueError(f"bodyID = {bodyID}: a soft grain does not grow; admissible: spheres")
     _of_yade["growParticle"](bodyID, multiplier, updateMass)
 
@@ -164,10 +165,6 @@ def _ends(body, centers):
 
 def _is_soft(body):
     return isinstance(body.shape, wrapper.SoftGrain)
-
-
-def _counts(body):
-    return _is_soft(body) or (body.dynamic and not body.isClumpMember)
 
 
 def _kinetic_energy(body):

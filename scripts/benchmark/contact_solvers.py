@@ -207,4 +207,5 @@ def main():
     write_table(options.out / "contact_solvers.md", head, rows)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -53,6 +53,11 @@ equilibrium: [decisions/0010](decisions/0010-grains-at-rest.md).
 """
 
 
+def as_text(figure):
+    """Empty where there is none, or none that is a number."""
+    return "" if figure is None else f"{figure:.3g}"
+
+
 def write_markdown(out, studies, titles):
     lines = [PAGE]
     for study, rows in studies.items():
@@ -61,7 +66,7 @@ def write_markdown(out, studies, titles):
         lines.append("| value | outcome | " + " | ".join(SHOWN[n] for n in columns) + " |")
         lines.append("|" + "---|" * (2 + len(columns)))
         for row in rows:
-            cells = [f"{row['figures'][n]:.3g}" if n in row["figures"] else "" for n in columns]
+            cells = [as_text(row["figures"].get(n)) for n in columns]
             lines.append(f"| {row['value']:g} | {row['outcome']} | " + " | ".join(cells) + " |")
         messages = [f"{row['value']:g}: {row['message']}" for row in rows if row["message"]]
         lines += ["", *(f"- {message}" for message in messages), ""]

@@ -19,7 +19,7 @@ def add_case_options(parser):
         "--until-phi",
         type=command_line.positive,
         default=0.95,
-        help="nominal packing fraction to stop at [-]",
+        help="nominal packing fraction to stop at, above that of the loose packing [-]",
     )
 
 

@@ -32,7 +32,10 @@ def parse_options():
     add("problem", choices=PROBLEMS)
     add("--result", type=Path, required=True, help="JSON file to write")
     add_case_options(parser)
-    return parser.parse_args()
+    options = parser.parse_args()
+    start = compaction.START_PHI
+    command_line.check_until_phi(parser, options, start, f"{start}")
+    return options
 
 
 class Box:

@@ -219,6 +219,28 @@ def test_cohesion_in_3d():
     assert abs(cube.state.pos[2] + RADIUS) < 1e-3 * RADIUS
 
 
+def of_all(value):
+    """For all pairs of materials, which the integrator looks at when they meet."""
+    return MatchMaker(algo="val", val=value)
+
+
+@pytest.mark.parametrize(
+    "name, value, admissible",
+    [
+        ("frictAngle", math.nan, "[0, 1.57"),
+        ("dynamicFrictAngle", -0.1, "[0, 1.57"),
+        ("cohesion", -1.0, "[0, inf) Pa"),
+        ("bondEnergy", "much", "[0, inf) J/m²"),
+        ("restitution", 2.0, "[0, 1]"),
+    ],
+)
+def test_numbers_are_refused_at_once(name, value, admissible):
+    add_block(0)
+    message = f"interface: {name} = {value} is outside the admissible range {admissible}"
+    with pytest.raises(ValueError, match=re.escape(message)):
+        sg.engines(interface={name: value})
+
+
 def test_bad_input():
     def stops(message, law, pair="wall", **shape):
         O.reset()
@@ -231,16 +253,16 @@ def test_bad_input():
         if pair != "wall":
             for functor in O.engines[2].physDispatcher.functors:
                 if hasattr(functor, "restitution"):
-                    functor.restitution = MatchMaker(algo="val", val=0.5)
+                    functor.restitution = of_all(0.5)
         with pytest.raises(RuntimeError, match=message):
             run(2)
 
     stops("#1 and #0: dynamicFriction = .* outside", {"dynamicFrictAngle": 0.5})
-    stops("cohesion = -1 ", {"cohesion": -1.0})
+    stops("cohesion = -1 ", {"cohesion": of_all(-1.0)})
     stops("cohesionRange = 0 ", {"cohesion": 1e3})
     stops("bondEnergy = 0 ", {"bondStrength": 1e3})
     stops("bondStiffness = 1000 ", {"bondStiffness": 1e3, **BOND})
-    stops("restitution = 2 ", {"restitution": 2.0})
+    stops("restitution = 2 ", {"restitution": of_all(2.0)})
     stops("restitution = 0.5 .*two soft grains", {}, pair="soft")
     stops("contact = 'surface'", {"restitution": 0.5}, contact="points")
     with pytest.raises(ValueError, match="unknown .'stickiness'"):

@@ -156,7 +156,7 @@ def test_by_pair_of_materials():
 def test_refused(value):
     add_wall(0, 2)
     add_sphere((0, 0, R))
-    start(1e-4, interface={"restitution": value})
+    start(1e-4, interface={"restitution": MatchMaker(algo="val", val=value)})
     with pytest.raises(
         RuntimeError, match=r"#0 and #1.*restitution = .* outside the admissible range \[0, 1\]"
     ):
