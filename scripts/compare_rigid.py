@@ -120,11 +120,11 @@ def table(cells, packings, exact):
         entries = (
             MODELS[model].label,
             f"{error_in_cell(cell, exact):.2g}" if deforms else "cannot deform",
-            f"{cell['seconds']:.2g}" if deforms else "",
+            f"{cell['wall_seconds']:.2g}" if deforms else "",
             end,
             f"{packing['coordination'][-1]:.2f}",
             packing["steps"],
-            f"{packing['seconds']:.2g}",
+            f"{packing['wall_seconds']:.2g}",
             f"{packing['parts']:.0f}",
         )
         rows.append(entries)

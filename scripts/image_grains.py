@@ -143,7 +143,7 @@ def main():
         "largest_area_error": float(np.abs(grains.area_errors).max()),
         "mean_area_error": float(grains.area_errors.mean()),
         "steps": O.iter,
-        "sweeps_a_step": engine.totalSweeps / engine.steps,
+        "sweeps_per_step": engine.totalSweeps / engine.steps,
         "largest_overlap_over_dr": engine.largestOverlap,
         "capped_steps": engine.cappedSteps,
         "coordination": sg.coordination_number(),

@@ -71,7 +71,7 @@ def separation(law, zeta, rate=4e4):
         "zeta": zeta,
         "stress_over_strength": largest / STRENGTH,
         "work_over_energy": work / ENERGY[law],
-        "balance_error": balance.error(),
+        "energy_error": balance.error(),
         "lost_bonds": sg.integrator().lostBonds,
     }
 

@@ -124,7 +124,7 @@ def main():
         "error_max": float(np.abs(error).max()),
         "grains_against_contacts_max": float(np.abs(by_grains / stress - 1)[late].max()),
         "work_against_stress": float(done[-1] / expected[-1] - 1),
-        "balance_error": balance.error(),
+        "energy_error": balance.error(),
         "steps": int(sg.integrator().steps),
         "capped_steps": int(sg.integrator().cappedSteps),
         "options": command_line.option_texts(options),
@@ -136,7 +136,7 @@ def main():
         f"{100 * result['error_max']:.2f} % of finite elements from w/D = {LATE} on, stress by "
         f"grains within {100 * result['grains_against_contacts_max']:.2f} % of that by contacts, "
         f"work {100 * result['work_against_stress']:+.2f} % off stress times strain, "
-        f"energy balance {result['balance_error']:.1e}"
+        f"energy balance {result['energy_error']:.1e}"
     )
 
 

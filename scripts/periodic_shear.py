@@ -158,7 +158,7 @@ def main():
             "stress_xy_over_target": xy,
             "phi": phi,
             "normal_stress_error_rms": float(np.sqrt((error**2).mean())),
-            "largest_overlap": sg.integrator().largestOverlap,
+            "largest_overlap_over_dr": sg.integrator().largestOverlap,
             "capped_steps": int(sg.integrator().cappedSteps),
             "steps": int(sg.integrator().steps),
             "options": command_line.option_texts(options),

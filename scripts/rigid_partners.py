@@ -110,7 +110,7 @@ def squeezed_packing(options):
         "sweeps_per_step": integrator.totalSweeps / integrator.steps,
         "capped_steps": integrator.cappedSteps,
         "largest_residual": integrator.largestResidual,
-        "largest_overlap": integrator.largestOverlap,
+        "largest_overlap_over_dr": integrator.largestOverlap,
     }
 
 

@@ -190,7 +190,7 @@ def run_facts(options, started):
         "dt": O.dt,
         "sweeps_per_step": engine.totalSweeps / engine.steps,
         "capped_steps": int(engine.cappedSteps),
-        "residual_max": engine.largestResidual,
+        "largest_residual": engine.largestResidual,
         "points_per_grain": len(observe.soft_bodies()[0].shape.points()["volume"]),
         "options": command_line.option_texts(options),
     }

@@ -10,6 +10,9 @@ from yade import O, wrapper
 
 from softgrain.observe import soft_bodies
 
+#: Forces of all contact points of a pair together.
+_SUMS = ("normal_force", "shear_force")
+
 
 def contact_forces():
     """All contact points of soft grains within reach.
@@ -40,12 +43,12 @@ def pair_forces():
 
     Returns:
         dict of arrays, in the order of the ids: id1, id2 (n,); point (n, 3), mean of the contact
-        points [m]; normal (n, 3) and shear (n, 3), sums of the normal and of the tangential forces
-        of all contact points on #2 [N, 2D N/m]; area (n,) of contact [m², 2D m]; pressure (n,) and
-        traction (n,), magnitudes of these sums over the area [Pa].
+        points [m]; normal_force (n, 3) and shear_force (n, 3), sums of the normal and of the
+        tangential forces of all contact points on #2 [N, 2D N/m]; area (n,) of contact [m², 2D m];
+        pressure (n,) and traction (n,), magnitudes of these sums over the area [Pa].
     """
     rows = [_pair(i) for i in _soft_interactions() if i.phys.activeContacts > 0]
-    names = ("id1", "id2", "point", "normal", "shear", "area", "pressure", "traction")
+    names = ("id1", "id2", "point", *_SUMS, "area", "pressure", "traction")
     return {
         name: np.array([row[k] for row in rows]) if rows else _no_rows(name)
         for k, name in enumerate(names)
@@ -54,7 +57,7 @@ def pair_forces():
 
 def _no_rows(name):
     """The column of that name in a table without rows."""
-    if name in ("point", "normal", "force", "shear"):
+    if name in ("point", "normal", "force", "shear", *_SUMS):
         return np.zeros((0, 3))
     return np.zeros(0, int if name in ("owner", "other", "id1", "id2") else float)
 
@@ -79,10 +82,10 @@ def body_forces():
     for k, ends in enumerate(zip(pairs["id1"], pairs["id2"])):
         for body, sign in zip(ends, (-1, 1)):
             row = place[int(body)]
-            force[row] += sign * (pairs["normal"][k] + pairs["shear"][k])
+            force[row] += sign * (pairs["normal_force"][k] + pairs["shear_force"][k])
             area[row] += pairs["area"][k]
-            pushed[row] += np.linalg.norm(pairs["normal"][k])
-            sheared[row] += np.linalg.norm(pairs["shear"][k])
+            pushed[row] += np.linalg.norm(pairs["normal_force"][k])
+            sheared[row] += np.linalg.norm(pairs["shear_force"][k])
     return {
         "id": ids,
         "force": force,

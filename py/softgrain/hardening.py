@@ -74,7 +74,8 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
         into (str): 'spheres', 'clumps' or 'fixed'.
         overlap (str): of 'spheres'. 'keep': radii of the present areas; YADE's law makes forces of
             the overlaps. 'shrink': all radii are reduced by one common factor so that no two of
-            the new spheres, and no sphere and wall, overlap; masses and inertias stay.
+            the new spheres, and none of them and another sphere or a wall, overlap; masses and
+            inertias stay.
         error (float | None): of 'clumps': largest distance from the grain's outline to that of the
             clump, over the radius of the disk (ball) of the same area (volume), in [0.002, 0.3]
             [-]; None: 0.01, in 3D 0.05. Outlines are polygons (triangles) between contact nodes; at

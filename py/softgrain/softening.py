@@ -51,9 +51,10 @@ def soften(
     * ``overlap='relax'`` (default): radii are kept; the overlaps are worked off over several steps
       with a capped speed (``SoftGrainIntegrator.overlapRelaxation``, ``overlapSpeed``), which turns
       them into deformation. Refused if an overlap is larger than 5 % of the smaller radius.
-    * ``overlap='shrink'``: all radii are reduced by one common factor so that no two grains, and no
-      grain and wall, overlap.
-    * ``overlap='refuse'``: any overlap is an error.
+    * ``overlap='shrink'``: all radii are reduced by one common factor so that no two of these
+      grains, and no grain and rigid sphere or wall, overlap.
+    * ``overlap='refuse'``: any such overlap is an error. (Boxes, facets and soft grains that are
+      there already do not count.)
 
     With ``when='loaded'`` spheres stay rigid until they first bear load, each for itself: a
     ``SoftenWhenLoaded`` before the ``SoftGrainIntegrator`` of ``O.engines`` turns them. Until then

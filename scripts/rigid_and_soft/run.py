@@ -154,7 +154,7 @@ def main():
     model = MODELS[options.model](mu, options.poisson)
     started = time.time()
     columns = PROBLEMS[options.problem](model, options)
-    facts = {"seconds": time.time() - started, "steps": O.iter, "parts": model.parts}
+    facts = {"wall_seconds": time.time() - started, "steps": O.iter, "parts": model.parts}
     command_line.write_json(options.result, {**columns, **facts})
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 
 import numpy as np
 import pytest
@@ -109,6 +110,14 @@ def test_json_file(tmp_path):
         command_line.write_json(tmp_path / "rows.json", value)
     assert json.loads((tmp_path / "rows.json").read_text()) == [{"a": 0.5}]
     assert [p.name for p in tmp_path.iterdir()] == ["rows.json"]
+
+
+def test_what_is_no_finite_number_is_null(tmp_path):
+    value = {"a": math.inf, "b": [1.5, np.float64("nan")], "c": np.array([-np.inf, 2])}
+    command_line.write_result(tmp_path, value)
+    text = (tmp_path / "result.json").read_text()
+    assert "Infinity" not in text and "NaN" not in text
+    assert json.loads(text) == {"a": None, "b": [1.5, None], "c": [None, 2.0]}
 
 
 def test_failed_result_leaves_the_old_one(tmp_path):

@@ -18,8 +18,8 @@ NUMBERS = (
     "dt",
     "sweeps_per_step",
     "capped_steps",
-    "residual_max",
-    "max_overlap_over_dr",
+    "largest_residual",
+    "largest_overlap_over_dr",
     "energy_error",
 )
 PICTURES = ("packing_start.png", "packing_jammed.png", "packing_end.png", "stress.png")
@@ -52,10 +52,10 @@ def check(folder, result, until):
     assert until <= result["phi"][-1] < until + 0.01
     assert (np.diff(arrays["phi0"]) > 0).all()
     assert (arrays["phi0"] >= arrays["phi"] - 1e-6).all()
-    assert result["max_overlap_over_dr"] < 0.1
+    assert result["largest_overlap_over_dr"] < 0.1
     assert result["energy_error"] < 0.02
     assert result["capped_steps"] < 0.01 * result["steps"]
-    assert (result["residual_max"] > 0.01) == (result["capped_steps"] > 0)
+    assert (result["largest_residual"] > 0.01) == (result["capped_steps"] > 0)
     bottom, top = (late(result, name, until) for name in ("stress_over_E", "stress_top_over_E"))
     np.testing.assert_allclose(bottom.mean(), top.mean(), rtol=0.05)
     assert 0.02 < bottom[-1] < 1

@@ -76,7 +76,7 @@ def test_force_of_the_surface_geometry(tmp_path):
 
 
 def test_plane_stress(tmp_path):
-    """Softer than plane strain, and within 2 % of its own curve."""
+    """Softer than plane strain, and within 1 % of its own curve."""
     result = press(tmp_path, "--zeta", "0.1", "--condition", "plane_stress", "--until", "0.1")
     assert np.abs(force_errors(result, "plane_stress")).max() < 0.01
     assert force_errors(result, "plane_strain")[-1] < -0.15

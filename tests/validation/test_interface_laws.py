@@ -10,7 +10,7 @@ def test_separation_and_sliding(tmp_path):
     for row in result["separation"]:
         assert row["stress_over_strength"] == pytest.approx(1, abs=0.05)
         assert row["work_over_energy"] == pytest.approx(1, abs=0.03)
-        assert row["balance_error"] < 0.01
+        assert row["energy_error"] < 0.01
         assert row["lost_bonds"] == 0
     for row in result["sliding"]:
         assert 0.7 < row["static"] < 1.01  # its ends slip first

@@ -31,7 +31,7 @@ def check_stresses(result, isotropy):
     np.testing.assert_allclose(result["stress_xy"], 0, atol=1e-3 * abs(result["stress_xx"][-1]))
     assert result["grains_against_contacts_max"] < 0.01
     assert abs(result["work_against_stress"]) < 2e-3
-    assert result["balance_error"] < 1e-3
+    assert result["energy_error"] < 1e-3
 
 
 @pytest.mark.slow
@@ -40,6 +40,6 @@ def test_shear(tmp_path):
     assert result["normal_stress_error_rms"] < 0.005
     late = result["shear"] > 0.2
     assert 0.05 < result["stress_xy_over_target"][late].mean() < 0.6
-    assert result["largest_overlap"] < 0.2
+    assert result["largest_overlap_over_dr"] < 0.2
     height, width, _ = imread(tmp_path / "packing.png").shape
     assert height > 600 and width > 600

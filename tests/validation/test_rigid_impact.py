@@ -14,4 +14,4 @@ def test_rigid_partners(tmp_path):
     packing = result["packing"]
     assert packing["capped_steps"] == 0
     assert packing["largest_residual"] <= 0.01
-    assert packing["largest_overlap"] < 0.1
+    assert packing["largest_overlap_over_dr"] < 0.1

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from scenes import RADIUS, add_disk
 from yade import FrictMat, O, utils
@@ -37,6 +38,29 @@ THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
         (lambda: sg.draw_packing("p.png", scale=-1), r"scale = -1 .*\(0, inf\) Pa"),
         (lambda: sg.contact_halfwidth([0, 1], [1, -1]), r"force .*\[0, inf\)"),
         (lambda: sg.contact_halfwidth([0, 1], [1, NAN]), r"force .*\[0, inf\)"),
+        (lambda: sg.contact_halfwidth([0, NAN], [1, 1]), r"position .*\(-inf, inf\) m"),
+        (lambda: sg.contact_halfwidth([0, 1], [1, 1, 1]), r"shapes \(2,\), \(3,\)"),
+        (lambda: sg.soft_disk(("a", 0, 0), RADIUS), "center = .*3 finite numbers"),
+        (lambda: sg.soft_disk(**DISK, material="foo"), "material = 'foo' is unknown; known: "),
+        (lambda: sg.soft_disk(**DISK, material=99), r"material = 99: .* in \[-1, "),
+        (lambda: sg.soft_disk(**DISK, material=-5), r"material = -5: .* in \[-1, "),
+        (lambda: sg.soft_disk(**DISK, material=True), "material = True: admissible are a SoftMat"),
+        (lambda: sg.soft_polygon([(0, 0), (1, 0), (0, 1)], corners=[1.7]), "corners = .*whole"),
+        (lambda: sg.soft_polygon([(0, 0), (1, 0), (1,)]), r"vertices: .*shape \(n, 2\)"),
+        (lambda: sg.soft_block((0, 0, 0), 5), "size = 5: admissible are 2 or 3 numbers"),
+        (lambda: sg.soft_ellipse((0, 0, 0), 0.01), "half_axes = 0.01: admissible are 2 numbers"),
+        (lambda: sg.soften(0), "ids = 0: admissible are whole numbers"),
+        (lambda: sg.soften([0.0]), "ids = .*: admissible are whole numbers"),
+        (lambda: sg.soften([1], color=(1, 0, 0)), "color = .*keep that of their spheres"),
+        (lambda: sg.soften([1], form="block"), "form = 'block': .*sg.soft_block"),
+        (lambda: sg.as_disks([]), "ids: there is no sphere"),
+        (lambda: sg.harden([0], FrictMat(), into="clumps", error="a"), r"error = a .*\[0.002, "),
+        (lambda: sg.packing_fraction("a"), r"box_area = a .*\(0, inf\)"),
+        (lambda: sg.scale_mass("a"), r"factor = a .*\[1, inf\)"),
+        (lambda: sg.von_mises(np.eye(2)), r"cauchy has shape \(2, 2\)"),
+        (lambda: sg.draw_packing("p.png", limits=(1, 0)), "limits = .* below the second"),
+        (lambda: sg.grains_from_image([[0.5]], 1), "image: float64"),
+        (lambda: utils.growParticle(9, 2), "there is no body #9"),
     ],
 )
 def test_arguments(call, message):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from partner_scenes import add_clump
 from scenes import (
     RADIUS,
     YOUNG,
@@ -53,7 +54,7 @@ def packing():
 def test_points_make_pairs_make_bodies(packing):
     points, pairs, bodies = sg.contact_forces(), sg.pair_forces(), sg.body_forces()
     assert len(pairs["id1"]) >= 10 and len(points["owner"]) > 30
-    largest = np.abs(bodies["force"]).max() + np.linalg.norm(pairs["normal"], axis=1).max()
+    largest = np.abs(bodies["force"]).max() + np.linalg.norm(pairs["normal_force"], axis=1).max()
     for body, force in zip(bodies["id"], bodies["force"]):
         # nodes of the body bear its forces, those of others the opposite
         own = points["force"][points["owner"] == body].sum(axis=0)
@@ -69,6 +70,21 @@ def test_forces_of_walls(packing):
     for wall in packing:
         found = bodies["force"][bodies["id"] == wall][0]
         np.testing.assert_allclose(found, O.forces.f(wall), atol=1e-9 * np.abs(found).max())
+
+
+def test_force_on_a_clump_is_that_on_its_members():
+    disk = add_disk((0, 0, 0), material=soft_material(frictionAngle=0.5))
+    clump = add_clump([(x * RADIUS, 1.18 * RADIUS, 0) for x in (-0.3, 0.3)], 0.24 * RADIUS)
+    add_wall(-RADIUS, axis=1)
+    ready()
+    clump.state.vel = (0, -0.5, 0)
+    run(60)
+    members = [sg.wall_force(member) for member in clump.shape.members]
+    assert all(force[1] > 0 for force in members)
+    np.testing.assert_allclose(sg.wall_force(clump.id), np.sum(members, axis=0))
+    touched = {int(i) for i in sg.pair_forces()["id1"]} | {int(i) for i in sg.pair_forces()["id2"]}
+    assert disk.id in touched
+    assert sg.coordination_number() == len(touched - {disk.id}) - 1  # the clump is one body
 
 
 def test_tractions_make_the_forces():
@@ -276,7 +292,7 @@ def test_force_chains(packing):
             assert miss < 0.15 * RADIUS
     pairs = sg.pair_forces()
     np.testing.assert_allclose(
-        sorted(force for *_, force in drawn), sorted(np.linalg.norm(pairs["normal"], axis=1))
+        sorted(force for *_, force in drawn), sorted(np.linalg.norm(pairs["normal_force"], axis=1))
     )
     shares = np.array(utils.fabricTensor()[0])  # of its normals
     assert shares[0, 0] + shares[1, 1] == pytest.approx(1)

@@ -75,6 +75,14 @@ def test_shrink():
     assert disks[0].state.pos[0] - walls[0].state.pos[0] >= disks[0].shape.radius * (1 - 1e-12)
 
 
+def test_disks_that_cannot_shrink_stay_as_they_are():
+    disks = [add_disk((x * RADIUS, 0, 0)) for x in (0, 0.5)]
+    with pytest.raises(ValueError, match="overlap = 'shrink': bodies #0 and #1") as caught:
+        sg.harden(material=rigid_material(), overlap="shrink")
+    assert "use overlap" not in str(caught.value)
+    assert all(isinstance(d.shape, sg.SoftGrain) for d in disks)
+
+
 def test_refusals():
     add_disk()
     O.bodies.append(sg.soft_block((5 * RADIUS, 0, 0), (RADIUS, RADIUS), soft_material(), zeta=0.3))

@@ -270,6 +270,11 @@ def test_stress_of_a_cell_that_drifts(source):
     set_cell(5 * DIAMETER, 5 * DIAMETER)
     for x, speed in ((1, 5), (4, 5)):
         add_disk((x * DIAMETER, DIAMETER, 0)).state.vel = (speed, 0, 0)
+    if source == "contacts":  # a held body has a mass, too, but no motion of its own
+        place, half = (2 * DIAMETER, 3.5 * DIAMETER, 0), (DIAMETER, 0.1 * DIAMETER, DIAMETER)
+        floor = utils.box(place, half, fixed=True, material=FrictMat())
+        O.bodies.append(floor)
+        assert floor.state.mass > 0
     ready()
     run(2)
     assert np.abs(sg.cell_stress(source)).max() < 1e-9

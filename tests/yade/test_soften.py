@@ -174,6 +174,7 @@ def test_unclear_dimension(centers, flat):
         ({"time_step_fraction": 2}, r"fraction = 2 .*\(0, 1\]"),
         ({"ids": [1]}, "ids: body #1 is neither a sphere"),
         ({"ids": []}, "ids: there is no sphere"),
+        ({"when": "loaded"}, "when = 'loaded' needs a SoftGrainIntegrator"),
     ],
     ids=str,
 )
@@ -185,6 +186,7 @@ def test_refused_options_change_nothing(options, message):
         sg.soften(**options)
     assert isinstance(sphere.shape, Sphere) and sphere.state.blockedDOFs == "zXY"
     assert isinstance(sphere.material, FrictMat)
+    assert not any(isinstance(m, sg.SoftMat) for m in O.materials)
     assert O.dt == 1e-5
 
 
@@ -228,6 +230,17 @@ def test_shrunk_for_a_wall():
     O.bodies.append(utils.wall(-0.9 * RADIUS, axis=1, material=FrictMat()))
     sg.soften(zeta=ZETA, overlap="shrink")
     assert [b.shape.radius for b in sg.soft_bodies()] == pytest.approx([0.9 * RADIUS] * 2)
+
+
+@pytest.mark.parametrize("overlap", ["shrink", "refuse"])
+def test_spheres_that_stay_rigid_count(overlap):
+    add_spheres([(0, 0, 0), (1.9 * RADIUS, 0, 0), (3 * RADIUS, 0, 0)])
+    if overlap == "refuse":
+        with pytest.raises(ValueError, match="#0 and #1 overlap by 10 %"):
+            sg.soften([0], zeta=ZETA, overlap="refuse")
+    else:
+        sg.soften([0], zeta=ZETA, overlap="shrink")
+        assert O.bodies[0].shape.radius == pytest.approx(0.9 * RADIUS)
 
 
 def test_coincident_spheres_cannot_shrink():

@@ -91,6 +91,19 @@ def test_users_step_before_the_first():
     assert O.dt == chosen
 
 
+def test_step_is_forgotten_with_its_scene():
+    """The same number, assigned by hand in a later scene, is the user's."""
+    add_disk()
+    dt = sg.set_time_step(0.5)
+    O.reset()
+    add_disk()
+    O.dt = dt
+    O.engines = sg.engines()
+    run(3)
+    assert O.dt == dt
+    assert sg.integrator().dtSet != dt
+
+
 def test_back_to_automatic():
     squeeze(10)
     O.dt = 1e-7
