@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.collections import TriMesh
+from matplotlib.figure import Figure
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -198,6 +200,30 @@ def test_picture(tmp_path, field, contact):
     )
     assert path.read_bytes()[:4] == b"\x89PNG"
     assert path.stat().st_size > 1000
+
+
+def test_colours_are_the_stresses(monkeypatch):
+    """A disk that a wall strikes and one that nothing touches, and the range of colours."""
+    drawn = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
+    soft = sg.SoftMat(young=1e6)
+    disks = [sg.soft_disk((x, 0, 0), 0.01, soft, zeta=0.3) for x in (0, 0.05)]
+    O.bodies.append(disks)
+    O.bodies.append(utils.wall(-0.01, axis=0, material=FrictMat()))
+    O.bodies[2].state.vel = (1, 0, 0)
+    O.engines = sg.engines()
+    sg.set_time_step()
+    sg.advance(40)
+    for field, sign in (("von_mises", 1), ("pressure", -1 / 3)):
+        sg.draw_packing("p.png", field=field, scale=1e6)
+        struck, free = [c for c in drawn[-1].axes[0].collections if isinstance(c, TriMesh)]
+        cauchy = disks[0].shape.points()["cauchy"] / 1e6
+        expected = sg.von_mises(cauchy) if field == "von_mises" else sign * np.trace(cauchy.T)
+        shown = struck.get_array()[: len(expected)]
+        np.testing.assert_allclose(np.sort(shown), np.sort(expected), atol=1e-12)
+        assert np.abs(expected).max() > 1e-3 > 1e6 * np.abs(free.get_array()).max()
+        assert struck.get_clim() == free.get_clim()
+        assert 0.5 * expected.max() < struck.get_clim()[1] <= expected.max()
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from periodic_scenes import DIAMETER, compress, flow, irregular_packing, set_cell
 from scenes import (
     DENSITY,
@@ -217,12 +219,22 @@ def test_rigid_disks_flow_with_the_cell():
         sg.cell_stress("grains")
 
 
-def test_pictures_show_images(tmp_path):
-    irregular_packing(shift=(RADIUS, 0.5 * RADIUS))
+def test_pictures_show_images(tmp_path, monkeypatch):
+    """Of a disk inside once, of one at a side twice, of one in the corner four times."""
+    drawn = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
+    set_cell(5 * DIAMETER, 5 * DIAMETER)
+    for x, y in ((2.5, 2.5), (5, 2.5), (10.1, -5)):
+        add_disk((x * DIAMETER, y * DIAMETER, 0))
     ready()
     run(1)
     sg.draw_packing(tmp_path / "cell.png")
-    assert (tmp_path / "cell.png").stat().st_size > 10000
+    (outlines,) = [c for c in drawn[0].axes[0].collections if isinstance(c, LineCollection)]
+    centres = np.array([o[:-1].mean(axis=0) for o in outlines.get_segments()]) / DIAMETER
+    expected = [(2.5, 2.5), (0, 2.5), (5, 2.5), (0.1, 0), (5.1, 0), (0.1, 5), (5.1, 5)]
+    assert len(centres) == len(expected)
+    for place in expected:
+        assert np.linalg.norm(centres - place, axis=1).min() < 0.01
 
 
 LOADED = """
