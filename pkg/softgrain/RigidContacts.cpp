@@ -4,6 +4,7 @@
 #include "Require.hpp"
 #include "RigidPartners.hpp"
 #include "SceneAssembly.hpp"
+#include "assembly/RigidInKernel.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,12 +41,22 @@ const Law2_ScGeom_FrictPhys_Nonsmooth* nonsmoothLaw(const Scene& scene)
 	return nullptr;
 }
 
-/// Most shapes are a Sphere itself, which is told at little cost.
-const Sphere* asSphere(const Body& body)
+/// (Functors for a shape are called for those derived from it too, as a GridConnection is from
+/// Sphere, which are other bodies.)
+template <class Form> const Form* as(const Body& body)
 {
 	const Shape* shape = body.shape.get();
-	return shape && typeid(*shape) == typeid(Sphere) ? static_cast<const Sphere*>(shape)
-							 : dynamic_cast<const Sphere*>(shape);
+	return shape && typeid(*shape) == typeid(Form) ? static_cast<const Form*>(shape) : nullptr;
+}
+
+const Sphere* asSphere(const Body& body) { return as<Sphere>(body); }
+
+/// It bears nothing then.
+void leaveOut(RigidContactDescription& d)
+{
+	d.friction = 0;
+	d.impulse.setZero();
+	d.gap = std::numeric_limits<Real>::infinity();
 }
 
 /// Place and gap; sphere against sphere anew, in the order of their ids to the last bit.
@@ -68,6 +79,34 @@ void describePlace(const Body& first, const Body& second, bool twoSpheres, const
 		d.point = geom.contactPoint;
 	}
 	d.size = sizeOverRadius * radius;
+}
+
+/// A sphere that stays in a plane meets a facet that stands upright in it where the plane cuts the
+/// facet: the nearest place of an edge that leans lies out of the plane.
+void keepInPlane(const Body& first, const Body& second, RigidContactDescription& d)
+{
+	const auto* facet = as<Facet>(first);
+	constexpr double rounding = 1e-9; // of a unit normal that YADE computed
+	if (!facet || !(second.state->blockedDOFs & State::DOF_Z) ||
+	    std::abs(d.normal.z()) < rounding)
+		return;
+	softgrain::RigidBodyDescription plate;
+	plate.form = softgrain::RigidBodyDescription::Form::plate;
+	for (int k = 0; k < 3; ++k)
+		plate.corner[k] = first.state->pos + first.state->ori * facet->vertices[k];
+	const Vec3 across =
+		(plate.corner[1] - plate.corner[0]).cross(plate.corner[2] - plate.corner[0]);
+	if (std::abs(across.z()) > rounding * across.norm()) return;
+	const Vec3 centre = second.state->pos + d.image.shift;
+	const auto place = softgrain::placeInPlane(plate, centre);
+	const Real distance = place ? (centre - *place).norm() : 0;
+	if (!(distance > 0)) {
+		leaveOut(d);
+		return;
+	}
+	d.normal = (centre - *place) / distance;
+	d.gap = distance - asSphere(second)->radius;
+	d.point = *place + 0.5 * d.gap * d.normal;
 }
 
 void checkSpans(const Scene& scene)
@@ -125,14 +164,17 @@ RigidContacts::Pair RigidContacts::pairOf(const Interaction& I, const Scene& sce
 {
 	const Body *body1 = (*scene.bodies)[I.getId1()].get(),
 		   *body2 = (*scene.bodies)[I.getId2()].get();
-	const bool twoSpheres = asSphere(*body1);
+	const bool twoSpheres = asSphere(*body1) && asSphere(*body2);
 	if (twoSpheres && I.getId2() < I.getId1()) return { body2, body1, true, true };
 	return { body1, body2, twoSpheres, false };
 }
 
 void RigidContacts::requireTreatable(const Interaction& I, const Pair& pair)
 {
-	if (!asSphere(*pair.second))
+	const Body& first = *pair.first;
+	const bool treatable =
+		asSphere(first) || as<Facet>(first) || as<Box>(first) || as<Wall>(first);
+	if (!treatable || !asSphere(*pair.second))
 		throw std::runtime_error(
 			namesOf(I) + " (" + pair.first->shape->getClassName() + " and " +
 			pair.second->shape->getClassName() +
@@ -163,6 +205,7 @@ void RigidContacts::describe(const Scene& scene, RigidPartners& partners, Real m
 		d.restitution = restitutionOf(*law, I, *pair.first, *pair.second);
 		d.impulse = (pair.swapped ? -scene.dt : scene.dt) *
 			    (phys.normalForce + phys.shearForce);
+		keepInPlane(*pair.first, *pair.second, d);
 	}
 	stopOnOverlap(partners, maxOverlap);
 	leaveSeamsOut();
@@ -188,7 +231,7 @@ void RigidContacts::listContactsOnPlates()
 	onPlates_.clear();
 	for (std::size_t k = 0; k < contacts_.size(); ++k) {
 		const Pair& pair = pairs_[k];
-		if (pair.twoSpheres || dynamic_cast<const Wall*>(pair.first->shape.get())) continue;
+		if (pair.twoSpheres || as<Wall>(*pair.first)) continue;
 		onPlates_.push_back({ pair.second->getId(), static_cast<int>(k) });
 	}
 	std::sort(onPlates_.begin(), onPlates_.end());
@@ -218,10 +261,7 @@ void RigidContacts::leaveSeamsOut()
 	listContactsOnPlates();
 	for (const auto& [sphere, k] : onPlates_) {
 		RigidContactDescription& d = contacts_[k];
-		if (!isSeam(d, sphere)) continue;
-		d.friction = 0;
-		d.impulse.setZero();
-		d.gap = std::numeric_limits<Real>::infinity();
+		if (isSeam(d, sphere)) leaveOut(d);
 	}
 }
 

@@ -107,14 +107,14 @@ void SoftBodies::requireCarried(const NewtonIntegrator& newton) const
 /// another pass would wait for memory again.)
 std::set<int> SoftBodies::applyUserMotions(const CellFlow& flow) const
 {
-	std::set<int> wrapped;
+	std::set<int> moved;
 	for (int g = 0; g < assembly_.grains(); ++g)
 		if (assembly_.host.moved[g] && applyUserMotion(g, flow))
-			wrapped.insert(assembly_.idOf(g));
-	return wrapped;
+			moved.insert(assembly_.idOf(g));
+	return moved;
 }
 
-/// Whether the grain was shifted by whole periods.
+/// Whether there was a motion.
 bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 {
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
@@ -151,7 +151,7 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 			      pushed ? velocity : Vec3(Vec3::Zero()),
 			      spun ? spin : Vec3(Vec3::Zero()));
 	grain.written = assembly_.motion(g); // done, whatever becomes of the step
-	return image.has_value();
+	return true;
 }
 
 void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const

@@ -2,6 +2,7 @@
 #include "PythonArrays.hpp"
 
 #include <functional>
+#include <limits>
 
 namespace yade {
 
@@ -99,11 +100,18 @@ void Ip2_SoftPhys::makePhys(const shared_ptr<Interaction>& I, const Material& m1
 			    const Material& m2, Real frictionAngle1, Real frictionAngle2,
 			    Real stiffness) const
 {
+	auto found = [&](const MatchMaker& match, Real ofFirst, Real ofSecond) {
+		try {
+			return match(m1.id, m2.id, ofFirst, ofSecond);
+		} catch (const std::exception&) { // the step refuses what is no number
+			return std::numeric_limits<Real>::quiet_NaN();
+		}
+	};
 	auto matched = [&](const shared_ptr<MatchMaker>& match, Real otherwise) {
-		return match ? (*match)(m1.id, m2.id, otherwise, otherwise) : otherwise;
+		return match ? found(*match, otherwise, otherwise) : otherwise;
 	};
 	const auto phys = shared_ptr<SoftPhys>(new SoftPhys);
-	const Real angle = frictAngle ? (*frictAngle)(m1.id, m2.id, frictionAngle1, frictionAngle2)
+	const Real angle = frictAngle ? found(*frictAngle, frictionAngle1, frictionAngle2)
 				      : std::min(frictionAngle1, frictionAngle2);
 	phys->tangensOfFrictionAngle = std::tan(angle);
 	phys->kn = phys->ks = stiffness;

@@ -5,6 +5,7 @@
 #include "SceneAssembly.hpp"
 #include "SoftBodies.hpp"
 #include "Timing.hpp"
+#include "WallStressController.hpp"
 
 #include <limits>
 #include <map>
@@ -109,13 +110,13 @@ void SoftGrainIntegrator::advance()
 	const NewtonIntegrator& newton = *newtonIntegratorOf(*scene);
 	const SoftBodies bodies(*scene, *assembly_);
 	const CellFlow flow = cellFlow(*scene, newton);
-	const auto wrapped = bodies.applyUserMotions(flow);
+	const auto moved = bodies.applyUserMotions(flow);
 	clock_.end("applyUserMotions");
 	assembly_->updateForces(threads());
 	clock_.end("updateForces");
 	chooseTimeStep();
 	clock_.end("chooseTimeStep");
-	const SoftInteractions interactions(*scene, assembly_, order_, wrapped);
+	const SoftInteractions interactions(*scene, assembly_, order_, moved);
 	interactions.check(maxOverlap);
 	interactions.moveImages();
 	clock_.end("softInteractions");
@@ -197,11 +198,13 @@ bool isActiveTimeStepper(Engine& engine)
 
 void SoftGrainIntegrator::checkEngines() const
 {
-	bool seenThis = false;
+	bool seenThis = false, seenLoop = false;
 	const NewtonIntegrator* newton = nullptr;
 	for (const auto& engine : scene->engines) {
 		if (engine.get() == this)
 			seenThis = true;
+		else if (dynamic_cast<const InteractionLoop*>(engine.get()) && !engine->dead)
+			seenLoop = seenLoop || !seenThis;
 		else if (YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
 			throw std::runtime_error(
 				"O.engines holds two SoftGrainIntegrators; each moves all soft "
@@ -221,7 +224,16 @@ void SoftGrainIntegrator::checkEngines() const
 				engine->getClassName() +
 				" stands after SoftGrainIntegrator in O.engines and would change "
 				"O.dt between contact and motion; put it before");
+		else if (seenThis && dynamic_cast<const WallStressController*>(engine.get()))
+			throw std::runtime_error(
+				"WallStressController stands after SoftGrainIntegrator in "
+				"O.engines, which takes the forces on the walls before it; see "
+				"sg.insert_before_solve()");
 	}
+	if (!seenLoop)
+		throw std::runtime_error(
+			"there is no InteractionLoop before it in O.engines that is not dead: it "
+			"finds the contacts. See sg.engines()");
 	if (!newton)
 		throw std::runtime_error(
 			"there is no NewtonIntegrator after it in O.engines that is not dead: it "

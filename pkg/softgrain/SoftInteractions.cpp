@@ -191,7 +191,7 @@ bool InteractionOrder::isSorted() const
 
 SoftInteractions::SoftInteractions(Scene& scene,
 				   const std::shared_ptr<softgrain::GrainAssembly>& assembly,
-				   InteractionOrder& order, const std::set<int>& wrapped)
+				   InteractionOrder& order, const std::set<int>& moved)
 	: scene_(scene)
 	, assembly_(assembly)
 {
@@ -201,7 +201,7 @@ SoftInteractions::SoftInteractions(Scene& scene,
 	collect(order.of(*scene.interactions));
 	for (std::size_t k = 0; k < interactions_.size(); ++k) {
 		fetchAhead(interactions_, k);
-		renew(*interactions_[k], wrapped);
+		renew(*interactions_[k], moved);
 		pairs_.push_back(&pairOf(*interactions_[k]));
 	}
 }
@@ -218,11 +218,12 @@ void SoftInteractions::collect(const std::vector<Interaction*>& all)
 }
 
 /// Grains added, erased or changed since the InteractionLoop have other indices now, and contacts
-/// found there name the old ones; those of wrapped grains have the place of another image.
-void SoftInteractions::renew(Interaction& I, const std::set<int>& wrapped) const
+/// found there name the old ones; those of grains that a script moved are at another place, and may
+/// close faster than the search could know.
+void SoftInteractions::renew(Interaction& I, const std::set<int>& moved) const
 {
 	const bool present = static_cast<SoftGeom&>(*I.geom).assembly == assembly_;
-	if (present && !wrapped.count(I.getId1()) && !wrapped.count(I.getId2())) return;
+	if (present && !moved.count(I.getId1()) && !moved.count(I.getId2())) return;
 	const auto &b1 = (*scene_.bodies)[I.getId1()], &b2 = (*scene_.bodies)[I.getId2()];
 	const shared_ptr<Interaction>& shared = scene_.interactions->find(I.getId1(), I.getId2());
 	I.functorCache.geom->go(b1->shape, b2->shape, *b1->state, *b2->state, imageShift(scene_, I),
@@ -237,12 +238,22 @@ void SoftInteractions::check(Real maxOverlap) const
 	stopOnOverlap(maxOverlap);
 }
 
+void SoftInteractions::refuseWallAlongPlane(const Interaction& I) const
+{
+	const auto* wall = dynamic_cast<const Wall*>(rigidBodyOf(I).shape.get());
+	if (!wall || wall->axis != 2 || softGrainOf(I).dim == 3) return;
+	throw std::runtime_error(namesOf(I) +
+				 ": a Wall of axis = 2 lies in the plane of 2D soft grains; "
+				 "admissible: 0, 1");
+}
+
 /// Bodies that soft grains cannot touch as they stand.
 void SoftInteractions::checkRigidBodies() const
 {
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
-		if (!pairs_[k]->hasRigidBody()) continue;
 		const Interaction& I = *interactions_[k];
+		if (!pairs_[k]->isOfTwoGrains()) refuseWallAlongPlane(I);
+		if (!pairs_[k]->hasRigidBody()) continue;
 		const Body& body = rigidBodyOf(I);
 		const auto described =
 			describeRigid(*body.shape, *body.state, body.getId(), softGrainOf(I));

@@ -32,11 +32,11 @@ private:
 class SoftInteractions {
 public:
 	/// All real ones, in an order that does not depend on threads. Those of grains that were
-	/// added or changed since the InteractionLoop, or shifted by whole periods (ids `wrapped`),
+	/// added or changed since the InteractionLoop, or shifted by whole periods (ids `moved`),
 	/// are searched again. Throws std::runtime_error for pairs for which there is no contact
 	/// treatment.
 	SoftInteractions(Scene& scene, const std::shared_ptr<softgrain::GrainAssembly>& assembly,
-			 InteractionOrder& order, const std::set<int>& wrapped);
+			 InteractionOrder& order, const std::set<int>& moved);
 
 	/// Throws for rigid bodies and interfaces that are not admissible, saying which, and for an
 	/// overlap beyond `maxOverlap` (SoftGrainIntegrator.maxOverlap).
@@ -59,10 +59,11 @@ private:
 	};
 
 	void collect(const std::vector<Interaction*>& all);
-	void renew(Interaction& I, const std::set<int>& wrapped) const;
+	void renew(Interaction& I, const std::set<int>& moved) const;
 	const Body& rigidBodyOf(const Interaction& I) const;
 	const SoftGrain& softGrainOf(const Interaction& I) const;
 	void checkRigidBodies() const;
+	void refuseWallAlongPlane(const Interaction& I) const;
 	void checkInterfaces() const;
 	void stopOnOverlap(Real maxOverlap) const;
 	void publishSum(const Interaction& I) const;

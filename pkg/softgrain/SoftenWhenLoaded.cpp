@@ -6,6 +6,7 @@
 #include <lib/pyutil/gil.hpp>
 
 #include <algorithm>
+#include <set>
 
 namespace yade {
 
@@ -22,8 +23,10 @@ void SoftenWhenLoaded::action()
 		throw std::runtime_error("SoftenWhenLoaded: shape or material is None; see "
 					 "sg.soften(when='loaded')");
 	vector<int> waiting, loaded;
+	std::set<int> seen;
 	for (const int id : ids) {
-		if (!scene->bodies->exists(id)) continue; // erased
+		const bool isFirst = seen.insert(id).second;
+		if (!isFirst || !scene->bodies->exists(id)) continue; // named twice; erased
 		const auto& body = (*scene->bodies)[id];
 		if (!YADE_PTR_DYN_CAST<Sphere>(body->shape)) continue; // changed
 		(isLoaded(*body) ? loaded : waiting).push_back(id);

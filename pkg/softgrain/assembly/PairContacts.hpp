@@ -23,7 +23,8 @@ struct ContactRecord {
 /// What the contacts of a pair do to its first grain together.
 struct SumOfImpulses {
 	Vec3 normal = Vec3::Zero(), shear = Vec3::Zero(); ///< N s
-	Vec3 point = Vec3::Zero(); ///< mean of the contact points, on the first grain's side, m
+	Vec3 point = Vec3::Zero(); ///< mean of the contact points by the size of their
+	///< normal forces, on the first grain's side, m
 	/// Mean of the normals of all contacts by the size of their normal forces, into the first
 	/// grain, unit; zero without forces.
 	Vec3 direction = Vec3::Zero();
@@ -36,8 +37,8 @@ struct SumOfImpulses {
 class PairContacts {
 public:
 	virtual ~PairContacts() = default;
-	/// Whether there is a contact point within reach, or an overlap too deep for one.
 	static constexpr int size2D = 384; ///< bytes of one in 2D, for those who ask for its memory
+	/// Whether there is a contact point within reach, or an overlap too deep for one.
 	virtual bool hasContact() const = 0;
 	/// The pair is asleep, and its impulses in the last step were those of the step before.
 	virtual bool isKept() const = 0;

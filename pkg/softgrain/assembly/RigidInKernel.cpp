@@ -1,4 +1,5 @@
 #include "assembly/RigidInKernel.hpp"
+#include "contact/Facets.hpp"
 
 #include <cmath>
 #include <stdexcept>
@@ -61,6 +62,16 @@ template <> std::optional<RigidSurface<3>> surfaceIn<3>(const RigidBodyDescripti
 		return BlockSurface<3> { body.position, body.orientation.toRotationMatrix(),
 					 body.size };
 	return PlateSurface<3> { body.corner };
+}
+
+std::optional<Vec3> placeInPlane(const RigidBodyDescription& plate, const Vec3& x)
+{
+	const auto cut = surfaceIn<2>(plate, x.z());
+	if (!cut) return std::nullopt;
+	const auto& corner = std::get<PlateSurface<2>>(*cut).corner;
+	const auto weight = nearestOnFacet(x.head<2>(), corner);
+	const Vec<2> place = weight[0] * corner[0] + weight[1] * corner[1];
+	return Vec3(place[0], place[1], x.z());
 }
 
 template <int dim> RigidPartner<dim> partnerOf(const RigidMotionDescription& d)

@@ -21,6 +21,10 @@ std::optional<RigidSurface<dim>> surfaceIn(const RigidBodyDescription& body, dou
 template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescription& body, double z);
 template <> std::optional<RigidSurface<3>> surfaceIn<3>(const RigidBodyDescription& body, double z);
 
+/// The place of a plate nearest to `x` in the plane z = const of that, if the plate meets the
+/// plane.
+std::optional<Vec3> placeInPlane(const RigidBodyDescription& plate, const Vec3& x);
+
 template <int dim> RigidPartner<dim> partnerOf(const RigidMotionDescription& d);
 
 /// None for a contact across the plane of 2D grains, in which it does nothing; throws

@@ -113,7 +113,8 @@ template <int dim> struct ContactCandidates : CandidateFacets<dim> {
 /// What the contacts of a pair do together, on its first body.
 template <int dim> struct PairImpulse {
 	Vec<dim> normal = Vec<dim>::Zero(), shear = Vec<dim>::Zero(); ///< N s
-	Vec<dim> point = Vec<dim>::Zero();    ///< mean of the contact points, m
+	Vec<dim> point = Vec<dim>::Zero();    ///< mean of the contact points by the size of their
+					      ///< normal forces, m
 	int active = 0;                       ///< contacts with an impulse
 	Spin<dim> moment = Spin<dim>::Zero(); ///< on a rigid partner, N m s
 };

@@ -1,5 +1,6 @@
 #include "contact/Interface.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace softgrain {
@@ -12,6 +13,13 @@ constexpr double coneRounding = 1e-9;
 template <int dim> Vec<dim> across(const Vec<dim>& v, const Vec<dim>& n)
 {
 	return v - v.dot(n) * n;
+}
+
+/// A vector in the plane across the axis, turned about it.
+Vec<2> turnedAbout(const Vec<2>& v, const Vec<2>&, double) { return v; }
+Vec<3> turnedAbout(const Vec<3>& v, const Vec<3>& axis, double angle)
+{
+	return Eigen::AngleAxisd(angle, axis) * v;
 }
 
 /// Share of a part of an outline in which the gap is below `range`, were it to rise evenly: with
@@ -62,21 +70,21 @@ double PairInterface<dim>::biasOf(double bias, double gap, double before, bool c
 }
 
 template <int dim>
-Vec<dim> PairInterface<dim>::remember(std::size_t k, const Vec<dim>& normal,
-				      const Vec<dim>& reaction, const Vec<dim>& u, double friction,
-				      double gap, double pointSpacing)
+Vec<dim> PairInterface<dim>::remember(std::size_t k, const ContactOutcome<dim>& now,
+				      double friction)
 {
 	ContactHistory<dim>& h = history[k];
-	const double pressed = reaction.dot(normal);
+	const double pressed = now.reaction.dot(now.normal);
 	if (pressed > 0)
-		h.slid = across<dim>(reaction, normal).norm() >=
+		h.slid = across<dim>(now.reaction, now.normal).norm() >=
 			 (1 - coneRounding) * frictionOf(k, friction) * pressed;
 	if (h.bond == Bond::whole)
-		h.slip += dt_ * across<dim>(u, normal);
+		h.slip = turnedAbout(h.slip, now.normal, dt_ * now.spin) +
+			 dt_ * across<dim>(now.velocity, now.normal);
 	else if (h.bond == Bond::none && law.hasBond() && law.bondAtTouch &&
-		 (pressed > 0 || gap < touchingGap * pointSpacing))
-		bondNow(k, gap + dt_ * u.dot(normal));
-	return reaction + h.pull;
+		 (pressed > 0 || now.gap < touchingGap * now.pointSpacing))
+		bondNow(k, now.gap + dt_ * now.velocity.dot(now.normal));
+	return now.reaction + h.pull;
 }
 
 template <int dim> void PairInterface<dim>::bondNow(std::size_t k, double gap)

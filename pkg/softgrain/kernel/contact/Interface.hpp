@@ -46,6 +46,16 @@ template <int dim> struct InterfacePlace {
 	ContactArea part;
 };
 
+/// What became of a contact in the step.
+template <int dim> struct ContactOutcome {
+	Vec<dim> normal;     ///< to the body of the node
+	Vec<dim> reaction;   ///< r', N s
+	Vec<dim> velocity;   ///< u after the step, m/s
+	double spin;         ///< 3D: of the other body about the normal, 1/s
+	double gap;          ///< at t_n, m
+	double pointSpacing; ///< dr of the node's grain, m
+};
+
 template <int dim> class PairInterface {
 public:
 	InterfaceLaw law;
@@ -76,11 +86,9 @@ public:
 	void engage(Constraints& constraints, const std::vector<Contact<dim>>& contacts,
 		    const std::vector<ContactArea>& areas, bool onRigid, Apply&& apply,
 		    Approach&& approach);
-	/// Keeps what became of contact k in the step: reaction r', velocity u after it, with the
-	/// gap of t_n, m, and the spacing dr of its node's points, m. Returns its whole impulse, r'
-	/// + p.
-	Vec<dim> remember(std::size_t k, const Vec<dim>& normal, const Vec<dim>& reaction,
-			  const Vec<dim>& u, double friction, double gap, double pointSpacing);
+	/// Keeps what became of contact k, with mu_s = `friction`; returns its whole impulse, r' +
+	/// p.
+	Vec<dim> remember(std::size_t k, const ContactOutcome<dim>& outcome, double friction);
 	/// Contact k is bonded from now on.
 	void bondNow(std::size_t k, double gap);
 

@@ -180,10 +180,9 @@ std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
 	Contact<dim> contact;
 	if (radius > 0)
 		leanOnOutline(centre, body, place, contact);
-	else {
+	else
 		measureGap(centre, body, place, contact);
-		isBeyondEdge(centre, body, place, noWidth, contact);
-	}
+	isBeyondEdge(centre, body, place, noWidth, contact);
 	contact.gap -= radius;
 	if (contact.gap >= reach) return std::nullopt;
 	return contact;

@@ -2,6 +2,8 @@
 #include "contact/CoulombCone.hpp"
 #include "lanes/Lanes.hpp"
 
+#include <limits>
+
 namespace softgrain {
 
 namespace {
@@ -101,11 +103,20 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairProblem<dim>::solve(double violation,
 {
 	impulseBefore_ = impulse_;
 	velocityBefore_ = velocity_;
+	const std::vector<Vec<dim>> start = impulse_;
+	const double first = remaining();
+	double changed = std::numeric_limits<double>::infinity();
 	for (int sweeps = 1, inARow = 0;; ++sweeps) {
 		const Progress progress = sweep();
 		const bool promising = progress.changed <= changePerViolation * violation;
-		if (sweeps >= maxSweeps || (promising && remaining() <= violation)) return sweeps;
-		inARow = progress.along < 0 ? 0 : inARow + 1;
+		if (promising && remaining() <= violation) return sweeps;
+		if (sweeps >= maxSweeps) {
+			if (!(remaining() < first)) impulse_ = start;
+			return sweeps;
+		}
+		const bool turnsBack = progress.along < 0 || progress.changed > changed;
+		changed = progress.changed;
+		inARow = turnsBack ? 0 : inARow + 1;
 		extrapolate(inARow / (inARow + 2.));
 	}
 }

@@ -7,9 +7,10 @@
 // Sweeps are extrapolated (Nesterov 1983): after the j-th in a row they go on from
 //     r + j/(j + 2) (r - r_before),
 // with r, r_before what the last two sweeps left; j starts anew when a sweep turns back, that is
-// when sum W (r - what it began with).(r - r_before) < 0 (O'Donoghue and Candes 2015). Velocities
-// are linear in the impulses and are extrapolated with them. What was extrapolated need not be on
-// the cone; what a sweep leaves is.
+// when sum W (r - what it began with).(r - r_before) < 0 (O'Donoghue and Candes 2015), or changes
+// more than the one before: wedged contacts of large friction, whose impulses hold each other,
+// would grow without ever turning back. Velocities are linear in the impulses and are extrapolated
+// with them. What was extrapolated need not be on the cone; what a sweep leaves is.
 #pragma once
 
 #include "Vector.hpp"
@@ -34,7 +35,8 @@ public:
 	void setContact(int contact, const Vec<dim>& normal, double bias, double friction,
 			const Vec<dim>& impulse, const Vec<dim>& velocity);
 	/// Sweeps until sum W |rho|^2 (Residual.hpp), kg m^2/s^2, is at most `violation`, or the
-	/// cap is hit; returns their number, at least 1.
+	/// cap is hit; returns their number, at least 1. If that sum has not fallen, the impulses
+	/// are those of before.
 	int solve(double violation, int maxSweeps);
 	const Vec<dim>& impulse(int contact) const { return impulse_[contact]; }
 

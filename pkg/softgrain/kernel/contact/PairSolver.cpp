@@ -256,28 +256,55 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairSolver<dim>::solveAlone(double violat
 template <int dim> void PairSolver<dim>::finish()
 {
 	PairImpulse<dim> sum;
+	double pressure = 0;
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
 		const Constraint& c = constraints_[k];
 		list_->contacts[k].impulse = c.impulse;
-		sum.point += own(c)->contactPoint(c.node);
-		if (!c.onFirst) sum.point += list_->image.shift;
 		const Vec<dim> r =
-			interface_ ? interface_->remember(k, c.normal, c.impulse, velocity(c),
-							  friction_, list_->contacts[k].gap,
-							  own(c)->pointSpacing)
+			interface_ ? interface_->remember(k,
+							  { c.normal, c.impulse, velocity(c),
+							    spinOfOther(c), list_->contacts[k].gap,
+							    own(c)->pointSpacing },
+							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;
 		++sum.active;
 		const Vec<dim> normal = r.dot(c.normal) * c.normal;
+		const double pressed = normal.norm();
+		pressure += pressed;
+		sum.point += pressed * placeOf(c);
 		sum.normal += (c.onFirst ? 1 : -1) * normal;
 		sum.shear += (c.onFirst ? 1 : -1) * (r - normal);
 		own(c)->impulse[c.node] += r;
 		for (int i = 0; i < c.partners; ++i)
 			other(c)->impulse[c.partner[i]] -= c.weight[i] * r;
 	}
-	sum.point /= static_cast<double>(constraints_.size());
+	if (pressure == 0)
+		for (const Constraint& c : constraints_)
+			sum.point += placeOf(c);
+	sum.point /= pressure > 0 ? pressure : static_cast<double>(constraints_.size());
 	list_->impulse = sum;
 }
+
+template <int dim> Vec<dim> PairSolver<dim>::placeOf(const Constraint& c) const
+{
+	const Vec<dim>& place = own(c)->contactPoint(c.node);
+	return c.onFirst ? place : Vec<dim>(place + list_->image.shift);
+}
+
+/// That of an edge of the facet that the contact lies against.
+template <> double PairSolver<3>::spinOfOther(const Constraint& c) const
+{
+	if (c.partners < 2) return 0;
+	const int from = c.partner[0], to = c.partner[1];
+	const ContactBody<3>& body = *other(c);
+	const Vec<3> edge = body.position[to] - body.position[from];
+	const Vec<3> velocity = body.velocity[to] - body.velocity[from];
+	const Vec<3> across = edge - edge.dot(c.normal) * c.normal;
+	return across.cross(velocity).dot(c.normal) / across.squaredNorm();
+}
+
+template <> double PairSolver<2>::spinOfOther(const Constraint&) const { return 0; }
 
 template <int dim> ContactWork PairSolver<dim>::work() const
 {

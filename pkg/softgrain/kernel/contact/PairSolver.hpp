@@ -127,6 +127,9 @@ private:
 		return visit([this](const Constraint& c) { return friction(c); });
 	}
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
+	/// As the first body sees it, m.
+	Vec<dim> placeOf(const Constraint& c) const;
+	double spinOfOther(const Constraint& c) const; ///< ContactOutcome::spin
 	/// Adds what an impulse does to velocities of the nodes of both bodies.
 	void push(const Constraint& c, const Vec<dim>& J, Vec<dim>* own, Vec<dim>* other) const;
 	void describe(PairProblem<dim>& problem) const;

@@ -105,28 +105,44 @@ template <int dim> void RigidPairSolver<dim>::finish()
 {
 	PairImpulse<dim>& sum = list_->impulse;
 	sum = {};
+	double pressure = 0;
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
 		const Constraint& c = constraints_[k];
 		const Vec<dim> place = imageCentre() + c.arm;
 		list_->contacts[k].impulse =
 			list_->contacts[k].key.side == 0 ? c.impulse : Vec<dim>(-c.impulse);
-		sum.point += place;
 		const Vec<dim> r =
-			interface_ ? interface_->remember(k, c.normal, c.impulse, velocity(c),
-							  friction_, list_->contacts[k].gap,
-							  grain_->pointSpacing)
+			interface_ ? interface_->remember(k,
+							  { c.normal, c.impulse, velocity(c),
+							    spinOfPartner(c.normal),
+							    list_->contacts[k].gap,
+							    grain_->pointSpacing },
+							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;
 		++sum.active;
 		const Vec<dim> normal = r.dot(c.normal) * c.normal;
+		const double pressed = normal.norm();
+		pressure += pressed;
+		sum.point += pressed * place;
 		sum.normal += normal;
 		sum.shear += r - normal;
 		sum.moment -= moment<dim>(place - list_->rigid->pivot, r);
 		for (int i = 0; i < c.partners; ++i)
 			grain_->impulse[c.partner[i]] += c.weight[i] * r;
 	}
-	sum.point /= static_cast<double>(constraints_.size());
+	if (pressure == 0)
+		for (const Constraint& c : constraints_)
+			sum.point += imageCentre() + c.arm;
+	sum.point /= pressure > 0 ? pressure : static_cast<double>(constraints_.size());
 }
+
+template <> double RigidPairSolver<3>::spinOfPartner(const Vec<3>& normal) const
+{
+	return partner_->spin.dot(normal);
+}
+
+template <> double RigidPairSolver<2>::spinOfPartner(const Vec<2>&) const { return 0; }
 
 template <int dim> ContactWork RigidPairSolver<dim>::work() const
 {

@@ -61,6 +61,7 @@ private:
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
+	double spinOfPartner(const Vec<dim>& normal) const; ///< ContactOutcome::spin
 
 	Vec<dim> imageCentre() const { return partner_->centre + list_->image.shift; }
 

@@ -81,7 +81,25 @@ private:
 	bool hasAsked_ = false; ///< for them (of an optional GCC warns wrongly)
 };
 
-/// Where a contact node touches with a gap below `reach`, past places that are hidden.
+/// Whether the grain is on that side of a plate on which a node would touch it. The plate is
+/// touched from both: a node on the far side of a sharp corner, near to the plate that the corner
+/// stands on, faces as one that has come through the plate does. The grain of that one goes on
+/// behind the plate.
+template <int dim>
+bool isOnSideOfPlate(const ContactBody<dim>& body, int s, const SurfacePlace<dim>& place)
+{
+	if (!body.hasFacets()) return true;
+	constexpr double trustedOverlap = 0.05; // in dr: nodes beside a corner are farther apart
+	const double trusted = trustedOverlap * body.pointSpacing;
+	const double inwards = -body.normal[s].dot(place.normal);
+	if (inwards <= 0) return place.gap >= 0;
+	if (place.gap >= -trusted) return true;
+	const double way = (trusted - place.gap) / inwards; // to a little behind the plate
+	return body.encloses(body.position[s] - way * body.normal[s]);
+}
+
+/// Where a contact node touches with a gap below `reach`, past places that are hidden and sides of
+/// a plate that the grain is not on.
 template <int dim>
 std::optional<SurfacePlace<dim>> placeOfNode(const ContactBody<dim>& body, int s, double reach,
 					     const RigidSurface<dim>& surface,
@@ -92,14 +110,18 @@ std::optional<SurfacePlace<dim>> placeOfNode(const ContactBody<dim>& body, int s
 		return nodeFaces<dim>(body, s, n, leastCosine);
 	};
 	auto isInReach = [&](const auto& p) { return p && p->gap - body.nodeRadius < reach; };
+	const bool isPlate = std::holds_alternative<PlateSurface<dim>>(surface);
+	auto isHidden = [&](const SurfacePlace<dim>& p) {
+		return surroundings.hides(x, p) || (isPlate && !isOnSideOfPlate(body, s, p));
+	};
 	const auto place = placeOn<dim>(surface, x, faces);
 	if (!isInReach(place)) return std::nullopt;
-	if (!surroundings.hides(x, *place)) return place;
+	if (!isHidden(*place)) return place;
 	constexpr double alike = 0.99; // the same side: those of a block are at right angles
 	const auto next = placeOn<dim>(surface, x, [&](const Vec<dim>& n, double leastCosine) {
 		return n.dot(place->normal) < alike && faces(n, leastCosine);
 	});
-	if (!isInReach(next) || surroundings.hides(x, *next)) return std::nullopt;
+	if (!isInReach(next) || isHidden(*next)) return std::nullopt;
 	return next;
 }
 

@@ -101,8 +101,10 @@ template <int dim> const std::vector<Contact<dim>>& beginSearch(ContactList<dim>
 
 /// Grid nodes have no lasting number in a body, but a name in the grid.
 template <int dim>
-void carryImpulsesByName(const std::vector<Contact<dim>>& last, std::vector<Contact<dim>>& present)
+void carryImpulsesByName(const std::vector<Contact<dim>>& last, ContactList<dim>& list)
 {
+	std::vector<Contact<dim>>& present = list.contacts;
+	if (list.interface) list.interface->resize(present.size()); // refused, and to be read
 	std::map<int, Vec<dim>> known;
 	for (const Contact<dim>& contact : last)
 		known.emplace(contact.key.other, contact.impulse);
@@ -174,7 +176,7 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 		list.deepest = std::numeric_limits<double>::infinity();
 	if (first.isOnGrid()) {
 		nodesOnCommonGrid(first, second, reach, list);
-		carryImpulsesByName(last, list.contacts);
+		carryImpulsesByName(last, list);
 		return;
 	}
 	if (first.isSurface())
@@ -197,7 +199,7 @@ void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& 
 	}
 	if (body.isOnGrid()) {
 		nodesOnCommonGrid(body, reach, list);
-		carryImpulsesByName(last, list.contacts);
+		carryImpulsesByName(last, list);
 		return;
 	}
 	const Vec<dim> halfBox = 0.5 * (body.box.high - body.box.low);

@@ -92,6 +92,15 @@ void TemplateRecipe::validate() const
 
 namespace {
 
+/// More points a grain do not fit into the memory of usual machines.
+void requireFewPoints(double points, double zeta)
+{
+	constexpr double mostPoints = 2e7;
+	require(points <= mostPoints, "zeta", zeta,
+		"what gives the grain at most 2e7 material points (it would have " +
+			std::to_string(std::lround(points)) + ")");
+}
+
 /// Nodes, points and shape functions of B-splines.
 template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>& grain)
 {
@@ -151,6 +160,7 @@ std::shared_ptr<const GrainTemplate<dim>> makeGrainTemplate(const TemplateRecipe
 {
 	recipe.validate();
 	const auto outline = makeOutline<dim>(recipe.form);
+	requireFewPoints(outline->volume() / std::pow(recipe.zeta, dim), recipe.zeta);
 	auto grain = std::make_shared<GrainTemplate<dim>>();
 	grain->recipe = recipe;
 	grain->inradius = outline->inradius();

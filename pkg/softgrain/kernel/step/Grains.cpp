@@ -6,11 +6,24 @@ namespace softgrain {
 
 template <int dim> void Grains<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 {
+	renewLists();
+	const int before = count();
 	for (int k = 0; k < set->grains(); ++k)
 		place_.push_back({ static_cast<int>(sets_.size()), k });
 	loads_.resize(place_.size());
 	sets_.push_back(std::move(set));
-	renewLists();
+	for (int g = before; g < count(); ++g)
+		list(g);
+	sets_.back()->arrangeGrains();
+	listedChanges_ += sets_.back()->changesOfActivity();
+	++listsMade_;
+}
+
+template <int dim> void Grains<dim>::list(int g)
+{
+	listed_.push_back(listOf(g));
+	if (listed_[g] == Listed::active) active_.push_back(g);
+	(listed_[g] == Listed::asleep ? asleep_ : awake_).push_back(g);
 }
 
 template <int dim> typename Grains<dim>::Listed Grains<dim>::listOf(int g) const
@@ -26,14 +39,11 @@ template <int dim> void Grains<dim>::renewLists()
 	if (listedChanges_ == changes && listed_.size() == place_.size()) return;
 	listedChanges_ = changes;
 	++listsMade_;
-	listed_.resize(place_.size());
+	listed_.clear();
 	for (auto* list : { &active_, &asleep_, &awake_ })
 		list->clear();
-	for (int g = 0; g < count(); ++g) {
-		listed_[g] = listOf(g);
-		if (listed_[g] == Listed::active) active_.push_back(g);
-		(listed_[g] == Listed::asleep ? asleep_ : awake_).push_back(g);
-	}
+	for (int g = 0; g < count(); ++g)
+		list(g);
 	for (const auto& set : sets_)
 		set->arrangeGrains();
 }

@@ -46,12 +46,13 @@ private:
 	enum class Listed : char { active, rigid, asleep };
 
 	Listed listOf(int g) const;
+	void list(int g); ///< the next one
 
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
 	std::vector<Place> place_;
 	std::vector<BodyLoad<dim>> loads_;
 	std::vector<Listed> listed_; ///< by grain: the list it is in
-	long listedChanges_ = -1;    ///< of activity, of all sets, when the lists were made
+	long listedChanges_ = 0;     ///< of activity, of all sets, when the lists were made
 	long listsMade_ = 0;
 	std::vector<int> active_, asleep_, awake_;
 };

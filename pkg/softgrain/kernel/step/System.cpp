@@ -210,8 +210,11 @@ void System<dim>::move(const std::vector<ContactList<dim>*>& lists,
 		if (touched[g]) set.applyContactImpulses(k, surfaces_.bodies()[g].impulse);
 		if (settings.trackEnergy) energies_.noteKineticEnergy(g);
 	};
-	auto advance = [&](int g, GrainSet<dim>& set, int k) {
+	// before the new velocities take the place of the old ones
+	auto measureWorks = [&](int g, GrainSet<dim>&, int) {
 		if (settings.trackEnergy) energies_.measureWorks(g, lastKick_);
+	};
+	auto advance = [&](int g, GrainSet<dim>& set, int k) {
 		set.move(k, settings.dt);
 		surfaces_.followMotion(g, settings.dt);
 		settings.moved(g);
@@ -223,6 +226,7 @@ void System<dim>::move(const std::vector<ContactList<dim>*>& lists,
 		grains_.forEachOf(grains_.awake(), settings.threads,
 				  [&](int g, GrainSet<dim>& set, int k) {
 					  correctVelocities(g, set, k);
+					  measureWorks(g, set, k);
 					  advance(g, set, k);
 				  });
 		return;
@@ -232,6 +236,7 @@ void System<dim>::move(const std::vector<ContactList<dim>*>& lists,
 	if (settings.trackEnergy)
 		for (int g : activity_.rested())
 			energies_.noteRest(g);
+	grains_.forEachOf(grains_.awake(), settings.threads, measureWorks);
 	for (const auto& set : sets)
 		set->prepareMove(settings.threads);
 	grains_.forEachOf(grains_.awake(), settings.threads, advance);

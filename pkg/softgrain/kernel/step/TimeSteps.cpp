@@ -9,9 +9,11 @@ namespace softgrain {
 
 template <int dim> void TimeSteps<dim>::followNewGrains()
 {
+	const int before = static_cast<int>(rate_.size());
 	rate_.resize(grains_.count(), 1);
 	ratesChosen_ = false;
-	measureUndeformed();
+	for (int g = before; g < grains_.count(); ++g)
+		undeformed_ = std::min(undeformed_, stepOf(g, 1, 1));
 }
 
 template <int dim> void TimeSteps<dim>::measureUndeformed()
