@@ -20,6 +20,7 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 	friction_ = list.friction;
 	interface_ = list.interface ? &*list.interface : nullptr;
 	frictions_ = interface_ ? interface_->frictions(friction_) : std::vector<double>();
+	const bool isBall = std::holds_alternative<BallSurface<dim>>(list.rigid->surface);
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
@@ -29,7 +30,8 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 		c.normal = c.ofNode ? contact.normal : Vec<dim>(-contact.normal);
 		c.impulse = onCone<dim>(c.ofNode ? contact.impulse : Vec<dim>(-contact.impulse),
 					c.normal, friction_);
-		c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings);
+		c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings,
+				isBall && !c.ofNode ? restingOverlapOfBall : restingOverlap);
 		c.facet = contact.facet;
 		c.partners = c.ofNode ? 1 : contact.partners;
 		c.partner = contact.partner;
