@@ -85,7 +85,8 @@ TEST_CASE("a damaged bond unloads along its secant and does not form again", "[i
 	interface.law = bondLaw();
 	interface.resize(1);
 	interface.begin(1, 1);
-	interface.remember(0, { 0, 1 }, { 0, 1 }, { 0, 0 }, 0, 0, 0);
+	const ContactOutcome<2> pressed { { 0, 1 }, { 0, 1 }, { 0, 0 }, 0, 0, 1 };
+	interface.remember(0, pressed, 0);
 	CHECK(interface.history[0].bond == Bond::whole);
 	auto traction = [&](double gap) {
 		return -interface.pullOn(0, { { 0, 1 }, gap, { 1, 0 } })[1];
@@ -98,13 +99,30 @@ TEST_CASE("a damaged bond unloads along its secant and does not form again", "[i
 	CHECK(traction(-half) == 0); // compression is the contact's
 	CHECK(std::abs(traction(half) - loaded) < 1e-12 * loaded);
 	CHECK(traction(2.1 * half) == 0);
-	interface.remember(0, { 0, 1 }, { 0, 1 }, { 0, 0 }, 0, 0, 1);
+	interface.remember(0, pressed, 0);
 	CHECK(interface.history[0].bond == Bond::broken);
 	CHECK(traction(0.1 * half) == 0);
 
 	PairInterface<2> restored;
 	restored.restore(interface.numbers());
 	CHECK(restored.numbers() == interface.numbers());
+}
+
+TEST_CASE("a sheared bond turns with the body that it holds", "[interface]")
+{
+	PairInterface<3> interface;
+	interface.law = bondLaw();
+	interface.resize(1);
+	const double dt = 1e-3, spin = 2;
+	interface.begin(1, dt);
+	interface.bondNow(0, 0);
+	const Vec<3> up(0, 0, 1);
+	const double slip = 0.2 * interface.law.finalOpening();
+	interface.remember(0, { up, Vec<3>::Zero(), { slip / dt, 0, 0 }, 0, 0, 1 }, 0);
+	const double turns = M_PI / 2 / (spin * dt); // a quarter of one
+	for (int step = 0; step < std::lround(turns); ++step)
+		interface.remember(0, { up, Vec<3>::Zero(), Vec<3>::Zero(), spin, 0, 1 }, 0);
+	CHECK((interface.history[0].slip - Vec<3>(0, slip, 0)).norm() < 1e-3 * slip);
 }
 
 TEST_CASE("cohesion ends within the part of the outline that a node stands for", "[interface]")
@@ -133,7 +151,8 @@ TEST_CASE("friction is dynamic after a contact slid, and static again once it st
 	interface.begin(1, 1);
 	const double friction = 0.5;
 	auto after = [&](double tangential, double normal) {
-		interface.remember(0, { 0, 1 }, { tangential, normal }, { 0, 0 }, friction, 0, 0);
+		interface.remember(0, { { 0, 1 }, { tangential, normal }, { 0, 0 }, 0, 0, 1 },
+				   friction);
 		return interface.frictionOf(0, friction);
 	};
 	CHECK(after(0.49, 1) == 0.5); // more than mu_d, but it stuck

@@ -51,6 +51,26 @@ template <int dim> double violationOf(const ContactProblem<dim>& problem)
 	return sum;
 }
 
+/// Nodes of a body that feel each other, in turn against a floor and a wall.
+ContactProblem<3> wedge(unsigned seed, double friction)
+{
+	Random random(seed);
+	constexpr int nodes = 24;
+	ContactProblem<3> problem;
+	for (int k = 0; k < nodes; ++k) {
+		for (int l = 0; l < nodes; ++l) // nearly singular, as that of surface nodes
+			problem.delassus.append(l, std::exp(-0.02 * (k - l) * (k - l)));
+		problem.delassus.closeRow();
+		problem.normal.push_back(Vec<3>::Unit(k % 2));
+		problem.freeVelocity.push_back(random.vector<3>());
+		problem.bias.push_back(0);
+		problem.friction.push_back(friction);
+	}
+	problem.start.assign(nodes, Vec<3>::Zero());
+	problem.impulse = problem.start;
+	return problem;
+}
+
 /// Two grains, each on a plane of its own by as many contacts as it has nodes: two pairs that do
 /// not feel each other.
 struct TwoPairs {
@@ -151,6 +171,26 @@ TEST_CASE("Pair on its own: extrapolation saves sweeps", "[contact]")
 		CAPTURE(redundancy, report.sweeps, sweeps);
 		CHECK(sweeps < 0.5 * report.sweeps);
 	}
+}
+
+TEST_CASE("Pair on its own: wedged contacts of large friction do not grow", "[contact]")
+{
+	// a light body in a corner of a heavy one, by many contacts with both sides
+	for (const double friction : { 2., 5. })
+		for (unsigned seed = 1; seed <= 5; ++seed) {
+			auto problem = wedge(seed, friction), plain = problem;
+			const double start = violationOf(problem);
+			solve(plain, 1e-6, 1000);
+			solveAsPair(problem, 1e-12 * start, 1000);
+			double largest = 0, usual = 0;
+			for (int k = 0; k < problem.contacts(); ++k) {
+				largest = std::max(largest, problem.impulse[k].norm());
+				usual = std::max(usual, plain.impulse[k].norm());
+			}
+			CAPTURE(friction, seed, largest, usual);
+			CHECK(largest < 20 * usual);
+			CHECK(violationOf(problem) <= start);
+		}
 }
 
 TEST_CASE("Pairs on their own: only where the residual sits", "[contact]")
