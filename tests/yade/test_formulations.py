@@ -55,6 +55,17 @@ def test_loads(method):
     assert mass == pytest.approx(1000 * math.pi * RADIUS**2, rel=1e-12)
 
 
+def test_work_of_loads(method):
+    """Of a grain that falls: that of its weight, to rounding."""
+    disk = add_disk(**method)
+    O.trackEnergy = True
+    ready(gravity=(0, -10, 0), rigidMotion=False)
+    run(200)
+    energy = sg.integrator().energy()
+    assert energy["kinetic"] == pytest.approx(0.5 * disk.state.mass * (10 * O.time) ** 2, rel=0.02)
+    assert energy["kinetic"] + energy["elastic"] == pytest.approx(energy["loads"], rel=1e-9)
+
+
 def test_fields(method):
     """Points, nodes, volume and outline of a grain that is pressed a little."""
     disk = add_disk(**method)

@@ -113,6 +113,24 @@ def two_integrators():
     add_engine(sg.SoftGrainIntegrator(), place=3)
 
 
+def dead_loop():
+    O.engines[2].dead = True
+
+
+def loop_behind():
+    engines = list(O.engines)
+    O.engines = engines[:2] + engines[3:] + [engines[2]]
+
+
+def wall_in_the_plane():
+    add_wall(0, axis=2)
+
+
+def controller_behind():
+    walls = [add_wall(x * RADIUS, axis=axis).id for axis in (0, 1) for x in (-2, 2)]
+    add_engine(sg.WallStressController(walls=walls, goal=(-1, -1, 0)), place=4)
+
+
 def stepper_behind():
     add_engine(GlobalStiffnessTimeStepper(), place=4)
 
@@ -133,6 +151,10 @@ REFUSED = [
     (two_and_three_dimensions, "dim"),
     (two_integrators, "two SoftGrainIntegrators"),
     (stepper_behind, "GlobalStiffnessTimeStepper stands after SoftGrainIntegrator"),
+    (controller_behind, "WallStressController stands after SoftGrainIntegrator"),
+    (dead_loop, "no InteractionLoop before it in O.engines that is not dead"),
+    (loop_behind, "no InteractionLoop before it"),
+    (wall_in_the_plane, "#0: a Wall of axis = 2 lies in the plane"),
     (other_collider, "SpatialQuickSortCollider: .*InsertionSortCollider"),
     (lambda: add_engine(TriaxialStressController(), 4), "internalCompaction = True: soft grains"),
     (lambda: add_engine(PeriTriaxController(doneHook="stop()"), 4), r"doneHook = 'stop\(\)': it"),

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yade
 from rigid_scenes import (
     GRAVITY,
     R,
@@ -385,6 +386,31 @@ def test_wrong_use_is_refused():
     O.dt = 1e-4
     O.engines[-1].damping = 0.2
     with pytest.raises(RuntimeError, match="NewtonIntegrator.damping = 0.2"):
+        run(2)
+
+
+def test_disk_on_a_floor_of_two_facets_in_2d():
+    """It slides over the edge that they share, which leans in the plane of the disks."""
+    add_disk((0, 10 * R, 0))
+    ends = [(x, 0, z) for x, z in ((-9 * R, -R), (9 * R, -R), (9 * R, R), (-9 * R, R))]
+    for corners in (ends[:3], (ends[0], *ends[2:])):
+        O.bodies.append(utils.facet(corners, material=material(0)))
+    ball = add_sphere((-R, R, 0), velocity=(1, 0, 0), blocked="zXY")
+    ready(rigid="nonsmooth", gravity=(0, -GRAVITY, 0))
+    while ball.state.pos[0] < R:
+        run(1)
+        assert abs(ball.state.pos[1] - R) < 1e-3 * R
+    np.testing.assert_allclose(ball.state.vel, (1, 0, 0), atol=1e-6)
+
+
+def test_shapes_derived_from_a_sphere_are_refused():
+    """A functor for spheres is called for them, too, and would see a ball at their first node."""
+    first, second = (utils.sphere((x * R, 0, 0), R, material=material()) for x in (0, 1.9))
+    second.shape = yade.GridConnection(radius=R)
+    O.bodies.append([first, second])
+    O.engines = sg.engines(rigid="nonsmooth")
+    O.dt = 1e-5
+    with pytest.raises(RuntimeError, match="Sphere and GridConnection.*which is for"):
         run(2)
 
 

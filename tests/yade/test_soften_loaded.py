@@ -122,6 +122,17 @@ def test_ids_that_are_no_bodies():
     assert softener.ids == []
 
 
+def test_id_that_is_named_twice():
+    disks = [add_rigid_disk((x * RADIUS, 0, 0), RADIUS) for x in (0, 1.99)]
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    O.dt = 1e-6
+    sg.soften(when="loaded", load=0, material=soft_material(), zeta=0.25)
+    softener = next(e for e in O.engines if isinstance(e, sg.SoftenWhenLoaded))
+    softener.ids = [d.id for d in disks for _ in range(2)]
+    run(3)
+    assert [b.shape.radius for b in sg.soft_bodies()] == [RADIUS] * 2
+
+
 def test_shape_of_a_deformed_body():
     """Grains begin undeformed, whoever has the shape."""
     donor = add_disk((-10 * RADIUS, 0, 0), zeta=0.25)

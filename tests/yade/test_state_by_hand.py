@@ -6,6 +6,8 @@ import pytest
 from scenes import RADIUS, add_disk, message_of_step, ready, run
 from yade import Quaternion
 
+import softgrain as sg
+
 
 @pytest.mark.parametrize("attribute", ("pos", "vel"))
 def test_state_that_is_no_number(attribute):
@@ -44,3 +46,28 @@ def test_motion_out_of_the_plane(attribute, value):
     setattr(body.state, attribute, value)
     message = message_of_step()
     assert f"soft grain #0: its State.{attribute}" in message and "plane of 2D grains" in message
+
+
+def test_put_elsewhere_while_in_contact():
+    """What it touched is not pushed any more."""
+    hit, struck = add_disk(), add_disk((2.002 * RADIUS, 0, 0))
+    hit.state.vel = (1, 0, 0)
+    ready()
+    while sg.integrator().activeContacts == 0:
+        run(1)
+    hit.state.pos = (-0.5, 0.3, 0)
+    before = struck.state.vel[0]
+    run(3)
+    assert sg.integrator().contacts == 0
+    assert struck.state.vel[0] == pytest.approx(before, rel=1e-9)
+
+
+def test_put_into_another():
+    moved = add_disk()
+    add_disk((2.002 * RADIUS, 0, 0))
+    moved.state.vel = (1, 0, 0)
+    ready()
+    while sg.integrator().activeContacts == 0:
+        run(1)
+    moved.state.pos += (0.9 * RADIUS, 0, 0)
+    assert "overlap by" in message_of_step()

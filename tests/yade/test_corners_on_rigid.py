@@ -1,0 +1,113 @@
+"""Sharp corners of soft grains at facets and spheres, and grains at rest on spheres."""
+
+import math
+
+import pytest
+from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
+from yade import FrictMat, O, Quaternion, utils
+
+import softgrain as sg
+
+WIDE = 20 * RADIUS
+
+
+def triangle():
+    angles = [2 * math.pi * k / 3 for k in range(3)]
+    vertices = [(1.2 * RADIUS * math.cos(a), 1.2 * RADIUS * math.sin(a)) for a in angles]
+    return sg.soft_polygon(vertices, rough(), zeta=0.25)
+
+
+def cube():
+    return sg.soft_block((0, 0, 0), (2 * RADIUS,) * 3, rough(), zeta=0.5)
+
+
+def rough():
+    return soft_material(massDamping=1000, frictionAngle=0.3)
+
+
+def add_floor(kind):
+    material = FrictMat(frictionAngle=0.3)
+    if kind == "wall":
+        O.bodies.append(utils.wall(0, axis=1, sense=1, material=material))
+        return
+    a, b, c, d = ((x * WIDE, 0, z * WIDE) for x, z in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
+    O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
+
+
+@pytest.mark.parametrize("make, seconds", [(triangle, 0.2), (cube, 0.12)])
+def test_corners_fall_on_facets_as_on_a_wall(make, seconds):
+    """The far side of a corner that stands on a facet is not taken for one that has come through
+    it from beneath."""
+    places = []
+    for kind in ("wall", "facets"):
+        O.reset()
+        grain = make()
+        grain.state.pos = (0, 1.8 * RADIUS, 0.1 * RADIUS if grain.shape.dim == 3 else 0)
+        grain.state.ori = Quaternion((0, 0, 1), 0.6)
+        O.bodies.append(grain)
+        add_floor(kind)
+        ready(gravity=(0, -9.81, 0))
+        while O.time < seconds:
+            run(1)
+        places.append(list(grain.state.pos))
+        assert sg.integrator().largestOverlap < 0.02
+    assert places[1] == pytest.approx(places[0], abs=0.05 * RADIUS)
+
+
+@pytest.mark.parametrize("corner", (30, 60, 90))
+@pytest.mark.parametrize("direction", (-70, -45, 0, 45, 70))
+def test_ball_beside_a_sharp_corner(corner, direction):
+    """It lies behind the line of one side or the other, and touches none."""
+    half, toward = math.radians(corner / 2), math.radians(direction)
+    if abs(direction) + corner / 2 >= 90:
+        toward *= 0.5
+    length, radius, gap = 3 * RADIUS, 0.6 * RADIUS, 0.3 * RADIUS
+    ends = [(-length * math.cos(half), y * length * math.sin(half)) for y in (1, -1)]
+    O.bodies.append(sg.soft_polygon([(0, 0), *ends], soft_material(), zeta=0.3))
+    place = [(radius + gap) * f(toward) for f in (math.cos, math.sin)]
+    O.bodies.append(utils.sphere((*place, 0), radius, material=FrictMat(), fixed=True))
+    ready(verlet_distance=0.4 * RADIUS)
+    run(2)
+    assert sg.integrator().overlap == 0
+    assert sg.integrator().activeContacts == 0
+
+
+@pytest.mark.parametrize("dim", (2, 3))
+def test_rest_on_a_ball(dim):
+    """A ball as small as the spacing of points, and the dent that it makes."""
+    material = soft_material(massDamping=3000, frictionAngle=0.3)
+    zeta, small = {2: (0.2, 0.2), 3: (0.3, 0.4)}[dim]
+    make = sg.soft_disk if dim == 2 else sg.soft_sphere
+    grain = make((0, 0, 0), RADIUS, material, zeta=zeta)
+    O.bodies.append(grain)
+    place = (0, -(1 + small) * RADIUS, 0)
+    rigid = FrictMat(frictionAngle=0.3)
+    O.bodies.append(utils.sphere(place, small * RADIUS, material=rigid, fixed=True))
+    lid = add_wall(RADIUS, 1, friction=0.3, velocity=(0, -0.5, 0))
+    O.trackEnergy = True
+    ready()
+    sg.set_time_step()
+    while lid.state.pos[1] > 0.7 * RADIUS:
+        run(1)
+    lid.state.vel = (0, 0, 0)
+    for _ in range(40):
+        run(200)
+        if grain.shape.isAsleep():
+            break
+    assert grain.shape.isAsleep()
+    assert sg.integrator().overlap < 0.25
+
+
+def test_place_of_a_pair_is_where_it_is_pressed():
+    """The mean of the contact points by their forces: of a disk beside which others are near."""
+    disk = add_disk((0, 0, 0), zeta=0.1)
+    floor = add_wall(-RADIUS, 1)
+    ready()
+    disk.state.vel = (0, -0.3, 0)
+    while sg.integrator().activeContacts < 3:
+        run(1)
+    interaction = O.interactions[disk.id, floor.id]
+    contacts = interaction.geom.contacts()
+    weights = (contacts["force"] * contacts["normal"]).sum(axis=1)
+    expected = weights @ contacts["point"] / weights.sum()
+    assert list(interaction.geom.contactPoint) == pytest.approx(list(expected), abs=1e-4 * RADIUS)
