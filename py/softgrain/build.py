@@ -237,35 +237,45 @@ def soft_material(material):
     Raises:
         ValueError: there is none of that kind.
     """
-    if isinstance(material, str):
-        named = [m for m in O.materials if m.label == material]
-        if not named:
-            known = [m.label for m in O.materials if m.label]
-            raise ValueError(f"material = {material!r} is unknown; known: {known}")
-        material = named[-1]
-    elif not isinstance(material, Material):
-        material = _material_at(material)
+    if material == -1:
+        soft = [m for m in O.materials if isinstance(m, wrapper.SoftMat)]
+        return soft[-1] if soft else wrapper.SoftMat(label=_DEFAULT_MATERIAL)
+    material = found_material(material)
     if not isinstance(material, wrapper.SoftMat):
         raise ValueError(f"material = {type(material).__name__}: soft grains need a SoftMat")
     return material
 
 
-def _material_at(index):
-    """By index; -1: the last SoftMat, or a new one."""
-    count = len(O.materials)
+def found_material(material):
+    """The material that is meant.
+
+    Args:
+        material (Material | int | str): itself, an index or a label of ``O.materials``.
+
+    Returns:
+        Material.
+
+    Raises:
+        ValueError: there is none.
+    """
+    if isinstance(material, Material):
+        return material
+    if isinstance(material, str):
+        named = [m for m in O.materials if m.label == material]
+        if not named:
+            known = [m.label for m in O.materials if m.label]
+            raise ValueError(f"material = {material!r} is unknown; known: {known}")
+        return named[-1]
     try:
-        place = None if isinstance(index, bool) else operator.index(index)
+        place = -1 if isinstance(material, bool) else operator.index(material)
     except TypeError:
-        place = None
-    if place is None or not -1 <= place < count:
+        place = -1
+    if not 0 <= place < len(O.materials):
         raise ValueError(
-            f"material = {index!r}: admissible are a SoftMat, a label, or an index of O.materials, "
-            f"in [-1, {count - 1}]"
+            f"material = {material!r}: admissible are a Material, a label, or an index of "
+            f"O.materials, in [0, {len(O.materials) - 1}]"
         )
-    if place >= 0:
-        return O.materials[place]
-    soft = [m for m in O.materials if isinstance(m, wrapper.SoftMat)]
-    return soft[-1] if soft else wrapper.SoftMat(label=_DEFAULT_MATERIAL)
+    return O.materials[place]
 
 
 def keep_material(material):

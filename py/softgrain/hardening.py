@@ -7,6 +7,7 @@ import numpy as np
 from yade import FrictMat, Matrix3, O, Sphere, Vector3, utils, wrapper
 
 from softgrain import _softgrain
+from softgrain.build import found_material
 from softgrain.checks import number
 from softgrain.filling import fill
 from softgrain.observe import bodies_of, soft_bodies
@@ -69,8 +70,8 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
 
     Args:
         ids (iterable of int | None): soft grains; None: all of the scene.
-        material (FrictMat | None): of the rigid bodies; None: the last FrictMat of
-            ``O.materials``. Its density is not used.
+        material (FrictMat | int | str | None): of the rigid bodies, or its index or label in
+            ``O.materials``; None: the last FrictMat there. Its density is not used.
         into (str): 'spheres', 'clumps' or 'fixed'.
         overlap (str): of 'spheres'. 'keep': radii of the present areas; YADE's law makes forces of
             the overlaps. 'shrink': all radii are reduced by one common factor so that no two of
@@ -114,6 +115,7 @@ def _rigid_material(material):
         if not found:
             raise ValueError("material: give a FrictMat, O.materials holds none")
         return found[-1]
+    material = found_material(material)
     if not isinstance(material, FrictMat):
         raise ValueError(f"material = {type(material).__name__}: rigid bodies need a FrictMat")
     return material

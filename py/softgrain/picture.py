@@ -21,8 +21,8 @@ CORNERS_OF_A_CIRCLE = 72
 
 def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, title=None, dpi=200):
     """Draw all soft disks with their outlines and a stress field inside, rigid spheres, boxes and
-    facets in grey. In a periodic cell, which is outlined by dashes, all of them where they reach
-    into it, those at its borders with their images.
+    facets in grey, which may be all there is. In a periodic cell, which is outlined by dashes, all
+    of them where they reach into it, those at its borders with their images.
 
     Args:
         path (str | Path): picture file; the suffix decides the format (png, pdf, svg).
@@ -35,7 +35,7 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         dpi (int): resolution of bitmaps.
 
     Raises:
-        ValueError: an unknown field, no soft disk to draw, or a value out of its range.
+        ValueError: an unknown field, nothing to draw, or a value out of its range.
     """
     if field not in ("von_mises", "pressure", None):
         raise ValueError(f"field = {field!r} is unknown; known: 'von_mises', 'pressure', None")
@@ -48,14 +48,14 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
     if scale is not None:
         scale = number("scale", scale, "(0, inf)", "Pa")
     disks = [b for b in soft_bodies() if b.shape.dim == 2]
-    if not disks:
-        raise ValueError("draw_packing draws soft disks, and the scene has none")
     images = [(b, shift) for b in disks for shift in _shifts(b.state.pos, _outline(b))]
     outlines = [_outline(b) + shift for b, shift in images]
     rigid = [polygon + shift for polygon in rigid_polygons() for shift in _shifts_of(polygon)]
+    if not (outlines or rigid):
+        raise ValueError("draw_packing draws soft disks and rigid bodies; the scene has none")
     figure = Figure(figsize=_size(outlines + rigid, box), layout="constrained")
     axes = figure.add_subplot()
-    if field:
+    if field and disks:
         _draw_field(figure, axes, images, outlines, field, scale, limits)
     else:
         axes.add_collection(PolyCollection(outlines, facecolors="0.85", edgecolors="none"))

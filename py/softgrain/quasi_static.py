@@ -9,6 +9,7 @@ import warnings
 from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 
 from softgrain import time_loop
+from softgrain.build import found_material
 from softgrain.checks import number
 from softgrain.observe import soft_bodies, some_soft_bodies
 
@@ -140,7 +141,8 @@ def scale_mass(factor, materials=None):
 
     Args:
         factor (float): on the true density, in [1, inf) [-]; 1 takes the scaling back.
-        materials (SoftMat | list of SoftMat | None): None: those of all soft grains of the scene.
+        materials (SoftMat | int | str | list of these | None): a material, or its index or label in
+            ``O.materials``; None: those of all soft grains of the scene.
 
     Returns:
         float: the new critical time step of the undeformed grains [s].
@@ -157,8 +159,9 @@ def scale_mass(factor, materials=None):
     factor = number("factor", factor, "[1, inf)")
     if materials is None:
         materials = [b.material for b in bodies]
-    elif isinstance(materials, Material):
+    elif isinstance(materials, (Material, int, str)):
         materials = [materials]
+    materials = [found_material(material) for material in materials]
     for material in materials:
         if not isinstance(material, wrapper.SoftMat):
             raise ValueError(f"materials: {type(material).__name__} is no SoftMat")

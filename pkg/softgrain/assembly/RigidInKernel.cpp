@@ -28,9 +28,10 @@ template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescripti
 	const Vec<2> centre = body.position.head<2>();
 	if (body.form == Form::ball) {
 		if (std::abs(body.position[2] - z) > planeTolerance * body.size[0])
-			refuse(body, "is a Sphere near 2D soft grains with its centre out of their "
-				     "plane z = " +
-					     std::to_string(z) + "; put it into that plane");
+			refuse(body, "is a Sphere near 2D soft grains with its centre at z = " +
+					     std::to_string(body.position[2]) +
+					     ", out of their plane z = " + std::to_string(z) +
+					     "; put it into that plane");
 		return BallSurface<2> { centre, body.size[0] };
 	}
 	if (body.form == Form::block) {
