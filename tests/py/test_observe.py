@@ -253,8 +253,14 @@ def test_rigid_bodies_in_the_picture():
     assert line.tolist() == [pytest.approx(p) for p in ([0, 0], [0.1, 0.02], [0, 0])]
 
 
+def test_picture_of_rigid_bodies_alone(tmp_path):
+    O.bodies.append([utils.sphere((0.02 * k, 0, 0), 0.01) for k in range(2)])
+    sg.draw_packing(tmp_path / "packing.png")
+    assert (tmp_path / "packing.png").exists()
+
+
 def test_picture_errors(tmp_path):
-    with pytest.raises(ValueError, match="draws soft disks"):
+    with pytest.raises(ValueError, match="draws soft disks and rigid bodies; the scene has none"):
         sg.draw_packing(tmp_path / "packing.png")
     two_disks()
     with pytest.raises(ValueError, match="field = 'tresca' is unknown.*'von_mises', 'pressure'"):

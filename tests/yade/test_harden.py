@@ -75,6 +75,18 @@ def test_shrink():
     assert disks[0].state.pos[0] - walls[0].state.pos[0] >= disks[0].shape.radius * (1 - 1e-12)
 
 
+@pytest.mark.parametrize("name", ("steel", 0))
+def test_material_by_label_and_id(name):
+    steel = rigid_material()
+    steel.label = "steel"
+    O.materials.append(steel)
+    disk = add_disk()
+    with pytest.raises(ValueError, match="material = 'iron' is unknown; known: .*'steel'"):
+        sg.harden(material="iron")
+    sg.harden(material=name)
+    assert disk.material.label == "steel"
+
+
 def test_disks_that_cannot_shrink_stay_as_they_are():
     disks = [add_disk((x * RADIUS, 0, 0)) for x in (0, 0.5)]
     with pytest.raises(ValueError, match="overlap = 'shrink': bodies #0 and #1") as caught:

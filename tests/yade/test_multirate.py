@@ -147,12 +147,17 @@ def test_save_and_load_between_two_computations(damping, suffix, tmp_path):
     assert sg.integrator().rates() == {1: 2, max(sg.integrator().rates()): 1}
 
 
-def test_material_may_change_between_two_computations():
-    """Forces of the material before are not used any more."""
+@pytest.mark.parametrize("change", [{"young": 2e6}, {"massDamping": 50}], ids=str)
+@pytest.mark.parametrize("loaded", (False, True))
+def test_material_may_change_between_two_computations(loaded, change, tmp_path):
+    """Forces of the material before are not used any more, those that were saved neither."""
     pressed()
     run(3 * RATIO + 4)
+    if loaded:
+        O.save(str(tmp_path / "scene.yade.bz2"))
+        O.load(str(tmp_path / "scene.yade.bz2"))
     body = sg.soft_bodies()[0]
-    body.material.young = 2e6
+    body.material.updateAttrs(change)
     before = sg.integrator().pointsUpdated
     run(1)
     assert sg.integrator().pointsUpdated - before == sum(map(points_of, sg.soft_bodies()))

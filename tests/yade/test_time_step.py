@@ -4,7 +4,7 @@ import re
 
 import pytest
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
-from yade import O
+from yade import FrictMat, O, utils
 
 import softgrain as sg
 
@@ -89,6 +89,19 @@ def test_users_step_before_the_first():
     O.dt = chosen = 0.21 * sg.critical_time_step()
     run(30)
     assert O.dt == chosen
+
+
+@pytest.mark.parametrize(
+    "rigid, young, warns", [("linear", 1e9, 1), ("linear", 1e5, 0), ("nonsmooth", 1e9, 0)]
+)
+def test_warning_of_stiff_spheres(rigid, young, warns, recwarn):
+    add_disk()
+    for x in (3, 5):
+        material = FrictMat(young=young, density=1000)
+        O.bodies.append(utils.sphere((x * RADIUS, 0, 0), RADIUS, material=material))
+    ready(rigid=rigid)
+    found = [w for w in recwarn if "the stiffest rigid sphere asks" in str(w.message)]
+    assert len(found) == warns
 
 
 def test_step_is_forgotten_with_its_scene():

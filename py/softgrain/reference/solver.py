@@ -190,7 +190,8 @@ def solve_alone(problem, impulse, contacts, violation, max_sweeps):
     """Solve the contacts of a pair, all other impulses held, by extrapolated sweeps.
 
     After the j-th sweep in a row they go on from r + j/(j + 2) (r - r_before); j starts anew when
-    a sweep turns back.
+    a sweep turns back or changes more than the one before. Where the violation has not fallen by
+    the cap the impulses stay as they were.
 
     Args:
         problem (tuple): first five arguments of ``solve``.
@@ -208,16 +209,20 @@ def solve_alone(problem, impulse, contacts, violation, max_sweeps):
     held = free_velocity[contacts] + delassus[contacts] @ impulse - W @ r
     alone = (W, held, *(array[contacts] for array in rest))
     weight = W.diagonal()[:, None]
-    before, in_a_row = r.copy(), 0
+    before, in_a_row, last_change = r.copy(), 0, np.inf
+    first = residual_parts(*alone, r)[0].sum()
     for sweeps in range(1, max_sweeps + 1):
         start = r.copy()
         sweep(*alone, r, range(len(r)))
         changed = np.sum(weight * (r - start) ** 2)
-        if sweeps == max_sweeps:
-            break
         if changed <= 4 * violation and residual_parts(*alone, r)[0].sum() <= violation:
             break
-        turned = np.sum(weight * (r - start) * (r - before)) < 0
+        if sweeps == max_sweeps:
+            if not residual_parts(*alone, r)[0].sum() < first:
+                return sweeps
+            break
+        turned = np.sum(weight * (r - start) * (r - before)) < 0 or changed > last_change
+        last_change = changed
         in_a_row = 0 if turned else in_a_row + 1
         before, r = r, r + in_a_row / (in_a_row + 2) * (r - before)
     impulse[contacts] = r

@@ -14,6 +14,29 @@ template <int dim> std::array<double, 5> materialNumbers(const GrainParameters<d
 	return { c.young, c.poisson, c.density, grain.damping.mass, grain.damping.stiffness };
 }
 
+/// What was found with the material of a grain, and is of no use with another one. Nothing stays
+/// nothing.
+template <int dim>
+std::vector<double> withMaterial(const GrainParameters<dim>& grain, std::vector<double> numbers)
+{
+	if (numbers.empty()) return numbers;
+	const auto material = materialNumbers(grain);
+	numbers.insert(numbers.begin(), material.begin(), material.end());
+	return numbers;
+}
+
+/// The same back; nothing if the material is another one now.
+template <int dim>
+std::vector<double> ofSameMaterial(const GrainParameters<dim>& grain, std::vector<double> numbers)
+{
+	const auto material = materialNumbers(grain);
+	const bool same = numbers.size() > material.size() &&
+			  std::equal(material.begin(), material.end(), numbers.begin());
+	if (!same) return {};
+	numbers.erase(numbers.begin(), numbers.begin() + material.size());
+	return numbers;
+}
+
 } // namespace
 
 /// Calm time; of a sleeping grain also the material it rests with, what was known of it, and the
@@ -131,9 +154,10 @@ template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
 	writeNodes(g);
 	GrainState s;
 	if (isRigid_[g]) s.rigid = rigid_[g].numbers();
-	s.held = heldForces(g);
+	s.held = withMaterial(batch_.grain[g], heldForces(g));
 	s.rest = restNumbers(g);
-	if (stiffening_[g].isMeasured()) s.stiffening = stiffening_[g].numbers();
+	if (stiffening_[g].isMeasured())
+		s.stiffening = withMaterial(batch_.grain[g], stiffening_[g].numbers());
 	auto append = [](std::vector<double>& list, const Vec<dim>& value) {
 		list.insert(list.end(), value.data(), value.data() + dim);
 	};
@@ -161,9 +185,10 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 	isRigid_[g] = !s.rigid.empty();
 	restoreRest(g, s.rest);
 	stiffening_[g] = {};
-	if (!s.stiffening.empty()) {
-		requireSize("stiffening", s.stiffening, Stiffening::numberCount);
-		stiffening_[g] = Stiffening::fromNumbers(s.stiffening);
+	const std::vector<double> stiffening = ofSameMaterial(batch_.grain[g], s.stiffening);
+	if (!stiffening.empty()) {
+		requireSize("stiffening", stiffening, Stiffening::numberCount);
+		stiffening_[g] = Stiffening::fromNumbers(stiffening);
 	}
 	++this->changesOfActivity_;
 	nodesWritten_[g] = 1;
@@ -177,7 +202,7 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 			batch_.v.set(g, k, v);
 	}
 	if (pointVelocities_) pointVelocities_->mapToNodes(batch_, g);
-	setHeldForces(g, s.held);
+	setHeldForces(g, ofSameMaterial(batch_.grain[g], s.held));
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
