@@ -302,3 +302,10 @@ TEST_CASE("Grain template: recipes that differ anywhere are not taken for congru
 	CHECK(differs([](TemplateRecipe& r) { r.quadrature = QuadratureRule::lattice; }));
 	CHECK(differs([](TemplateRecipe& r) { r.contact = ContactGeometry::points; }));
 }
+
+TEST_CASE("Grain template: more points than fit into memory are refused", "[reference]")
+{
+	TemplateRecipe fine = recipe(0.002);
+	CHECK_NOTHROW(fine.validate()); // a disk may be so fine
+	CHECK_THROWS_AS(makeGrainTemplate<3>(fine), std::invalid_argument);
+}

@@ -123,8 +123,8 @@ template <int dim> void RigidPairSolver<dim>::finish()
 				   : c.impulse;
 		if (r.isZero(0)) continue;
 		++sum.active;
-		const Vec<dim> normal = r.dot(c.normal) * c.normal;
-		const double pressed = normal.norm();
+		const double along = r.dot(c.normal), pressed = std::abs(along);
+		const Vec<dim> normal = along * c.normal;
 		pressure += pressed;
 		sum.point += pressed * place;
 		sum.normal += normal;
