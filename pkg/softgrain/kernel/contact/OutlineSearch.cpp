@@ -28,6 +28,14 @@ int facetBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
 	return facet;
 }
 
+/// Whether the centre of a ball behind the nearest facet is in the grain. (About a corner that is
+/// squeezed hard the outline may be folded, and a facet face inwards.)
+template <int dim>
+bool isInside(const Vec<dim>& centre, const ContactBody<dim>& body, const Vec<dim>& fromOutline)
+{
+	return fromOutline.isZero(0) || body.encloses(centre);
+}
+
 /// The curve's place nearest to the centre of a ball, which may be far from it.
 void leanOnOutline(const Vec<2>& centre, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
 		   Contact<2>& contact)
@@ -41,7 +49,7 @@ void leanOnOutline(const Vec<2>& centre, const ContactBody<2>& body, const Place
 	contact.normal = Vec<2>(foot.tangent[1], -foot.tangent[0]).normalized();
 	contact.gap = (centre - foot.position).dot(contact.normal);
 	const Vec<2> apart = centre - foot.position; // at the end of the curve not along its normal
-	if (contact.gap <= 0) return;
+	if (contact.gap <= 0 && isInside(centre, body, apart)) return;
 	contact.gap = apart.norm();
 	contact.normal = apart / contact.gap;
 }
@@ -56,7 +64,7 @@ void leanOnOutline(const Vec<3>& centre, const ContactBody<3>& body, const Place
 		foot += contact.weight[i] * body.position[contact.partner[i]];
 	const Vec<3> apart = centre - foot;
 	const double height = apart.dot(contact.normal);
-	if (height <= 0) return; // the centre is inside
+	if (height <= 0 && isInside(centre, body, apart)) return;
 	const double bulge = height - contact.gap;
 	contact.normal = apart.normalized();
 	contact.gap = apart.norm() - bulge;
