@@ -90,7 +90,7 @@ def test_rest_on_a_ball(dim):
     while lid.state.pos[1] > 0.7 * RADIUS:
         run(1)
     lid.state.vel = (0, 0, 0)
-    for _ in range(40):
+    for _ in range(80):
         run(200)
         if grain.shape.isAsleep():
             break
