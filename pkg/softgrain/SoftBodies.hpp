@@ -30,8 +30,7 @@ public:
 	void requireCarried(const NewtonIntegrator& newton) const;
 	/// Changes of State since it was written, as assembleScene has found them in this step, are
 	/// the user's: they act as rigid motions. A grain shifted by whole periods of the cell goes
-	/// on as its image, and its State with it; returns the ids of all that
-	/// were moved. Throws
+	/// on as its image, and its State with it; returns the ids of all that were moved. Throws
 	/// std::runtime_error for values that are no motion.
 	std::set<int> applyUserMotions(const CellFlow& flow) const;
 	/// Gravity, O.forces and the flow of a periodic cell as body loads.

@@ -252,7 +252,8 @@ void SoftInteractions::checkRigidBodies() const
 {
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
 		const Interaction& I = *interactions_[k];
-		if (!pairs_[k]->isOfTwoGrains()) refuseWallAlongPlane(I);
+		if (pairs_[k]->isOfTwoGrains()) continue;
+		refuseWallAlongPlane(I);
 		if (!pairs_[k]->hasRigidBody()) continue;
 		const Body& body = rigidBodyOf(I);
 		const auto described =

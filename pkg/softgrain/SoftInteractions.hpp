@@ -32,9 +32,9 @@ private:
 class SoftInteractions {
 public:
 	/// All real ones, in an order that does not depend on threads. Those of grains that were
-	/// added or changed since the InteractionLoop, or shifted by whole periods (ids `moved`),
-	/// are searched again. Throws std::runtime_error for pairs for which there is no contact
-	/// treatment.
+	/// added or changed since the InteractionLoop, or moved by the user (ids
+	/// `moved`: SoftBodies::applyUserMotions), are searched again. Throws std::runtime_error
+	/// for pairs for which there is no contact treatment.
 	SoftInteractions(Scene& scene, const std::shared_ptr<softgrain::GrainAssembly>& assembly,
 			 InteractionOrder& order, const std::set<int>& moved);
 

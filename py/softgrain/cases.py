@@ -133,8 +133,10 @@ class WallContact:
         """Positions from the centre of the force [m] and pressures [Pa] of the nodes that were in
         reach in every sample: mean force over the length that the node stands for. The mean over
         time takes out most of the scatter of single nodes, without an average along the contact,
-        which would carry pressure over its edges."""
+        which would carry pressure over its edges. Both are empty without contact."""
         nodes = set.intersection(*[set(s["node"]) for s in self._samples] or [set()])
+        if not nodes:
+            return np.zeros(0), np.zeros(0)
         kept = [np.isin(s["node"], list(nodes)) for s in self._samples]
         mean = {
             name: np.mean([s[name][k] for s, k in zip(self._samples, kept)], axis=0)

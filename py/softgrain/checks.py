@@ -59,6 +59,9 @@ def number(name, value, admissible, unit=""):
         admissible (str): a range, such as '(0, inf)' or '[0, 1]'.
         unit (str): for the message.
 
+    Returns:
+        float: the value.
+
     Raises:
         ValueError: no number, or outside the range.
     """

@@ -43,9 +43,10 @@ def pair_forces():
 
     Returns:
         dict of arrays, in the order of the ids: id1, id2 (n,); point (n, 3), mean of the contact
-        points [m]; normal_force (n, 3) and shear_force (n, 3), sums of the normal and of the
-        tangential forces of all contact points on #2 [N, 2D N/m]; area (n,) of contact [m², 2D m];
-        pressure (n,) and traction (n,), magnitudes of these sums over the area [Pa].
+        points by the size of their normal forces [m]; normal_force (n, 3) and shear_force (n, 3),
+        sums of the normal and of the tangential forces of all contact points on #2 [N, 2D N/m];
+        area (n,) of contact [m², 2D m]; pressure (n,) and traction (n,), magnitudes of these sums
+        over the area [Pa].
     """
     rows = [_pair(i) for i in _soft_interactions() if i.phys.activeContacts > 0]
     names = ("id1", "id2", "point", *_SUMS, "area", "pressure", "traction")

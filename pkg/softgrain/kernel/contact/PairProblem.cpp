@@ -103,7 +103,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairProblem<dim>::solve(double violation,
 {
 	impulseBefore_ = impulse_;
 	velocityBefore_ = velocity_;
-	const std::vector<Vec<dim>> start = impulse_;
+	start_ = impulse_;
 	const double first = remaining();
 	double changed = std::numeric_limits<double>::infinity();
 	for (int sweeps = 1, inARow = 0;; ++sweeps) {
@@ -111,7 +111,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairProblem<dim>::solve(double violation,
 		const bool promising = progress.changed <= changePerViolation * violation;
 		if (promising && remaining() <= violation) return sweeps;
 		if (sweeps >= maxSweeps) {
-			if (!(remaining() < first)) impulse_ = start;
+			if (!(remaining() < first)) impulse_ = start_;
 			return sweeps;
 		}
 		const bool turnsBack = progress.along < 0 || progress.changed > changed;

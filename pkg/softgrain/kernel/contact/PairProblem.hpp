@@ -55,7 +55,7 @@ private:
 	int contacts_ = 0, stride_ = 0;
 	std::vector<double> W_;                                          ///< column by column
 	std::array<std::vector<double>, dim> velocity_, velocityBefore_; ///< u + b n, by component
-	std::vector<Vec<dim>> impulse_, impulseBefore_, normal_;
+	std::vector<Vec<dim>> impulse_, impulseBefore_, start_, normal_;
 	std::vector<double> ownW_, inverseW_, friction_;
 };
 

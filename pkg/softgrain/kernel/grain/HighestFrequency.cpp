@@ -98,7 +98,7 @@ private:
 };
 
 /// A batch of congruent grains alone, undeformed.
-template <int dim> Batch<dim> aside(const Batch<dim>& batch, const std::vector<int>& grains)
+template <int dim> Batch<dim> batchOf(const Batch<dim>& batch, const std::vector<int>& grains)
 {
 	std::vector<GrainParameters<dim>> parameters;
 	for (int g : grains)
@@ -110,7 +110,7 @@ template <int dim>
 std::vector<Lanczos<dim>> beginAll(const Batch<dim>& batch, const std::vector<int>& grains,
 				   int most)
 {
-	Batch<dim> present = aside(batch, grains);
+	Batch<dim> present = batchOf(batch, grains);
 	const int count = static_cast<int>(grains.size());
 	for (int k = 0; k < count; ++k)
 		std::copy_n(batch.x.of(grains[k]), batch.reference->nodes(), present.x.of(k));
@@ -128,7 +128,7 @@ void iterateAll(const Batch<dim>& batch, const std::vector<Lanczos<dim>*>& all, 
 	std::vector<int> grains;
 	for (const Lanczos<dim>* lanczos : all)
 		grains.push_back(lanczos->grain());
-	Batch<dim> displaced = aside(batch, grains);
+	Batch<dim> displaced = batchOf(batch, grains);
 	auto forEachLeft = [&](auto&& use) {
 		bool any = false;
 		for (std::size_t k = 0; k < all.size(); ++k) {

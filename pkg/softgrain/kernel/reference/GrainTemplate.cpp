@@ -95,7 +95,7 @@ namespace {
 /// More points a grain do not fit into the memory of usual machines.
 void requireFewPoints(double points, double zeta)
 {
-	constexpr double mostPoints = 2e7;
+	constexpr double mostPoints = 2e7; // some 2 kB each with cubic splines in 3D: 40 GB
 	require(points <= mostPoints, "zeta", zeta,
 		"what gives the grain at most 2e7 material points (it would have " +
 			std::to_string(std::lround(points)) + ")");

@@ -12,14 +12,14 @@ template <int dim> void Grains<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 		place_.push_back({ static_cast<int>(sets_.size()), k });
 	loads_.resize(place_.size());
 	sets_.push_back(std::move(set));
-	for (int g = before; g < count(); ++g)
-		list(g);
+	for (int g = before; g < count(); ++g) // renewing all would be quadratic in sets
+		appendToLists(g);
 	sets_.back()->arrangeGrains();
 	listedChanges_ += sets_.back()->changesOfActivity();
 	++listsMade_;
 }
 
-template <int dim> void Grains<dim>::list(int g)
+template <int dim> void Grains<dim>::appendToLists(int g)
 {
 	listed_.push_back(listOf(g));
 	if (listed_[g] == Listed::active) active_.push_back(g);
@@ -43,7 +43,7 @@ template <int dim> void Grains<dim>::renewLists()
 	for (auto* list : { &active_, &asleep_, &awake_ })
 		list->clear();
 	for (int g = 0; g < count(); ++g)
-		list(g);
+		appendToLists(g);
 	for (const auto& set : sets_)
 		set->arrangeGrains();
 }

@@ -46,7 +46,7 @@ private:
 	enum class Listed : char { active, rigid, asleep };
 
 	Listed listOf(int g) const;
-	void list(int g); ///< the next one
+	void appendToLists(int g); ///< the next one
 
 	std::vector<std::unique_ptr<GrainSet<dim>>> sets_;
 	std::vector<Place> place_;

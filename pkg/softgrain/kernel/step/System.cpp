@@ -212,7 +212,7 @@ void System<dim>::move(const std::vector<ContactList<dim>*>& lists,
 	};
 	// before the new velocities take the place of the old ones
 	auto measureWorks = [&](int g, GrainSet<dim>&, int) {
-		if (settings.trackEnergy) energies_.measureWorks(g, lastKick_);
+		energies_.measureWorks(g, lastKick_);
 	};
 	auto advance = [&](int g, GrainSet<dim>& set, int k) {
 		set.move(k, settings.dt);
@@ -226,17 +226,18 @@ void System<dim>::move(const std::vector<ContactList<dim>*>& lists,
 		grains_.forEachOf(grains_.awake(), settings.threads,
 				  [&](int g, GrainSet<dim>& set, int k) {
 					  correctVelocities(g, set, k);
-					  measureWorks(g, set, k);
+					  if (settings.trackEnergy) measureWorks(g, set, k);
 					  advance(g, set, k);
 				  });
 		return;
 	}
 	grains_.forEachOf(grains_.awake(), settings.threads, correctVelocities);
 	report.dropped = activity_.fallAsleep(lists, report.kick);
-	if (settings.trackEnergy)
+	if (settings.trackEnergy) {
 		for (int g : activity_.rested())
 			energies_.noteRest(g);
-	grains_.forEachOf(grains_.awake(), settings.threads, measureWorks);
+		grains_.forEachOf(grains_.awake(), settings.threads, measureWorks);
+	}
 	for (const auto& set : sets)
 		set->prepareMove(settings.threads);
 	grains_.forEachOf(grains_.awake(), settings.threads, advance);

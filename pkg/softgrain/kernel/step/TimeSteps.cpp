@@ -85,16 +85,6 @@ template <int dim> struct Lot {
 	std::vector<DueMeasurement> due;
 };
 
-/// Fewer than what is computed side by side go each on their own, for as many threads.
-template <int dim> void splitIfSmall(std::vector<Lot<dim>>& lots)
-{
-	const Lot<dim> last = lots.back();
-	if (last.due.size() >= fullBlock) return;
-	lots.pop_back();
-	for (const DueMeasurement& one : last.due)
-		lots.push_back({ last.set, { one } });
-}
-
 } // namespace
 
 /// (All that have to be measured are so at once: which they are, and beside which others, does not
@@ -103,17 +93,19 @@ template <int dim>
 void TimeSteps<dim>::measure(const std::vector<int>& grains, double enough, int threads)
 {
 	std::vector<Lot<dim>> lots;
-	for (int g : grains) {
-		GrainSet<dim>* set = &grains_.setOf(g);
-		const bool fits = !lots.empty() && lots.back().set == set &&
-				  lots.back().due.size() < laneWidth;
-		if (!fits) {
-			if (!lots.empty()) splitIfSmall(lots);
-			lots.push_back({ set, {} });
-		}
-		lots.back().due.push_back({ grains_.indexInSet(g), rate_[g] * enough });
+	for (std::size_t begin = 0, end; begin < grains.size(); begin = end) {
+		GrainSet<dim>* set = &grains_.setOf(grains[begin]);
+		end = begin + 1;
+		while (end < grains.size() && end - begin < laneWidth &&
+		       &grains_.setOf(grains[end]) == set)
+			++end;
+		// fewer than what is computed side by side: each on its own, for as many threads
+		if (end - begin < fullBlock) end = begin + 1;
+		lots.push_back({ set, {} });
+		for (std::size_t k = begin; k < end; ++k)
+			lots.back().due.push_back(
+				{ grains_.indexInSet(grains[k]), rate_[grains[k]] * enough });
 	}
-	splitIfSmall(lots);
 	const int count = static_cast<int>(lots.size());
 	long points = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(+ : points) if (count > 1)
