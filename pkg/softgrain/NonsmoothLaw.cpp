@@ -1,5 +1,5 @@
 #include "NonsmoothLaw.hpp"
-#include "SceneAssembly.hpp"
+#include "Engines.hpp"
 
 namespace yade {
 

@@ -1,4 +1,5 @@
 #include "SceneAssembly.hpp"
+#include "Engines.hpp"
 #include "Fetch.hpp"
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
@@ -292,26 +293,6 @@ const SoftMat& materialOf(const Scene& scene, int id)
 std::string namesOf(const Interaction& I)
 {
 	return "bodies #" + std::to_string(I.getId1()) + " and #" + std::to_string(I.getId2());
-}
-
-SoftGrainIntegrator* softGrainIntegratorOf(const Scene& scene)
-{
-	for (const auto& engine : scene.engines)
-		if (const auto integrator = YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
-			return integrator.get();
-	return nullptr;
-}
-
-const NewtonIntegrator* liveNewtonIntegrator(const Engine& engine)
-{
-	return engine.dead ? nullptr : dynamic_cast<const NewtonIntegrator*>(&engine);
-}
-
-const NewtonIntegrator* newtonIntegratorOf(const Scene& scene)
-{
-	for (const auto& engine : scene.engines)
-		if (const auto* newton = liveNewtonIntegrator(*engine)) return newton;
-	return nullptr;
 }
 
 bool isMoved(const Body& body, const NewtonIntegrator& newton)

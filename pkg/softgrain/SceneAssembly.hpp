@@ -13,7 +13,6 @@ class Interaction;
 class NewtonIntegrator;
 class Scene;
 class SoftGrain;
-class SoftGrainIntegrator;
 class SoftMat;
 
 /// The assembly of the scene's soft grains, made anew if grains, materials or shapes changed since;
@@ -39,15 +38,6 @@ const SoftMat& materialOf(const Scene& scene, int id);
 
 /// "bodies #1 and #2", for messages.
 std::string namesOf(const Interaction& I);
-
-/// The first one of O.engines, which solves contacts and moves soft grains; null if there is none.
-SoftGrainIntegrator* softGrainIntegratorOf(const Scene& scene);
-
-/// The engine, if it is a NewtonIntegrator that is not dead; else null.
-const NewtonIntegrator* liveNewtonIntegrator(const Engine& engine);
-
-/// The first such one of O.engines; null if there is none.
-const NewtonIntegrator* newtonIntegratorOf(const Scene& scene);
 
 /// Whether it moves a body (NewtonIntegrator.mask).
 bool isMoved(const Body& body, const NewtonIntegrator& newton);

@@ -1,4 +1,5 @@
 #include "SoftGrain.hpp"
+#include "Engines.hpp"
 #include "PeriodicCell.hpp"
 #include "PythonArrays.hpp"
 #include "Require.hpp"

@@ -1,11 +1,11 @@
 #include "SoftGrainIntegrator.hpp"
+#include "Engines.hpp"
 #include "PeriodicCell.hpp"
 #include "PythonContactProblem.hpp"
 #include "Require.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftBodies.hpp"
 #include "Timing.hpp"
-#include "WallStressController.hpp"
 
 #include <limits>
 #include <map>
@@ -93,7 +93,8 @@ bool SoftGrainIntegrator::assemble()
 	}
 	// grains of the last assembly hand its sums on, but there may be none left, or none before
 	if (last && last != assembly_) assembly_->continueFrom(last->continuation());
-	checkEngines();
+	checkEngineOrder(*scene, *this);
+	SoftBodies(*scene, *assembly_).requireCarried(*newtonIntegratorOf(*scene));
 	checkCell(*scene, *assembly_);
 	if (loaded_) continueSavedRun();
 	assembly_->setMultirate(multirate);
@@ -186,61 +187,6 @@ void SoftGrainIntegrator::saveContinuation()
 	rigidWorkSums = sums.rigid;
 }
 
-namespace {
-
-bool isActiveTimeStepper(Engine& engine)
-{
-	const auto* stepper = dynamic_cast<TimeStepper*>(&engine);
-	return stepper && stepper->active && !stepper->dead;
-}
-
-} // namespace
-
-void SoftGrainIntegrator::checkEngines() const
-{
-	bool seenThis = false, seenLoop = false;
-	const NewtonIntegrator* newton = nullptr;
-	for (const auto& engine : scene->engines) {
-		if (engine.get() == this)
-			seenThis = true;
-		else if (dynamic_cast<const InteractionLoop*>(engine.get()) && !engine->dead)
-			seenLoop = seenLoop || !seenThis;
-		else if (YADE_PTR_DYN_CAST<SoftGrainIntegrator>(engine))
-			throw std::runtime_error(
-				"O.engines holds two SoftGrainIntegrators; each moves all soft "
-				"grains: leave one");
-		else if (const auto* live = liveNewtonIntegrator(*engine)) {
-			if (newton)
-				throw std::runtime_error(
-					"O.engines holds two NewtonIntegrators, each of which "
-					"carries State along: leave one, or set dead = True");
-			if (!seenThis)
-				throw std::runtime_error(
-					"NewtonIntegrator stands before SoftGrainIntegrator in "
-					"O.engines; put it after");
-			newton = live;
-		} else if (seenThis && isActiveTimeStepper(*engine))
-			throw std::runtime_error(
-				engine->getClassName() +
-				" stands after SoftGrainIntegrator in O.engines and would change "
-				"O.dt between contact and motion; put it before");
-		else if (seenThis && dynamic_cast<const WallStressController*>(engine.get()))
-			throw std::runtime_error(
-				"WallStressController stands after SoftGrainIntegrator in "
-				"O.engines, which takes the forces on the walls before it; see "
-				"sg.insert_before_solve()");
-	}
-	if (!seenLoop)
-		throw std::runtime_error(
-			"there is no InteractionLoop before it in O.engines that is not dead: it "
-			"finds the contacts. See sg.engines()");
-	if (!newton)
-		throw std::runtime_error(
-			"there is no NewtonIntegrator after it in O.engines that is not dead: it "
-			"carries State along. See sg.engines()");
-	SoftBodies(*scene, *assembly_).requireCarried(*newton);
-}
-
 int SoftGrainIntegrator::threads() const
 {
 #ifdef YADE_OPENMP
@@ -250,15 +196,9 @@ int SoftGrainIntegrator::threads() const
 #endif
 }
 
-bool SoftGrainIntegrator::hasTimeStepper() const
-{
-	return std::any_of(scene->engines.begin(), scene->engines.end(),
-			   [](const auto& engine) { return isActiveTimeStepper(*engine); });
-}
-
 void SoftGrainIntegrator::followDeformation(Real undeformed)
 {
-	if (dtSet == 0 || (dtSet != scene->dt && !hasTimeStepper()))
+	if (dtSet == 0 || (dtSet != scene->dt && !hasTimeStepper(*scene)))
 		dtSet = std::min(timeStepFraction * undeformed, criticalDt);
 	const bool tooShort = dtSet < lowestTimeStep * timeStepFraction * criticalDt;
 	if (tooShort) measureCriticalStep(std::numeric_limits<Real>::infinity());
@@ -294,8 +234,9 @@ void SoftGrainIntegrator::chooseTimeStep()
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
 	const bool automatic = scene->dt == dtSet || scene->dt == defaultTimeStep() ||
 			       std::abs(scene->dt - own) <= sameTimeStep * own;
-	measureCriticalStep(automatic || hasTimeStepper() ? own / timeStepFraction : scene->dt);
-	if (hasTimeStepper()) {
+	measureCriticalStep(automatic || hasTimeStepper(*scene) ? own / timeStepFraction
+								: scene->dt);
+	if (hasTimeStepper(*scene)) {
 		const Real ofRigidBodies = scene->dt;
 		followDeformation(undeformed);
 		scene->dt = std::min(dtSet, ofRigidBodies);

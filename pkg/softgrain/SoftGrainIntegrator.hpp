@@ -76,13 +76,11 @@ public:
 private:
 	void advance();
 	bool assemble();
-	void checkEngines() const;
 	void continueSavedRun();
 	void saveContinuation();
 	void chooseTimeStep();
 	void followDeformation(Real undeformed);
 	void measureCriticalStep(Real enough);
-	bool hasTimeStepper() const;
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();
 	void keepBooks(const softgrain::StepReport& report);

@@ -1,4 +1,5 @@
 #include "SoftenWhenLoaded.hpp"
+#include "Engines.hpp"
 #include "Require.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrainIntegrator.hpp"

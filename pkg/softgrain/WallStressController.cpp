@@ -1,6 +1,6 @@
 #include "WallStressController.hpp"
+#include "Engines.hpp"
 #include "Require.hpp"
-#include "SceneAssembly.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
 

@@ -1,18 +1,16 @@
 """Making soft grains."""
 
 import math
-import operator
 
 import numpy as np
-from yade import Body, Material, O, Quaternion, Vector3, utils, wrapper
+from yade import Body, Quaternion, Vector3, utils, wrapper
 
 from softgrain.checks import finite_vector, lengths
+from softgrain.materials import keep_material, soft_material
 from softgrain.outlines import area_and_inertia, normalized
 
 #: Attributes of ``SoftGrain`` that the functions here set themselves.
 _FORM = ("form", "aspect", "exponent", "vertices", "corners", "radius", "dim")
-#: Label of the material that grains get where a scene has none.
-_DEFAULT_MATERIAL = "softMat"
 
 
 def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
@@ -222,63 +220,3 @@ def _moment_of_superdisk(a, b, n, p, q):
     """Integral of abs(x)^(p-1) abs(y)^(q-1), after Dirichlet."""
     gammas = math.gamma(p / n) * math.gamma(q / n) / math.gamma(1 + (p + q) / n)
     return 4 * a**p * b**q / n**2 * gammas
-
-
-def soft_material(material):
-    """The SoftMat that is meant.
-
-    Args:
-        material (SoftMat | int | str): itself, an index or a label of ``O.materials``; -1: the last
-            one there, or a new one with default values, which :func:`keep_material` adds.
-
-    Returns:
-        SoftMat.
-
-    Raises:
-        ValueError: there is none of that kind.
-    """
-    if material == -1:
-        soft = [m for m in O.materials if isinstance(m, wrapper.SoftMat)]
-        return soft[-1] if soft else wrapper.SoftMat(label=_DEFAULT_MATERIAL)
-    material = found_material(material)
-    if not isinstance(material, wrapper.SoftMat):
-        raise ValueError(f"material = {type(material).__name__}: soft grains need a SoftMat")
-    return material
-
-
-def found_material(material):
-    """The material that is meant.
-
-    Args:
-        material (Material | int | str): itself, an index or a label of ``O.materials``.
-
-    Returns:
-        Material.
-
-    Raises:
-        ValueError: there is none.
-    """
-    if isinstance(material, Material):
-        return material
-    if isinstance(material, str):
-        named = [m for m in O.materials if m.label == material]
-        if not named:
-            known = [m.label for m in O.materials if m.label]
-            raise ValueError(f"material = {material!r} is unknown; known: {known}")
-        return named[-1]
-    try:
-        place = -1 if isinstance(material, bool) else operator.index(material)
-    except TypeError:
-        place = -1
-    if not 0 <= place < len(O.materials):
-        raise ValueError(
-            f"material = {material!r}: admissible are a Material, a label, or an index of "
-            f"O.materials, in [0, {len(O.materials) - 1}]"
-        )
-    return O.materials[place]
-
-
-def keep_material(material):
-    """Add a material that was made for lack of another to ``O.materials``."""
-    if material.label == _DEFAULT_MATERIAL and material.id < 0:
-        O.materials.append(material)

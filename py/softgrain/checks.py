@@ -36,7 +36,7 @@ def lengths(name, value, sizes):
         ValueError: other than so many numbers in (0, inf).
     """
     numbers = _numbers(value)
-    if len(numbers) not in sizes or not all(0 < number < math.inf for number in numbers):
+    if len(numbers) not in sizes or not all(0 < length < math.inf for length in numbers):
         many = " or ".join(map(str, sizes))
         raise ValueError(f"{name} = {value}: admissible are {many} numbers in the range (0, inf) m")
     return list(numbers)
@@ -45,7 +45,7 @@ def lengths(name, value, sizes):
 def _numbers(value):
     """A tuple of floats; an empty one where the value is no sequence of numbers."""
     try:
-        return tuple(float(number) for number in value)
+        return tuple(float(item) for item in value)
     except (TypeError, ValueError):
         return ()
 

@@ -7,9 +7,9 @@ import numpy as np
 from yade import FrictMat, Matrix3, O, Sphere, Vector3, utils, wrapper
 
 from softgrain import _softgrain
-from softgrain.build import found_material
 from softgrain.checks import number
 from softgrain.filling import fill
+from softgrain.materials import found_material
 from softgrain.observe import bodies_of, soft_bodies
 from softgrain.overlaps import Ball, overlap_factor
 from softgrain.softening import drop_interactions, look_anew

@@ -9,8 +9,8 @@ import warnings
 from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 
 from softgrain import time_loop
-from softgrain.build import found_material
 from softgrain.checks import number
+from softgrain.materials import found_material
 from softgrain.observe import soft_bodies, some_soft_bodies
 
 #: Grains whose kinetic energy is below this share of the elastic one count as at rest.

@@ -5,14 +5,9 @@ from dataclasses import dataclass
 
 from yade import Body, InsertionSortCollider, Material, O, Sphere, Vector3, wrapper
 
-from softgrain.build import (
-    keep_material,
-    refuse_form,
-    soft_material,
-    soft_polygon,
-    volume_and_inertia,
-)
+from softgrain.build import refuse_form, soft_polygon, volume_and_inertia
 from softgrain.disk_union import outline_of_disks
+from softgrain.materials import keep_material, soft_material
 from softgrain.observe import bodies_of
 from softgrain.overlaps import Ball, overlap_factor
 from softgrain.time_loop import check_fraction, insert_before_solve, integrators, set_time_step

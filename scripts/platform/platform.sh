@@ -14,6 +14,8 @@ repo=$(cd "$platform_dir/../.." && pwd -P)
 
 # Threads that wait give their processor up soon: on a busy machine those they wait for need it.
 export GOMP_SPINCOUNT=${GOMP_SPINCOUNT-3000}
+# Memory in huge pages where the system lets programs ask for them (doc/decisions/0029-memory.md).
+export GLIBC_TUNABLES=${GLIBC_TUNABLES-glibc.malloc.hugetlb=1}
 
 yade_version=2025.2.0
 mirror=${SOFTGRAIN_DEBIAN_MIRROR:-http://deb.debian.org/debian}

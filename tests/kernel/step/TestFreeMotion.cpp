@@ -148,6 +148,72 @@ TEST_CASE("Free vibration: energy, frequency and rim nodes over 100 periods", "[
 	CHECK(largest > 0.5 * strain);
 }
 
+namespace {
+
+/// Angular frequency of a grain set off with the velocities rate * shape(X/R), over several periods
+/// of `expected`; the vibration is watched through its projection on the shape.
+template <int dim, class Shape>
+double measuredFrequency(const TemplateRecipe& recipe, double expected, Shape&& shape)
+{
+	auto batch = singleGrain<dim>(recipe);
+	const auto& X = batch.reference->nodePosition;
+	const double R = batch.grain[0].radius;
+	for (int I = 0; I < batch.reference->nodes(); ++I)
+		batch.v.set(0, I, 1e-4 * expected * R * shape(X[I]));
+	Scene<dim> scene;
+	scene.add(std::move(batch));
+	const double end = 6 * 2 * std::numbers::pi / expected;
+	double last = 0, lastTime = 0, first = -1, latest = 0;
+	int crossings = 0;
+	while (scene.time < end) {
+		scene.advance(0.5 * scene.system.criticalTimeStep());
+		const Batch<dim>& now = scene.batchOf(0);
+		double q = 0;
+		for (int I = 0; I < now.reference->nodes(); ++I)
+			q += now.reference->nodeMass[I] *
+			     shape(X[I]).dot(now.x.get(0, I) - R * X[I]);
+		if (last < 0 && q >= 0) {
+			latest = lastTime + (scene.time - lastTime) * last / (last - q);
+			if (first < 0)
+				first = latest;
+			else
+				++crossings;
+		}
+		last = q;
+		lastTime = scene.time;
+	}
+	return 2 * std::numbers::pi * crossings / (latest - first);
+}
+
+const double shearWave = std::sqrt(paperGrain<2>().constants.mu() / 1000);
+
+} // namespace
+
+TEST_CASE("Free vibration: a disk that breathes", "[step]")
+{
+	// Lamb, n = 0: x J0(x) = 2 (c_s/c_p)^2 J1(x), x = omega R/c_p, for nu = 0.45
+	const double exact = 7.71274 * shearWave / 0.01;
+	for (const auto& [zeta, bound] : { std::pair { 0.2, 0.025 }, { 0.1, 0.002 } }) {
+		const double found = measuredFrequency<2>(recipe(zeta, 3, 1.25), exact,
+							  [](const Vec<2>& X) { return X; });
+		CAPTURE(zeta, found / exact - 1);
+		CHECK(std::abs(found / exact - 1) < bound);
+	}
+}
+
+TEST_CASE("Free vibration: a ball that twists", "[step]")
+{
+	// Lamb, torsional n = 2, both halves against each other: tan x = x (12 - x^2)/(12 - 5 x^2),
+	// x = omega R/c_s, whatever Poisson's ratio
+	const double exact = 2.50113 * shearWave / 0.01;
+	auto twist = [](const Vec<3>& X) { return Vec<3>(X[2] * Vec<3>(-X[1], X[0], 0)); };
+	for (const auto& [zeta, bound] : { std::pair { 0.2, 0.1 }, { 0.14, 0.035 } }) {
+		const double found = measuredFrequency<3>(recipe(zeta, 3, 1.25), exact, twist);
+		CAPTURE(zeta, found / exact - 1);
+		CHECK(std::abs(found / exact - 1) < bound);
+	}
+}
+
 TEST_CASE("Free vibration: energy and light rim nodes in strong motion", "[step]")
 {
 	// The lightest rim nodes carry hardly any energy and do wander (here by some 20 times the

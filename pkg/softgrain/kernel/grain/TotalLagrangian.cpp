@@ -15,6 +15,10 @@ constexpr double undeformedStrain = 1e-8;
 /// A step so many times as long as it has to be is known well enough by few iterations
 /// (highestFrequencies): what they may lack in grains of far more nodes is in it.
 constexpr double amply = 1.05;
+/// Of the stiffening reported, which counts at least where forces are held: it is that of another
+/// shape than the nodes', and near their critical step held forces are worse at keeping energy
+/// (doc/decisions/0018-multirate.md).
+constexpr double heldShare = 0.75;
 /// Strain by centrifugal forces, (omega R/c)^2, that rigid motion may leave out.
 constexpr double spinStrain = 1e-4;
 /// Period of the slowest vibration of a disk, times the speed of shear waves over its radius
@@ -141,10 +145,8 @@ template <int dim> double TotalLagrangian<dim>::stiffeningOf(int g, double frequ
 	const double ofNodes = // critical step of the undeformed grain
 		criticalTimeStep_[g] / (pointVelocities_ ? pointVelocityTimeStepShare : 1);
 	const double ratio = 0.5 * ofNodes * frequency, squared = ratio * ratio;
-	// what is reported of held forces is of another shape than that of the nodes
-	const bool held = holder_.rate(g) > 1;
-	return held ? std::max(squared, Stiffening::safeShare * batch_.report[g].stiffening)
-		    : squared;
+	return holder_.rate(g) > 1 ? std::max(squared, heldShare * batch_.report[g].stiffening)
+				   : squared;
 }
 
 template <int dim>
