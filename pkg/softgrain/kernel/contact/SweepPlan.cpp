@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <numeric>
-#include <tuple>
+#include <utility>
 
 namespace softgrain {
 
@@ -87,21 +87,29 @@ struct Task {
 std::vector<Task> tasksOf(const std::vector<BodiesOfPair>& pairs, const std::vector<int>& cluster,
 			  std::vector<int>& order)
 {
-	using Key = std::tuple<bool, int, int, int>; // across, clusters, number of the pair
-	std::vector<Key> keys;
-	keys.reserve(pairs.size());
+	auto clustersOf = [&](const BodiesOfPair& pair) {
+		const int a = cluster[pair.first];
+		return std::minmax({ a, pair.second >= 0 ? cluster[pair.second] : a });
+	};
+	constexpr int digits = 31;
+	std::vector<std::pair<std::uint64_t, int>> numbered; // by tasks, and which pairs they are
+	numbered.reserve(pairs.size());
 	for (const BodiesOfPair& pair : pairs) {
-		const int a = cluster[pair.first], b = pair.second >= 0 ? cluster[pair.second] : a;
-		keys.emplace_back(a != b, std::min(a, b), std::max(a, b), keys.size());
+		const auto [a, b] = clustersOf(pair);
+		const std::uint64_t across = a != b, first = a, second = b;
+		numbered.emplace_back(across << 2 * digits | first << digits | second,
+				      numbered.size());
 	}
-	std::sort(keys.begin(), keys.end());
+	std::sort(numbered.begin(), numbered.end());
 	std::vector<Task> tasks;
 	order.clear();
-	for (const auto& [across, a, b, pair] : keys) {
+	for (std::size_t k = 0; k < numbered.size(); ++k) {
+		const auto& [task, pair] = numbered[k];
 		const int begin = static_cast<int>(order.size());
-		const bool isNew = tasks.empty() || tasks.back().across != across ||
-				   tasks.back().first != a || tasks.back().second != b;
-		if (isNew) tasks.push_back({ across, a, b, begin, begin });
+		if (k == 0 || task != numbered[k - 1].first) {
+			const auto [a, b] = clustersOf(pairs[pair]);
+			tasks.push_back({ a != b, a, b, begin, begin });
+		}
 		++tasks.back().end;
 		order.push_back(pair);
 	}
