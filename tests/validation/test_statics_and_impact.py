@@ -38,16 +38,16 @@ WEIGHT = 0.1 * YOUNG / (DENSITY * SIDE)  # gravity that shortens it by 5 %, m/s^
 LOADING = 0.02  # s
 
 
-def stretch_below(weight):
-    """Of a bar of the neo-Hookean law with poisson = 0 that bears so much a unit of area: the
-    solution of mu (F - 1/F) = -weight, mu = E/2."""
-    s = weight / YOUNG
+def stretch_under(pressure):
+    """Of a bar of the neo-Hookean law with poisson = 0: the solution of mu (F - 1/F) = -pressure,
+    mu = E/2."""
+    s = pressure / YOUNG
     return math.sqrt(1 + s * s) - s
 
 
 def below(place):
     """Height at which a point of the block lies in the end that lay at `place` without weight."""
-    height, _ = integrate.quad(lambda y: stretch_below(DENSITY * WEIGHT * (SIDE - y)), 0, place)
+    height, _ = integrate.quad(lambda y: stretch_under(DENSITY * WEIGHT * (SIDE - y)), 0, place)
     return height
 
 
@@ -72,7 +72,7 @@ def test_block_under_its_own_weight(zeta, sinking, stress):
     assert SIDE - height == pytest.approx(SIDE - below(SIDE), rel=sinking)
     points = block.shape.points()
     x, y = points["position"][:, 0], points["position"][:, 1]
-    exact = DENSITY * WEIGHT * np.array([place_of(height) - SIDE for height in y])
+    exact = DENSITY * WEIGHT * np.array([place_of(end) - SIDE for end in y])
     middle = np.abs(x) < 0.3 * SIDE
     squares = (points["cauchy"][:, 1, 1] - exact)[middle] ** 2
     error = math.sqrt(np.average(squares, weights=points["volume"][middle]))
@@ -117,14 +117,15 @@ SLIPS = math.tan(math.radians(15))  # least coefficient of friction between the 
 RAMP = 0.03  # while weight comes up, s
 
 
+@pytest.mark.parametrize("zeta", (0.1, 0.05))
 @pytest.mark.parametrize("share, stands", ((0.9, False), (1.1, True)))
-def test_pyramid_of_three_disks(share, stands):
+def test_pyramid_of_three_disks(share, stands, zeta):
     """Two disks carry a third and do not press on each other. What the upper one does to a lower
     one runs through its point on the floor, if it is to rest: 15 degrees from the normal. On the
     floor a third of that friction is enough."""
     material = soft(share * SLIPS, poisson=0.3, massDamping=300)
     for x, y in ((-1.0005, 1), (1.0005, 1), (0, 1 + math.sqrt(3))):
-        add(sg.soft_disk((x * RADIUS, y * RADIUS, 0), RADIUS, material, zeta=0.1))
+        add(sg.soft_disk((x * RADIUS, y * RADIUS, 0), RADIUS, material, zeta=zeta))
     add_floor(friction=share * SLIPS)
     O.engines = sg.engines()
     sg.set_time_step()
