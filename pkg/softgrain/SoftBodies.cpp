@@ -4,6 +4,9 @@
 #include "SoftMat.hpp"
 #include "Threads.hpp"
 
+#include <atomic>
+#include <sstream>
+
 namespace yade {
 
 using softgrain::Rotation;
@@ -50,6 +53,37 @@ void requireMotion(const Body& body)
 		throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
 					 ": its State.ori has the norm " + std::to_string(norm) +
 					 "; admissible: 1, a rotation");
+}
+
+struct Placement {
+	Vector3r pos;
+	Quaternionr ori;
+};
+
+/// From where NewtonIntegrator lands on a motion.
+Placement stepBefore(const softgrain::GrainMotion& motion, Real dt)
+{
+	const Real rate = motion.angularVelocity.norm();
+	const Rotation turn =
+		rate * dt > noTurn
+			? Rotation(Eigen::AngleAxisd(-rate * dt, motion.angularVelocity / rate))
+			: Rotation(Rotation::Identity());
+	return { motion.position - dt * motion.velocity, turn * motion.orientation };
+}
+
+/// Where an engine stopped the last step, which was dt, before NewtonIntegrator, State is left
+/// behind the grain: no motion of the user's.
+void catchUp(State& state, const softgrain::GrainMotion& written, Real dt)
+{
+	const Placement behind = stepBefore(written, dt);
+	if (state.pos != behind.pos || state.ori.coeffs() != behind.ori.coeffs()) return;
+	state.pos = written.position;
+	state.ori = written.orientation;
+}
+
+bool isFinite(const softgrain::GrainLoad& load)
+{
+	return load.acceleration.allFinite() && load.angularAcceleration.allFinite();
 }
 
 void refuseOutOfPlane(const Body& body, const string& what, const string& admissible)
@@ -124,6 +158,7 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 	const Real radius = grain.radius;
 	requireMotion(body);
 	assembly_.host.publishedAsleep[g] = false; // whatever becomes of it, State is written next
+	catchUp(state, written, assembly_.continuation().lastStep);
 	Vec3 shift = state.pos - written.position;
 	Rotation turn = state.ori * written.orientation.conjugate();
 	requireInPlane(body, shift, turn, scene_.dt);
@@ -157,8 +192,30 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const
 {
 	scene_.forces.sync();
-	assembly_.setLoads([&](int g) { return loadOf(g, newton, flow); },
-			   softgrain::threadsFor(assembly_.grains(), threads, loadsPerThread));
+	std::atomic<bool> finite { true };
+	assembly_.setLoads(
+		[&](int g) {
+			const softgrain::GrainLoad load = loadOf(g, newton, flow);
+			if (!isFinite(load)) finite = false;
+			return load;
+		},
+		softgrain::threadsFor(assembly_.grains(), threads, loadsPerThread));
+	if (!finite) refuseLoads(newton, flow);
+}
+
+void SoftBodies::refuseLoads(const NewtonIntegrator& newton, const CellFlow& flow) const
+{
+	int g = 0;
+	while (isFinite(loadOf(g, newton, flow)))
+		++g;
+	const int id = assembly_.idOf(g);
+	std::ostringstream message;
+	message << "soft grain #" << id
+		<< ": its load is not finite; admissible are finite O.forces"
+		<< " (force " << scene_.forces.getForce(id).transpose() << " N, torque "
+		<< scene_.forces.getTorque(id).transpose() << " N m), NewtonIntegrator.gravity ("
+		<< newton.gravity.transpose() << " m/s^2) and O.cell.velGrad";
+	throw std::runtime_error(message.str());
 }
 
 softgrain::GrainLoad SoftBodies::loadOf(int g, const NewtonIntegrator& newton,
@@ -198,14 +255,10 @@ void SoftBodies::publishMotion(int g, const CellFlow& flow) const
 	state.angVel = written.angularVelocity - flow.spinChange;
 	state.mass = written.mass;
 	state.inertia = Vector3r::Constant(written.inertia);
-	state.pos = written.position - dt * written.velocity;
+	const Placement before = stepBefore(written, dt);
+	state.pos = before.pos;
 	state.vel = flow.before(state.pos, written.velocity, dt);
-	const Real rate = written.angularVelocity.norm();
-	const Rotation turn =
-		rate * dt > noTurn
-			? Rotation(Eigen::AngleAxisd(-rate * dt, written.angularVelocity / rate))
-			: Rotation(Rotation::Identity());
-	state.ori = turn * written.orientation;
+	state.ori = before.ori;
 }
 
 Real reserveOfBox(const softgrain::GrainAssembly& assembly, int g, Real gap)

@@ -33,7 +33,8 @@ public:
 	/// on as its image, and its State with it; returns the ids of all that were moved. Throws
 	/// std::runtime_error for values that are no motion.
 	std::set<int> applyUserMotions(const CellFlow& flow) const;
-	/// Gravity, O.forces and the flow of a periodic cell as body loads.
+	/// Gravity, O.forces and the flow of a periodic cell as body loads. Throws
+	/// std::runtime_error naming what is not finite.
 	void applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const;
 	/// NewtonIntegrator, next, adds the flow of a periodic cell to vel and angVel, then vel dt
 	/// to pos, and turns ori by angVel dt; it lands on the grain.
@@ -48,6 +49,8 @@ private:
 	bool applyUserMotion(int g, const CellFlow& flow) const;
 	softgrain::GrainLoad loadOf(int g, const NewtonIntegrator& newton,
 				    const CellFlow& flow) const;
+	/// Throws, once a load has been found that is not finite.
+	[[noreturn]] void refuseLoads(const NewtonIntegrator& newton, const CellFlow& flow) const;
 	bool isInItsBox(int g, Real gap) const;
 
 	Scene& scene_;

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from partner_scenes import add_rigid_disk
 from scenes import RADIUS, add_disk, add_wall, complaint, ready, run
-from yade import O, Quaternion, Vector3
+from yade import O, PyRunner, Quaternion, Vector3
 
 import softgrain as sg
 
@@ -88,3 +88,42 @@ def test_impulse_that_is_no_number():
     run(50)
     assert sg.integrator().residual <= sg.integrator().tolerance
     assert np.isfinite(sphere.state.vel[0]) and sphere.state.vel[0] > -1
+
+
+@pytest.mark.parametrize("put", ("setPermF", "setPermT"))
+def test_load_that_is_no_number(put):
+    _, second = add_disk(), add_disk((10 * RADIUS, 0, 0))
+    ready()
+    run(2)
+    before = second.shape.nodes()
+    getattr(O.forces, put)(second.id, (0, math.inf, math.nan))
+    message = complaint()
+    assert "soft grain #1: its load is not finite" in message and "torque" in message
+    np.testing.assert_array_equal(second.shape.nodes(), before)
+    getattr(O.forces, put)(second.id, (0, 0, 0))
+    run(2)
+    assert np.isfinite(second.shape.nodes()).all()
+
+
+def interrupted_flight(interrupted):
+    """NewtonIntegrator, the last engine, is left out of one of the steps, if it is to be."""
+    O.reset()
+    body = add_disk()
+    ready()
+    body.state.vel, body.state.angVel = (1, 0.5, 0), (0, 0, 30)
+    run(5)
+    engines = O.engines
+    if interrupted:
+        O.engines = [*engines[:-1], PyRunner(command="1 / 0", iterPeriod=1), engines[-1]]
+        with pytest.raises(RuntimeError):
+            O.step()
+        O.engines = engines
+    else:
+        O.step()
+    run(5)
+    return body
+
+
+def test_step_stopped_before_newton_integrator():
+    """State, which it has not brought up to the grain, is no motion by hand."""
+    assert_same_motion(interrupted_flight(True), interrupted_flight(False))

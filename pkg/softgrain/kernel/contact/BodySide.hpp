@@ -14,8 +14,9 @@ template <int dim> struct BodySide {
 	Vec<dim>* velocity = nullptr;           ///< of its nodes
 	const SurfaceMobility<dim>* mobility = nullptr;
 	double scale = 0; ///< ContactBody::delassusScale
-	/// Where velocities are read and changed.
-	const Vec<dim>*begin = nullptr, *end = nullptr;
+	/// Nodes that contacts read, from the first to behind the last (2D: where the outline
+	/// closes in between, it is all of them).
+	int firstRead = 0, endOfRead = 0;
 
 	BodySide() = default;
 	explicit BodySide(ContactBody<dim>& of)

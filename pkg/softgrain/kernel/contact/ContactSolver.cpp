@@ -341,7 +341,7 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	sweepToTolerance(report);
 	if (!std::isfinite(report.residual)) return report;
 	forEachPair(SweepOrder::forwards, [&](int k) {
-		if (!staysInCache()) fetch(k + pairsAhead, &PairSolver<dim>::fetchContacts);
+		fetch(k + (staysInCache() ? 1 : pairsAhead), &PairSolver<dim>::fetchResults);
 		withPair(k, [](auto& pair) { pair.finish(); });
 	});
 	for (int k = 0; k < count_; ++k)

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 
 namespace softgrain {
 
@@ -123,21 +124,15 @@ void PairSolver<dim>::push(const Constraint& c, const Vec<dim>& J, Vec<dim>* own
 	if (c.partners > 0) otherSide(c).push(otherVelocity, c, J, -1);
 }
 
-/// From the first to the last node in contact and those beside them (2D: where the outline closes
-/// in between, it is all of them). It is fetched ahead of its use: of nodes that feel the contacts
-/// farther off only time is lost.
 template <int dim> void PairSolver<dim>::findStretch(BodySide<dim>& side, bool ofFirst) const
 {
-	constexpr int nodesAside = 8;
-	const int last = static_cast<int>(side.body->velocity.size());
-	int low = last, high = 0;
+	side.firstRead = std::numeric_limits<int>::max();
+	side.endOfRead = 0;
 	for (const Constraint& c : constraints_) {
 		const int node = c.onFirst == ofFirst ? c.node : c.partner[0];
-		low = std::min(low, node - nodesAside);
-		high = std::max(high, node + nodesAside);
+		side.firstRead = std::min(side.firstRead, node);
+		side.endOfRead = std::max(side.endOfRead, node + 1);
 	}
-	side.begin = side.velocity + std::max(low, 0);
-	side.end = side.velocity + std::min(high, last);
 }
 
 template <int dim> void PairSolver<dim>::fetchConstraints() const
@@ -151,16 +146,27 @@ template <int dim> void PairSolver<dim>::fetchBodies() const
 		if (body) fetchBytes(body, &body->velocityBefore);
 }
 
+/// Of nodes that feel the contacts from farther off than this only time is lost.
 template <int dim> void PairSolver<dim>::fetchVelocities() const
 {
-	for (const BodySide<dim>* side : { &firstSide_, &secondSide_ })
-		fetchBytes(side->begin, side->end);
+	constexpr int nodesAside = 8;
+	for (const BodySide<dim>* side : { &firstSide_, &secondSide_ }) {
+		if (!side->velocity) continue;
+		fetchBytes(side->velocity + std::max(side->firstRead - nodesAside, 0),
+			   side->velocity + side->endOfRead + nodesAside);
+	}
 }
 
-template <int dim> void PairSolver<dim>::fetchContacts() const
+template <int dim> void PairSolver<dim>::fetchResults() const
 {
 	fetchBytes(list_->contacts.data(), list_->contacts.data() + list_->contacts.size());
 	fetchBytes(&list_->impulse, &list_->impulse + 1);
+	for (const BodySide<dim>* side : { &firstSide_, &secondSide_ }) {
+		if (!side->body) continue;
+		for (const auto* field : { &side->body->position, &side->body->impulse })
+			fetchBytes(field->data() + side->firstRead,
+				   field->data() + side->endOfRead);
+	}
 }
 
 /// (Each contact waits for the impulse of the one before it, and what that does to the nodes would

@@ -64,7 +64,7 @@ public:
 	void fetchBodies() const;      ///< `prepare`
 	void fetchVelocities() const;  ///< `prepare`, `sweep`, `residual`
 	void fetchConstraints() const; ///< the last two
-	void fetchContacts() const;    ///< `finish`
+	void fetchResults() const;     ///< `finish`
 	/// Solves each contact once, the others held; there must be one.
 	SweepChange sweep(SweepOrder order);
 	/// Solves all contacts together, those of other pairs held, until the violation (that of
