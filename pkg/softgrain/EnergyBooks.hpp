@@ -20,8 +20,8 @@ EnergyLists energiesOf(const softgrain::EnergyBalance& balance, bool withRigidBo
 /// Those that are summed over a run, which a save needs.
 EnergyLists sumsOf(const softgrain::EnergyBalance& balance);
 
-/// The sums back; those of a list that was never saved are left as they are. Returns whether there
-/// was one of soft grains.
+/// The sums back; those of a list of another length are left as they are. Returns whether both
+/// lists were whole.
 bool restoreSums(const EnergyLists& sums, softgrain::EnergyBalance& balance);
 
 /// Under their names, those of lists that are still empty as 0 (soft) or not at all (rigid).

@@ -100,6 +100,12 @@ void checkPeriodic(const PeriTriaxController& controller)
 		       "it waits for an unbalanced force that YADE takes of rigid bodies alone; "
 		       "leave it empty, and look at the stress and at sg.unbalanced_force() in a "
 		       "PyRunner");
+	if (controller.stressMask != 0 && !controller.dynCell)
+		refuse(controller.getClassName() + ".dynCell = False with stressMask = " +
+			       std::to_string(controller.stressMask),
+		       "it moves the cell by the stiffness of contacts, and those of soft grains "
+		       "have none: the stress would be off by a sixth; set dynCell = True and "
+		       "mass");
 }
 
 void checkEngine(const Engine& engine)

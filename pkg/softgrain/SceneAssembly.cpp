@@ -206,6 +206,7 @@ softgrain::GrainDescription describePresent(const Body& body)
 	grain.fetchState();
 	if (grain.assembly) grain.savedForces.clear(); // materials may have changed
 	softgrain::GrainDescription description = grain.describe(body);
+	if (description.state.x.empty()) requireFirstMotion(body);
 	if (changed) {
 		description.state.rest.clear();
 		description.state.stiffening.clear();

@@ -17,7 +17,8 @@ class SoftMat;
 
 /// The assembly of the scene's soft grains, made anew if grains, materials or shapes changed since;
 /// null if there is none. It is told which grains were moved (HostNotes::moved).
-/// Throws std::invalid_argument saying which body is wrong and why. Thread-safe.
+/// Throws std::invalid_argument (std::runtime_error for its State) saying which body is wrong and
+/// why. Thread-safe.
 std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene, int threads = 1);
 
 /// Box about the present outline of a grain, in coordinates that `map` makes of those of space, the

@@ -40,19 +40,16 @@ constexpr int loadsPerThread = 2000;
 /// material points: contacts start before touch.
 constexpr Real boxReserve = 0.1;
 
-void requireMotion(const Body& body)
+void refuseOutOfPlane(const Body& body, const string& what, const string& admissible)
 {
-	const State& state = *body.state;
-	for (const Vector3r& v : { state.pos, state.vel, state.angVel })
-		if (!v.allFinite())
-			throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
-						 ": its State (pos, vel, angVel) holds a value "
-						 "that is not finite; assign a finite one");
-	const Real norm = state.ori.norm();
-	if (!(std::abs(norm - 1) <= unitRounding))
-		throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
-					 ": its State.ori has the norm " + std::to_string(norm) +
-					 "; admissible: 1, a rotation");
+	throw std::runtime_error("soft grain #" + std::to_string(body.getId()) + ": its State." +
+				 what + " the plane of 2D grains; admissible: " + admissible);
+}
+
+void requireTurnInPlane(const Body& body, const Rotation& turn)
+{
+	if (turn.vec().head<2>().norm() > angleRounding)
+		refuseOutOfPlane(body, "ori turns it out of", "turns about z");
 }
 
 struct Placement {
@@ -86,20 +83,13 @@ bool isFinite(const softgrain::GrainLoad& load)
 	return load.acceleration.allFinite() && load.angularAcceleration.allFinite();
 }
 
-void refuseOutOfPlane(const Body& body, const string& what, const string& admissible)
-{
-	throw std::runtime_error("soft grain #" + std::to_string(body.getId()) + ": its State." +
-				 what + " the plane of 2D grains; admissible: " + admissible);
-}
-
 /// Of a 2D grain, in a step dt: what it would have besides its motion in the plane would be lost.
 void requireInPlane(const Body& body, const Vec3& shift, const Rotation& turn, Real dt)
 {
 	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
 	if (grain.dim == 3) return;
 	const State& state = *body.state;
-	if (turn.vec().head<2>().norm() > angleRounding)
-		refuseOutOfPlane(body, "ori turns it out of", "turns about z");
+	requireTurnInPlane(body, turn);
 	const Real length = lengthRounding * grain.radius;
 	if (std::abs(shift.z()) > length)
 		refuseOutOfPlane(body, "pos shifts it out of", "the z it has had");
@@ -110,6 +100,28 @@ void requireInPlane(const Body& body, const Vec3& shift, const Rotation& turn, R
 }
 
 } // namespace
+
+void requireMotion(const Body& body)
+{
+	const State& state = *body.state;
+	for (const Vector3r& v : { state.pos, state.vel, state.angVel })
+		if (!v.allFinite())
+			throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
+						 ": its State (pos, vel, angVel) holds a value "
+						 "that is not finite; assign a finite one");
+	const Real norm = state.ori.norm();
+	if (!(std::abs(norm - 1) <= unitRounding))
+		throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
+					 ": its State.ori has the norm " + std::to_string(norm) +
+					 "; admissible: 1, a rotation");
+}
+
+void requireFirstMotion(const Body& body)
+{
+	requireMotion(body);
+	if (static_cast<const SoftGrain&>(*body.shape).dim == 2)
+		requireTurnInPlane(body, body.state->ori);
+}
 
 bool isAsWritten(const Body& body)
 {

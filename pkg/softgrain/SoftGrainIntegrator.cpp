@@ -102,7 +102,8 @@ bool SoftGrainIntegrator::assemble()
 	return true;
 }
 
-/// One step. Whatever may be wrong is found before anything is changed.
+/// One step. Whatever may be wrong is found before a grain moves, but for motions by hand, which
+/// count once.
 void SoftGrainIntegrator::advance()
 {
 	clock_.start(TimingInfo::enabled);

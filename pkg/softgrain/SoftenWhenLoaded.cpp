@@ -15,7 +15,7 @@ YADE_PLUGIN((SoftenWhenLoaded));
 
 void SoftenWhenLoaded::postLoad(SoftenWhenLoaded&)
 {
-	softgrain::require(load >= 0, "load", load, "[0, inf)");
+	softgrain::require(load >= 0 && math::isfinite(load), "load", load, "[0, inf)");
 }
 
 void SoftenWhenLoaded::action()

@@ -9,12 +9,13 @@ namespace yade {
 class SoftenWhenLoaded : public GlobalEngine {
 public:
 	void action() override;
-	/// Checks all attributes; throws std::invalid_argument (ValueError in Python).
+	/// Checks `load`; throws std::invalid_argument (ValueError in Python). (Shape and material
+	/// may be assigned later.)
 	void postLoad(SoftenWhenLoaded&);
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(SoftenWhenLoaded, GlobalEngine,
-		"Turns spheres into soft grains one by one, each when it first bears load, in place, with its velocity and spin. It stands after the InteractionLoop and before :yref:`SoftGrainIntegrator`; sg.soften(when='loaded') puts it there. In the step in which a grain is turned, the contact forces that act on it already, and on its partners, act on the soft grain; contact dynamics (rigid = 'nonsmooth') has found none by then, and the contact bears nothing in that step. Either way momentum is kept. Its contacts are found anew in the next step; what overlap the rigid contact had is worked off.",
+		"Turns spheres into soft grains one by one, each when it first bears load, in place, with its velocity and spin. It stands after the InteractionLoop and before :yref:`SoftGrainIntegrator`; sg.soften(when='loaded') puts it there. In the step in which a grain is turned, the contact forces that act on it already, and on its partners, act on the soft grain; contact dynamics (rigid = 'nonsmooth') has found none by then, and the contact bears nothing in that step. Either way momentum is kept, of materials with massScaling = 1. Its contacts are found anew in the next step; what overlap the rigid contact had is worked off.",
 		((vector<int>, ids, , , "Spheres that still wait. |yupdate|"))
 		((shared_ptr<SoftGrain>, shape, , Attr::triggerPostLoad, "Shape of the soft grains, whose radius and colour are those of the spheres; they begin undeformed, however the shape is deformed if a body has it."))
 		((shared_ptr<SoftMat>, material, , Attr::triggerPostLoad, "Their material."))

@@ -37,6 +37,9 @@ Vector3r gravityOf(const Scene& scene)
 	return newton ? newton->gravity : Vector3r(Vector3r::Zero());
 }
 
+/// blockedDOFs of a wall that is pushed.
+int freeAlong(int axis) { return State::DOF_ALL & ~State::axisDOF(axis); }
+
 /// Half the thickness of a wall along an axis.
 Real halfThickness(const Body& body, int axis)
 {
@@ -103,6 +106,12 @@ void WallStressController::checkWalls() const
 			throw std::invalid_argument(
 				"WallStressController.walls: body #" + std::to_string(walls[k]) +
 				" is no Box, and no Wall with axis = " + std::to_string(axis));
+		const int blocked = body->state->blockedDOFs;
+		if (blocked != State::DOF_ALL && blocked != freeAlong(axis))
+			throw std::invalid_argument(
+				"WallStressController.walls: body #" + std::to_string(walls[k]) +
+				" is free; admissible: all degrees of freedom blocked, as of a "
+				"body with fixed = True, or all but the way along its axis");
 	}
 	for (int a = 0; a < axes(); ++a)
 		require(length(a) > 0, "WallStressController: distance of two walls", length(a),
@@ -138,7 +147,7 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 	State& state = *body.state;
 	const Real surface = area(axis), dashpot = drag * packing.impedance * surface;
 	if (state.blockedDOFs == State::DOF_ALL) {
-		state.blockedDOFs = State::DOF_ALL & ~State::axisDOF(axis);
+		state.blockedDOFs = freeAlong(axis);
 		state.vel = state.angVel = Vector3r::Zero();
 		state.mass = drag * packing.density * surface * packing.radius;
 	}

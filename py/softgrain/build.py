@@ -5,7 +5,7 @@ import math
 import numpy as np
 from yade import Body, Quaternion, Vector3, utils, wrapper
 
-from softgrain.checks import finite_vector, lengths
+from softgrain.checks import finite_vector, lengths, number
 from softgrain.materials import keep_material, soft_material
 from softgrain.outlines import area_and_inertia, normalized
 
@@ -131,6 +131,7 @@ def soft_polygon(vertices, material=-1, color=None, mask=1, corners=None, z=0.0,
             material is no ``SoftMat``.
     """
     form = normalized(vertices, corners)
+    z = number("z", z, "(-inf, inf)", "m")
     outline = {"form": "polygon", "vertices": form.vertices.tolist(), "corners": form.corners}
     center = (*form.centroid, z)
     body = _soft_body(center, form.radius, 2, material, color, mask, shape, outline)

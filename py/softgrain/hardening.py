@@ -86,9 +86,9 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
         Hardened: ids of the rigid bodies, and what was lost.
 
     Raises:
-        ValueError: a body is no soft grain, or of a form or contact geometry that cannot be
-            converted, there is no FrictMat, or a value is unknown or out of its range. Nothing has
-            been changed then.
+        ValueError: a body is no soft grain, of a material with massScaling, or of a form or contact
+            geometry that cannot be converted, there is no FrictMat, or a value is unknown or out
+            of its range. Nothing has been changed then.
     """
     if into not in _MAKERS:
         raise ValueError(f"into = {into!r} is unknown; known: {', '.join(map(repr, _MAKERS))}")
@@ -104,6 +104,12 @@ def _grains(ids):
     for body in bodies:
         if not isinstance(body.shape, wrapper.SoftGrain):
             raise ValueError(f"ids: body #{body.id} is no soft grain")
+        scaling = body.material.massScaling
+        if scaling != 1:
+            raise ValueError(
+                f"massScaling = {scaling} of soft grain #{body.id}: a rigid body would keep the "
+                "scaled mass, and weigh as much; admissible is 1, sg.scale_mass(1)"
+            )
     if not bodies:
         raise ValueError("ids: there is no soft grain to harden")
     return bodies
@@ -237,7 +243,10 @@ def _filling(body, error):
     vertices, facets = _outline(body)
     dim = body.shape.dim
     gap = error * _equivalent_radius(body.shape)
-    centres, radii = fill(vertices[:, :dim], facets, gap, depth=DEPTH_OVER_ERROR * gap)
+    try:
+        centres, radii = fill(vertices[:, :dim], facets, gap, depth=DEPTH_OVER_ERROR * gap)
+    except ValueError as reason:
+        raise ValueError(f"ids: soft grain #{body.id}: {reason}") from reason
     if dim == 2:
         centres = np.column_stack([centres, np.full(len(centres), body.state.pos[2])])
     return centres, radii

@@ -67,9 +67,10 @@ def grains_from_image(
     Raises:
         ValueError: a value is out of its range, the image has no usable label, or an unusable one
             that is refused.
+        OSError: the file is not there, or no picture.
     """
     pixel = number("pixel", pixel, "(0, inf)", "m")
-    least_pixels = number("least_pixels", least_pixels, "[10, inf)")
+    number("least_pixels", least_pixels, "[10, inf)")
     if unusable not in ("refuse", "skip"):
         raise ValueError(f"unusable = {unusable!r} is unknown; known: 'refuse', 'skip'")
     origin = finite_vector("origin", origin, 3, "m")

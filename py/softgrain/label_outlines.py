@@ -41,6 +41,9 @@ def label_outlines(labels, background=0, smoothing=1.0, least_pixels=50):
         tuple: list of LabelOutline in the order of the labels; and dict of the unusable labels with
         the reason: less than `least_pixels`, at the border of the image, in several pieces, with a
         hole, or too thin to be smoothed.
+
+    Raises:
+        ValueError: `smoothing` is out of its range.
     """
     if not 0.5 <= smoothing <= 10:
         raise ValueError(f"smoothing = {smoothing} is outside the admissible range [0.5, 10]")

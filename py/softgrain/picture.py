@@ -28,11 +28,12 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         path (str | Path): picture file; the suffix decides the format (png, pdf, svg).
         box (tuple | None): (xmin, xmax, ymin, ymax) of the walls to draw [m].
         field (str | None): 'von_mises' or 'pressure' of the Cauchy stress; None: plain grains.
-        scale (float | None): stresses are divided by it (e.g. Young's modulus) [Pa]; None: in kPa.
+        scale (float | None): stresses are divided by it (e.g. Young's modulus), > 0 [Pa]; None: in
+            kPa.
         limits (tuple | None): (low, high) of the colours; None: from 0 (pressure: the lowest) to
             the 99th percentile.
         title (str | None): above the picture.
-        dpi (int): resolution of bitmaps.
+        dpi (float): resolution of bitmaps, > 0 [dots an inch].
 
     Raises:
         ValueError: an unknown field, nothing to draw, or a value out of its range.
@@ -47,6 +48,7 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
             raise ValueError(f"limits = {limits}: the first has to be below the second")
     if scale is not None:
         scale = number("scale", scale, "(0, inf)", "Pa")
+    dpi = number("dpi", dpi, "(0, inf)")
     disks = [b for b in soft_bodies() if b.shape.dim == 2]
     images = [(b, shift) for b in disks for shift in _shifts(b.state.pos, _outline(b))]
     outlines = [_outline(b) + shift for b, shift in images]

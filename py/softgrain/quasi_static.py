@@ -11,7 +11,7 @@ from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 from softgrain import time_loop
 from softgrain.checks import number
 from softgrain.materials import found_material
-from softgrain.observe import soft_bodies, some_soft_bodies
+from softgrain.observe import has_own_motion, some_soft_bodies
 
 #: Grains whose kinetic energy is below this share of the elastic one count as at rest.
 AT_REST = 1e-3
@@ -53,15 +53,10 @@ def unbalanced_force(largest=False):
     Returns:
         float: 0 without any force, inf where something is accelerated without any contact [-].
     """
-    rigid = [
-        b
-        for b in O.bodies
-        if b and not isinstance(b.shape, wrapper.SoftGrain) and b.dynamic and not b.isClumpMember
-    ]
     phys = [i.phys for i in O.interactions if i.isReal and isinstance(i.phys, NormShearPhys)]
     forces = [(p.normalForce + p.shearForce).norm() for p in phys]
     carried = _mean([force for force in forces if force > 0])
-    net = _net_forces(soft_bodies() + rigid)
+    net = _net_forces([b for b in O.bodies if b and has_own_motion(b)])
     return _ratio(max(net, default=0.0) if largest else _mean(net), carried)
 
 

@@ -58,14 +58,15 @@ def advance(steps):
     stretches. ``O.stopAtIter``, ``O.stopAtTime`` and ``O.pause()`` do not stop it.
 
     Args:
-        steps (int): [-].
+        steps (int): in [0, inf) [-].
 
     Raises:
         ValueError: ``steps`` is negative.
+        TypeError: ``steps`` is no whole number.
         RuntimeError: what stopped a step.
     """
     if steps < 0:
-        raise ValueError(f"steps = {steps}: must be in [0, inf)")
+        raise ValueError(f"steps = {steps} is outside the admissible range [0, inf)")
     for _ in range(steps):
         O.step()
 
@@ -82,9 +83,10 @@ def engines(
     clumps of spheres, facets, boxes.
 
     Args:
-        verlet_distance (float | None): ``InsertionSortCollider.verletDist`` [m]; None: a twentieth
-            of the smallest radius of the soft grains, or of the spheres if there are none.
-        gravity (Vector3): ``NewtonIntegrator.gravity`` [m/s²].
+        verlet_distance (float | None): ``InsertionSortCollider.verletDist``, >= 0 [m]; None: a
+            twentieth of the smallest radius of the soft grains, or of the spheres if there are
+            none.
+        gravity (Vector3): ``NewtonIntegrator.gravity``, finite [m/s²].
         label (str | None): label of the ``SoftGrainIntegrator``.
         interface (dict | None): what surfaces do to each other by pair of materials, attributes of
             ``Ip2_SoftPhys`` (frictAngle, dynamicFrictAngle, cohesion, cohesionRange, bondStrength,

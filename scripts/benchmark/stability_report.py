@@ -43,7 +43,9 @@ beyond its bound (`BOUNDS` in `scripts/benchmark/stability.py`). This page is ma
 
     scripts/yade -n -x scripts/benchmark/stability.py --out DIR
 
-Disks at zeta = 0.2, nu = 0.45, plane strain, unless the study says otherwise. F: mean force of both
+Disks at zeta = 0.2, nu = 0.45, plane strain, at half the critical step (the default is 0.9 of it),
+plates at 0.003 of the wave speed, no friction (pairs 0.5, packings 0.3), unless the study says
+otherwise. F: mean force of both
 plates over E D in the last quarter (compaction: wall stress over E at the end), as the speed of the
 study has it; overlap: largest so far; capped: share of the steps whose sweeps hit the cap; heating:
 growth of kinetic and elastic energy over the elastic energy; ripple: what the von Mises stress of a

@@ -342,13 +342,6 @@ def test_first_step_sees_fast_walls():
     assert sg.integrator().largestOverlap < 0.05
 
 
-def test_force_that_is_no_number():
-    disk = add_disk()
-    ready()
-    O.forces.setPermF(disk.id, (float("inf"), 0, 0))
-    assert "soft grain #0: a nodal velocity is not finite" in message_of_step()
-
-
 def test_discretisation_is_read_only():
     disk = add_disk()
     for name, value in (

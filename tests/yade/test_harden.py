@@ -46,6 +46,19 @@ def test_motion_is_kept():
     assert disks[0].state.vel.norm() < 2
 
 
+@pytest.mark.parametrize("into", ("spheres", "clumps", "fixed"))
+def test_scaled_mass_is_refused(into):
+    """A sphere would weigh as much as the mass, which gravity of soft grains leaves out."""
+    disk = add_disk()
+    ready()
+    sg.scale_mass(100)
+    with pytest.raises(ValueError, match=r"massScaling = 100.* of soft grain #0.*scale_mass\(1\)"):
+        sg.harden(material=rigid_material(), into=into)
+    sg.scale_mass(1)
+    sg.harden(material=rigid_material())
+    assert isinstance(disk.shape, Sphere)
+
+
 def test_one_of_two_in_3d():
     balls = [
         sg.soft_sphere((x * RADIUS, 0, 0), RADIUS, soft_material(), zeta=0.5) for x in (0, 1.99)

@@ -168,6 +168,16 @@ def test_walls_in_a_wrong_order(order, message):
         run(1)
 
 
+def test_free_wall():
+    walls = four_disks()
+    ready()
+    O.bodies[walls[1]].state.blockedDOFs = "yzXYZ"  # free along its axis: as if pushed before
+    O.bodies[walls[3]].state.blockedDOFs = ""
+    insert_controller(walls, goal=(STRESS, STRESS, 0))
+    with pytest.raises(ValueError, match=f"body #{walls[3]} is free"):
+        run(1)
+
+
 def test_stress_without_soft_grains():
     """Walls would stand still in silence; prescribed rates need no grain."""
     walls = four_disks()

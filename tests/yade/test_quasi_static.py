@@ -105,7 +105,7 @@ def test_stiffness_damping_shortens_the_step():
 def test_damping_needs_velocities_at_the_nodes():
     add_disk(material=soft_material(massDamping=10), velocityUpdate="flip")
     O.engines = sg.engines(verlet_distance=0.001)
-    with pytest.raises(RuntimeError, match="massDamping = 10.*velocityUpdate = 'nodal'"):
+    with pytest.raises(RuntimeError, match="grain #0: massDamping = 10.*velocityUpdate = 'nodal'"):
         O.step()
 
 

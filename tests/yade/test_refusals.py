@@ -158,6 +158,10 @@ REFUSED = [
     (other_collider, "SpatialQuickSortCollider: .*InsertionSortCollider"),
     (lambda: add_engine(TriaxialStressController(), 4), "internalCompaction = True: soft grains"),
     (lambda: add_engine(PeriTriaxController(doneHook="stop()"), 4), r"doneHook = 'stop\(\)': it"),
+    (
+        lambda: add_engine(PeriTriaxController(stressMask=3), 4),
+        r"dynCell = False with stressMask = 3: it.*set dynCell = True",
+    ),
     (lambda: add_engine(RungeKuttaCashKarp54Integrator()), "RungeKuttaCashKarp54Integrator: it"),
     (lambda: add_engine(HydroForceEngine()), "HydroForceEngine: it knows spheres only"),
     (lambda: add_engine(DragEngine()), "DragEngine: it knows spheres only"),

@@ -1,5 +1,7 @@
 """Spheres that turn soft when they first bear load."""
 
+import math
+
 import numpy as np
 import pytest
 from partner_scenes import add_rigid_disk, momentum
@@ -108,8 +110,9 @@ def test_soften_when_loaded_needs_an_integrator():
     with pytest.raises(ValueError, match="when = 'later'"):
         sg.soften(when="later")
     O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
-    with pytest.raises(ValueError, match="load = -1"):
-        sg.soften(when="loaded", load=-1)
+    for load in (-1, math.inf):
+        with pytest.raises(ValueError, match=f"load = {load}"):
+            sg.soften(when="loaded", load=load)
 
 
 def test_ids_that_are_no_bodies():

@@ -2,9 +2,10 @@
 
 import math
 
+import numpy as np
 import pytest
 from scenes import RADIUS, add_disk, message_of_step, ready, run
-from yade import Quaternion
+from yade import O, Quaternion
 
 import softgrain as sg
 
@@ -25,6 +26,29 @@ def test_orientation_that_is_no_rotation(ori):
     ready()
     body.state.ori = Quaternion(*ori)
     assert "soft grain #0: its State.ori has the norm" in message_of_step()
+
+
+@pytest.mark.parametrize(
+    "attribute, value",
+    [
+        ("vel", (math.nan, 0, 0)),
+        ("ori", Quaternion((1, 0, 0), 0.5)),
+        ("ori", Quaternion((0, 1, 0), math.pi)),
+        ("ori", Quaternion(2, 0, 0, 1)),
+    ],
+    ids=str,
+)
+def test_motion_before_the_first_step(attribute, value):
+    """It is refused, and nothing of it stays once it is mended."""
+    body, other = add_disk(), add_disk((10 * RADIUS, 0, 0))
+    setattr(body.state, attribute, value)
+    O.engines = sg.engines()
+    O.dt = 1e-6
+    assert "soft grain #0: its State" in message_of_step()
+    body.state.vel, body.state.ori = (0, 0, 0), Quaternion((0, 0, 1), 0)
+    run(2)
+    places = [b.shape.nodes() - np.array(b.state.pos)[:2] for b in (body, other)]
+    np.testing.assert_allclose(*places, rtol=0, atol=1e-12 * RADIUS)
 
 
 def test_turned_out_of_the_plane():

@@ -24,9 +24,8 @@ template <int dim> std::vector<Vec<dim>> vectors(const std::vector<double>& numb
 
 void checkArray(const std::vector<double>& numbers, const char* name, std::size_t expected)
 {
-	const std::string range = "of " + std::to_string(expected) + " numbers";
-	require(numbers.size() == expected, (std::string("size of ") + name).c_str(),
-		numbers.size(), range.c_str());
+	require(numbers.size() == expected, std::string("size of ") + name, numbers.size(),
+		"of " + std::to_string(expected) + " numbers");
 	for (double number : numbers)
 		require(std::isfinite(number), name, number, "of finite numbers");
 }

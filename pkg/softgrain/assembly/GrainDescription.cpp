@@ -43,6 +43,16 @@ void requirePlane(const GrainDescription& d, const GrainDescription& first)
 					    ": 2D soft grains must lie in one plane z = const");
 }
 
+/// Calls; what is wrong is said of the grain.
+template <class Call> auto naming(const GrainDescription& d, Call&& call)
+{
+	try {
+		return call();
+	} catch (const std::invalid_argument& e) {
+		throw std::invalid_argument(nameOf(d) + ": " + e.what());
+	}
+}
+
 template <int dim> void setState(GrainSet<dim>& set, int k, const GrainDescription& d)
 {
 	if (d.state.x.empty()) {
@@ -50,11 +60,7 @@ template <int dim> void setState(GrainSet<dim>& set, int k, const GrainDescripti
 			  spinMatrix<dim>(angularToKernel<dim>(d.angularVelocity)));
 		return;
 	}
-	try {
-		set.setState(k, d.state);
-	} catch (const std::invalid_argument& e) {
-		throw std::invalid_argument(nameOf(d) + ": " + e.what());
-	}
+	naming(d, [&] { set.setState(k, d.state); });
 }
 
 template <int dim> GrainParameters<dim> parametersOf(const GrainDescription& d)
@@ -73,6 +79,21 @@ templateOf(const TemplateRecipe& recipe, const Templates<dim>& known, Templates<
 	const auto old = known.find(recipe);
 	found = old != known.end() ? old->second : makeGrainTemplate<dim>(recipe);
 	return found;
+}
+
+/// Of grains that are alike but for radius, constants, place and damping.
+template <int dim>
+std::unique_ptr<GrainSet<dim>> makeSet(const std::vector<const GrainDescription*>& members,
+				       const Templates<dim>& known, Templates<dim>& templates)
+{
+	std::vector<GrainParameters<dim>> parameters;
+	for (const GrainDescription* d : members)
+		parameters.push_back(parametersOf<dim>(*d));
+	const GrainDescription& first = *members.front();
+	return naming(first, [&] {
+		return makeGrainSet<dim>(templateOf(first.recipe, known, templates), first.law,
+					 first.condition, parameters, first.scheme);
+	});
 }
 
 } // namespace
@@ -98,12 +119,7 @@ std::vector<DescribedSet<dim>> makeSets(const std::vector<GrainDescription>& gra
 		kinds[{ d.recipe, d.scheme, d.law, d.condition }].push_back(&d);
 	std::vector<DescribedSet<dim>> sets;
 	for (const auto& [kind, members] : kinds) {
-		const auto& [recipe, scheme, law, condition] = kind;
-		std::vector<GrainParameters<dim>> parameters;
-		for (const GrainDescription* d : members)
-			parameters.push_back(parametersOf<dim>(*d));
-		auto set = makeGrainSet<dim>(templateOf(recipe, known, templates), law, condition,
-					     parameters, scheme);
+		auto set = makeSet<dim>(members, known, templates);
 		for (int k = 0; k < set->grains(); ++k)
 			setState(*set, k, *members[k]);
 		sets.push_back({ std::move(set), members });

@@ -2,6 +2,7 @@
 #include "Fetch.hpp"
 #include "contact/Bias.hpp"
 #include "contact/CoulombCone.hpp"
+#include "contact/PairSum.hpp"
 #include "contact/Pressure.hpp"
 #include "lanes/Lanes.hpp"
 
@@ -261,8 +262,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairSolver<dim>::solveAlone(double violat
 
 template <int dim> void PairSolver<dim>::finish()
 {
-	PairImpulse<dim> sum;
-	double pressure = 0;
+	PairSum<dim> sum;
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
 		const Constraint& c = constraints_[k];
 		list_->contacts[k].impulse = c.impulse;
@@ -274,22 +274,12 @@ template <int dim> void PairSolver<dim>::finish()
 							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;
-		++sum.active;
-		const double along = r.dot(c.normal), pressed = std::abs(along);
-		const Vec<dim> normal = along * c.normal;
-		pressure += pressed;
-		sum.point += pressed * placeOf(c);
-		sum.normal += (c.onFirst ? 1 : -1) * normal;
-		sum.shear += (c.onFirst ? 1 : -1) * (r - normal);
+		sum.add(r, c.normal, c.onFirst ? 1 : -1, placeOf(c));
 		own(c)->impulse[c.node] += r;
 		for (int i = 0; i < c.partners; ++i)
 			other(c)->impulse[c.partner[i]] -= c.weight[i] * r;
 	}
-	if (pressure == 0)
-		for (const Constraint& c : constraints_)
-			sum.point += placeOf(c);
-	sum.point /= pressure > 0 ? pressure : static_cast<double>(constraints_.size());
-	list_->impulse = sum;
+	list_->impulse = sum.mean(constraints_, [this](const Constraint& c) { return placeOf(c); });
 }
 
 template <int dim> Vec<dim> PairSolver<dim>::placeOf(const Constraint& c) const

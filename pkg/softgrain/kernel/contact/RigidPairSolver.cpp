@@ -1,5 +1,6 @@
 #include "contact/RigidPairSolver.hpp"
 #include "contact/Bias.hpp"
+#include "contact/PairSum.hpp"
 #include "contact/Pressure.hpp"
 #include "lanes/Lanes.hpp"
 
@@ -105,12 +106,13 @@ template <int dim> ResidualSum RigidPairSolver<dim>::residual() const
 
 template <int dim> void RigidPairSolver<dim>::finish()
 {
-	PairImpulse<dim>& sum = list_->impulse;
-	sum = {};
-	double pressure = 0;
+	PairSum<dim> sum;
+	Spin<dim> turning = Spin<dim>::Zero();
+	const auto placeOf = [this](const Constraint& c) -> Vec<dim> {
+		return imageCentre() + c.arm;
+	};
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
 		const Constraint& c = constraints_[k];
-		const Vec<dim> place = imageCentre() + c.arm;
 		list_->contacts[k].impulse =
 			list_->contacts[k].key.side == 0 ? c.impulse : Vec<dim>(-c.impulse);
 		const Vec<dim> r =
@@ -122,21 +124,14 @@ template <int dim> void RigidPairSolver<dim>::finish()
 							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;
-		++sum.active;
-		const double along = r.dot(c.normal), pressed = std::abs(along);
-		const Vec<dim> normal = along * c.normal;
-		pressure += pressed;
-		sum.point += pressed * place;
-		sum.normal += normal;
-		sum.shear += r - normal;
-		sum.moment -= moment<dim>(place - list_->rigid->pivot, r);
+		const Vec<dim> place = placeOf(c);
+		sum.add(r, c.normal, 1, place);
+		turning -= moment<dim>(place - list_->rigid->pivot, r);
 		for (int i = 0; i < c.partners; ++i)
 			grain_->impulse[c.partner[i]] += c.weight[i] * r;
 	}
-	if (pressure == 0)
-		for (const Constraint& c : constraints_)
-			sum.point += imageCentre() + c.arm;
-	sum.point /= pressure > 0 ? pressure : static_cast<double>(constraints_.size());
+	list_->impulse = sum.mean(constraints_, placeOf);
+	list_->impulse.moment = turning;
 }
 
 template <> double RigidPairSolver<3>::spinOfPartner(const Vec<3>& normal) const

@@ -29,10 +29,6 @@ constexpr double slowestPeriod = 2.7;
 /// with room to spare.
 constexpr double bulgeShare = 0.3;
 
-} // namespace
-
-namespace {
-
 /// A contact node is no faster than this times the fastest background node.
 template <int dim> double largestShareSum(const GrainTemplate<dim>& reference)
 {

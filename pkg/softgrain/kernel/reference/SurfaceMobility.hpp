@@ -96,7 +96,7 @@ private:
 	};
 	const Stretch& stretch(int node, int segment) const
 	{
-		return stretch_[node * segments_ + segment];
+		return stretch_[static_cast<std::size_t>(node) * segments_ + segment];
 	}
 	const BlockWeights* weights(const Stretch& stretch) const
 	{

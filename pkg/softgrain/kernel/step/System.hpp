@@ -18,7 +18,7 @@
 
 namespace softgrain {
 
-/// What goes wrong in a step. The state is that before the step.
+/// What goes wrong in a step. Positions and velocities are those before the step.
 struct StepError : std::runtime_error {
 	StepError(int whichGrain, int whichPoint, const std::string& what)
 		: std::runtime_error(what)
