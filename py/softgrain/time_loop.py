@@ -112,17 +112,9 @@ def engines(
     nonsmooth = rigid == "nonsmooth"
     gravity = finite_vector("gravity", gravity, 3, "m/s²")
     if verlet_distance is None:
-        radii = _radii(wrapper.SoftGrain) or _radii(Sphere)
-        if not radii:
-            raise ValueError("verlet_distance: give it, or add soft grains or spheres first")
-        verlet_distance = _VERLET_SHARE * min(radii)
+        verlet_distance = _usual_verlet_distance()
     verlet_distance = number("verlet_distance", verlet_distance, "[0, inf)", "m")
-    walls = [b.id for b in O.bodies if b and isinstance(b.shape, wrapper.Wall)]
-    if O.periodic and walls:
-        raise ValueError(
-            f"body #{walls[0]} is a Wall, but O.periodic = True: the collider of YADE never ends "
-            "with its infinite box in a periodic cell; leave it out"
-        )
+    _refuse_walls_in_a_cell()
     interface = _checked_interface(interface or {})
     integrator.setdefault("interfaceRange", _longest_range(interface))
     if label:
@@ -142,23 +134,8 @@ def engines(
         ),
         InteractionLoop(
             _geometry_functors(nonsmooth),
-            [
-                wrapper.Ip2_SoftMat_SoftMat_SoftPhys(
-                    **{k: v for k, v in interface.items() if k != "restitution"}
-                ),
-                wrapper.Ip2_FrictMat_SoftMat_SoftPhys(**interface),
-                Ip2_FrictMat_FrictMat_FrictPhys(),
-            ],
-            [
-                wrapper.Law2_SoftGeom_SoftPhys_Nonsmooth(),
-                (
-                    wrapper.Law2_ScGeom_FrictPhys_Nonsmooth(
-                        **{k: v for k, v in interface.items() if k == "restitution"}
-                    )
-                    if nonsmooth
-                    else Law2_ScGeom_FrictPhys_CundallStrack()
-                ),
-            ],
+            _physics_functors(interface),
+            _laws(nonsmooth, interface),
         ),
         wrapper.SoftGrainIntegrator(**integrator),
         NewtonIntegrator(damping=0, gravity=gravity),
@@ -220,6 +197,22 @@ def _longest_range(interface):
     return max(ranges, default=0)
 
 
+def _usual_verlet_distance():
+    radii = _radii(wrapper.SoftGrain) or _radii(Sphere)
+    if not radii:
+        raise ValueError("verlet_distance: give it, or add soft grains or spheres first")
+    return _VERLET_SHARE * min(radii)
+
+
+def _refuse_walls_in_a_cell():
+    walls = [b.id for b in O.bodies if b and isinstance(b.shape, wrapper.Wall)]
+    if O.periodic and walls:
+        raise ValueError(
+            f"body #{walls[0]} is a Wall, but O.periodic = True: the collider of YADE never ends "
+            "with its infinite box in a periodic cell; leave it out"
+        )
+
+
 def _radii(shape):
     return [b.shape.radius for b in O.bodies if b and isinstance(b.shape, shape)]
 
@@ -261,6 +254,27 @@ def _geometry_functors(nonsmooth):
         Ig2_Facet_Sphere_ScGeom(),
         Ig2_Box_Sphere_ScGeom(),
         Ig2_Wall_Sphere_ScGeom(),
+    ]
+
+
+def _physics_functors(interface):
+    of_soft = {name: value for name, value in interface.items() if name != "restitution"}
+    return [
+        wrapper.Ip2_SoftMat_SoftMat_SoftPhys(**of_soft),
+        wrapper.Ip2_FrictMat_SoftMat_SoftPhys(**interface),
+        Ip2_FrictMat_FrictMat_FrictPhys(),
+    ]
+
+
+def _laws(nonsmooth, interface):
+    of_rigid = {name: value for name, value in interface.items() if name == "restitution"}
+    return [
+        wrapper.Law2_SoftGeom_SoftPhys_Nonsmooth(),
+        (
+            wrapper.Law2_ScGeom_FrictPhys_Nonsmooth(**of_rigid)
+            if nonsmooth
+            else Law2_ScGeom_FrictPhys_CundallStrack()
+        ),
     ]
 
 

@@ -31,6 +31,12 @@ template <int dim> struct Scene {
 	{
 		add(std::make_unique<TotalLagrangian<dim>>(std::move(batch)));
 	}
+	/// The others keep theirs; a sleeping grain is woken.
+	void setLoad(int g, const BodyLoad<dim>& load)
+	{
+		system.activity().setLoads([&](int k) { return k == g ? load : system.loads()[k]; },
+					   1);
+	}
 	/// Of a total-Lagrangian grain.
 	Batch<dim>& batchOf(int g)
 	{

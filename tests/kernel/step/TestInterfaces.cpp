@@ -62,7 +62,7 @@ template <int dim> void pull(Scene<dim>& scene, double traction)
 		BodyLoad<dim> load;
 		load.acceleration =
 			(g == 0 ? 1 : -1) * traction * faceArea<dim>() / scene.whole(g).mass * up;
-		scene.system.activity().setLoad(g, load);
+		scene.setLoad(g, load);
 	}
 }
 
@@ -145,12 +145,12 @@ TEMPLATE_TEST_CASE_SIG("Interface: work of separation", "[interface][dugdale][bo
 			// in closed contact, then torn off by the plane at a steady speed
 			BodyLoad<dim> down;
 			down.acceleration = -Vec<dim>::Unit(dim - 1);
-			scene.system.activity().setLoad(0, down);
+			scene.setLoad(0, down);
 			for (int k = 0; k < 100; ++k)
 				scene.advance();
 			CHECK(scene.lists[0].impulse.active > 0);
 			const double before = scene.system.energy().cohesion;
-			scene.system.activity().setLoad(0, {});
+			scene.setLoad(0, {});
 			pullOffTraction(scene, 2e5, 1e5);
 			const double energy = law.hasBond() ? law.bondEnergy : 0.2;
 			const double work =
@@ -239,7 +239,7 @@ TEST_CASE("Interface: a block starts at mu_s and slides with mu_d", "[interface]
 			for (int k = 0; k < scene.system.grains(); ++k) {
 				BodyLoad<2> load;
 				load.acceleration = { k == 0 ? a : 0., -g };
-				scene.system.activity().setLoad(k, load);
+				scene.setLoad(k, load);
 			}
 			scene.advance();
 		};

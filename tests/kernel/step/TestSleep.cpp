@@ -280,11 +280,11 @@ TEST_CASE("Sleep: what wakes an island", "[sleep]")
 	SECTION("another load on one of them")
 	{
 		BodyLoad<2> load = scene.system.loads()[2];
-		scene.system.activity().setLoad(2, load);
+		scene.setLoad(2, load);
 		scene.advance(dt);
 		CHECK(sleepers(scene) == 3); // the same load
 		load.acceleration[0] += 1e-3 * gravity;
-		scene.system.activity().setLoad(2, load);
+		scene.setLoad(2, load);
 		CHECK(scene.advance(dt).activeGrains == 3);
 		CHECK(scene.whole(2).velocity[0] > 0);
 	}
@@ -432,7 +432,7 @@ TEST_CASE("Sleep: the same bits with any number of threads, and after a pause", 
 				BodyLoad<2> load = scene.system.loads()[2];
 				load.acceleration[0] = 0.1 * gravity;
 				slept = sleepers(scene) == 3;
-				scene.system.activity().setLoad(2, load);
+				scene.setLoad(2, load);
 			}
 			scene.advance(dt);
 		}
@@ -459,10 +459,10 @@ TEST_CASE("Sleep: free grains that do not move, whether damped or not", "[sleep]
 	CHECK(scene.state() == state);
 	BodyLoad<2> load;
 	load.acceleration = { 0, 1 };
-	scene.system.activity().setLoad(0, load);
+	scene.setLoad(0, load);
 	CHECK(scene.advance(1e-5).sleepingGrains == 2);
 	CHECK(scene.whole(0).velocity[1] == 1e-5);
-	scene.system.activity().setLoad(0, {});
+	scene.setLoad(0, {});
 	scene.advance(1e-5);
 	CHECK(scene.advance(1e-5).sleepingGrains == 2); // in flight
 	// one is thrown at another and wakes it before they touch

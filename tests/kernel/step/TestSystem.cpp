@@ -247,13 +247,13 @@ TEMPLATE_TEST_CASE_SIG(
 	scene.advance(1e-6);
 	BodyLoad<dim> load;
 	load.acceleration[0] = std::numeric_limits<double>::infinity();
-	scene.system.activity().setLoad(1, load);
+	scene.setLoad(1, load);
 	const auto before = scene.state();
 	const StepError error = failureOfStep(scene);
 	CHECK(error.grain == 1);
 	CHECK(error.point == -1);
 	load.acceleration[0] = 1; // and it can go on
-	scene.system.activity().setLoad(1, load);
+	scene.setLoad(1, load);
 	scene.advance(1e-6);
 	CHECK(scene.state() != before);
 }

@@ -49,18 +49,7 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 		const Contact<dim>& contact = list.contacts[k];
 		Constraint& c = constraints_[k];
-		c.normal = contact.normal;
-		c.impulse = onCone<dim>(contact.impulse, contact.normal, friction_);
-		c.node = contact.key.node;
-		c.onFirst = contact.key.side == 0;
-		c.facet = contact.facet;
-		c.partners = static_cast<signed char>(contact.partners);
-		c.partner = contact.partner;
-		c.weight = contact.weight;
-		c.bias = biasOf(contact.gap, own(c)->pointSpacing, dt, settings);
-		c.W = ownSide(c).mobilityOf(c.node);
-		if (c.partners > 0) c.W += otherSide(c).mobilityOf(c);
-		c.inverseW = 1 / c.W;
+		describe(contact, dt, settings, c);
 		if (k > 0) constraints_[k - 1].coupling = couplingOf(constraints_[k - 1], c);
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
@@ -68,10 +57,32 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	findStretch(firstSide_, true);
 	if (second_) findStretch(secondSide_, false);
 	frictions_.clear();
-	if (!interface_) return;
+	if (interface_) engageInterface();
+}
+
+template <int dim>
+void PairSolver<dim>::describe(const Contact<dim>& contact, double dt,
+			       const SolverSettings& settings, Constraint& c) const
+{
+	c.normal = contact.normal;
+	c.impulse = onCone<dim>(contact.impulse, contact.normal, friction_);
+	c.node = contact.key.node;
+	c.onFirst = contact.key.side == 0;
+	c.facet = contact.facet;
+	c.partners = static_cast<signed char>(contact.partners);
+	c.partner = contact.partner;
+	c.weight = contact.weight;
+	c.bias = biasOf(contact.gap, own(c)->pointSpacing, dt, settings);
+	c.W = ownSide(c).mobilityOf(c.node);
+	if (c.partners > 0) c.W += otherSide(c).mobilityOf(c);
+	c.inverseW = 1 / c.W;
+}
+
+template <int dim> void PairSolver<dim>::engageInterface()
+{
 	frictions_ = interface_->frictions(friction_);
 	interface_->engage(
-		constraints_, list.contacts, contactAreas<dim>(*first_, second_, list.contacts),
+		constraints_, list_->contacts, contactAreas<dim>(*first_, second_, list_->contacts),
 		!second_, [this](const Constraint& c, const Vec<dim>& p) { applyImpulse(c, p); },
 		[this](const Constraint& c) { return velocityBefore(c); });
 }

@@ -109,6 +109,10 @@ public:
 private:
 	ContactBody<dim>* own(const Constraint& c) const { return c.onFirst ? first_ : second_; }
 	ContactBody<dim>* other(const Constraint& c) const { return c.onFirst ? second_ : first_; }
+	/// All of a constraint but its coupling.
+	void describe(const Contact<dim>& contact, double dt, const SolverSettings& settings,
+		      Constraint& c) const;
+	void engageInterface();
 	/// W between two contacts.
 	double couplingOf(const Constraint& c, const Constraint& d) const;
 	Vec<dim> velocityBefore(const Constraint& c) const;

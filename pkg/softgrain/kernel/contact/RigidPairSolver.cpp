@@ -21,31 +21,11 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 	friction_ = list.friction;
 	interface_ = list.interface ? &*list.interface : nullptr;
 	frictions_ = interface_ ? interface_->frictions(friction_) : std::vector<double>();
-	const bool isBall = std::holds_alternative<BallSurface<dim>>(list.rigid->surface);
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
-		const Contact<dim>& contact = list.contacts[k];
 		Constraint& c = constraints_[k];
-		c.ofNode = contact.key.side == 0;
-		c.normal = c.ofNode ? contact.normal : Vec<dim>(-contact.normal);
-		c.impulse = onCone<dim>(c.ofNode ? contact.impulse : Vec<dim>(-contact.impulse),
-					c.normal, friction_);
-		c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings,
-				isBall && !c.ofNode ? restingOverlapOfBall : restingOverlap);
-		c.facet = contact.facet;
-		c.partners = c.ofNode ? 1 : contact.partners;
-		c.partner = contact.partner;
-		c.weight = contact.weight;
-		if (c.ofNode) {
-			c.partner[0] = contact.key.node;
-			c.weight[0] = 1;
-		}
-		c.arm = -imageCentre();
-		for (int i = 0; i < c.partners; ++i)
-			c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
-		const double w = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
-		c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
+		describe(list.contacts[k], dt, settings, c);
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
 	}
@@ -59,6 +39,32 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 					grainVelocity(c, &ContactBody<dim>::velocityBefore) -
 					partner_->velocityBeforeAt(c.arm) - drift_);
 			});
+}
+
+template <int dim>
+void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
+				    const SolverSettings& settings, Constraint& c) const
+{
+	const bool isBall = std::holds_alternative<BallSurface<dim>>(list_->rigid->surface);
+	c.ofNode = contact.key.side == 0;
+	c.normal = c.ofNode ? contact.normal : Vec<dim>(-contact.normal);
+	c.impulse = onCone<dim>(c.ofNode ? contact.impulse : Vec<dim>(-contact.impulse), c.normal,
+				friction_);
+	c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings,
+			isBall && !c.ofNode ? restingOverlapOfBall : restingOverlap);
+	c.facet = contact.facet;
+	c.partners = c.ofNode ? 1 : contact.partners;
+	c.partner = contact.partner;
+	c.weight = contact.weight;
+	if (c.ofNode) {
+		c.partner[0] = contact.key.node;
+		c.weight[0] = 1;
+	}
+	c.arm = -imageCentre();
+	for (int i = 0; i < c.partners; ++i)
+		c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
+	const double w = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
+	c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
 }
 
 template <int dim>

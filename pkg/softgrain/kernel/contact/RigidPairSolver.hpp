@@ -60,6 +60,8 @@ private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
+	void describe(const Contact<dim>& contact, double dt, const SolverSettings& settings,
+		      Constraint& c) const;
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	double spinOfPartner(const Vec<dim>& normal) const; ///< ContactOutcome::spin
 

@@ -27,13 +27,6 @@ template <int dim> void Activity<dim>::followNewGrains()
 	}
 }
 
-template <int dim> void Activity<dim>::setLoad(int g, const BodyLoad<dim>& load)
-{
-	if (grains_.loads()[g] == load) return;
-	grains_.loads()[g] = load;
-	wake(g);
-}
-
 template <int dim> void Activity<dim>::wake(int g)
 {
 	if (!grains_.isAsleep(g)) return;

@@ -35,10 +35,8 @@ public:
 	/// After a set was added.
 	void followNewGrains();
 
-	/// Wakes a sleeping grain if the load is another.
-	void setLoad(int g, const BodyLoad<dim>& load);
-	/// The same for all grains; so many threads share the calls of `loadOf(g)`, which must
-	/// throw nothing.
+	/// Wakes sleeping grains whose load is another. So many threads share the calls of
+	/// `loadOf(g)`, which must throw nothing.
 	template <class LoadOf> void setLoads(LoadOf&& loadOf, int threads);
 	/// A grain about which something was changed by hand; the grains that it rests with follow
 	/// in the next step.
