@@ -19,7 +19,7 @@ THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
     [
         (lambda: sg.soft_disk((NAN, 0, 0), RADIUS), "center = .*3 finite numbers"),
         (lambda: sg.soft_disk((0, 0), RADIUS), "center = .*3 finite numbers"),
-        (lambda: sg.soft_polygon([(0, 0), (1, 0), (0, 1)], z=NAN), "center = .*finite"),
+        (lambda: sg.soft_polygon([(0, 0), (1, 0), (0, 1)], z=NAN), r"z = nan .*\(-inf, inf\) m"),
         (lambda: sg.soft_ellipse((0, 0, 0), (2, 1), angle=NAN), "angle = nan"),
         (lambda: sg.soft_disk(**DISK, form="block"), "form = 'block': .*sg.soft_block"),
         (lambda: sg.soft_sphere(**DISK, dim=2), "dim = 2: "),
