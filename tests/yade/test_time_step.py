@@ -152,7 +152,7 @@ def test_advance():
     sg.advance(7)
     assert O.iter == 7
     assert disk.state.pos[0] == pytest.approx(O.time, rel=1e-12)
-    with pytest.raises(ValueError, match=re.escape("steps = -1 is outside the admissible range [0, inf)")):
+    with pytest.raises(ValueError, match=r"steps = -1 is outside .*\[0, inf\)"):
         sg.advance(-1)
     O.engines[-1].gravity = (float("nan"), 0, 0)
     with pytest.raises(RuntimeError, match="not finite"):
