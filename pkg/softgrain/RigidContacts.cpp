@@ -124,8 +124,8 @@ Vec3 placeOnSurface(const RigidContactDescription& d)
 
 void requireOf(const Interaction& I, bool holds, const char* name, Real value, const char* range)
 {
-	if (holds) return; // names are made for each contact in each step otherwise
-	softgrain::require(false, namesOf(I) + ": " + name, value, range);
+	// names are made only where they are needed: this is asked of each contact in each step
+	if (!holds) softgrain::refuse(namesOf(I) + ": " + name, value, range);
 }
 
 /// By the materials of the pair; 0 where the law has none for them.

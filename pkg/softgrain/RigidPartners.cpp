@@ -32,9 +32,8 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 			"state.isDamped = False for this body");
 	const bool translates = (state.blockedDOFs & State::DOF_XYZ) != State::DOF_XYZ,
 		   turns = (state.blockedDOFs & State::DOF_RXRYRZ) != State::DOF_RXRYRZ;
-	if (translates && !(state.mass > 0)) // names only where they are needed
-		softgrain::require(
-			false,
+	if (translates && !(state.mass > 0))
+		softgrain::refuse(
 			nameOf(body) +
 				" takes part in contact dynamics and is free to move: state.mass",
 			state.mass, "(0, inf) kg");

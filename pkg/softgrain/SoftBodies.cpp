@@ -40,6 +40,21 @@ constexpr int loadsPerThread = 2000;
 /// material points: contacts start before touch.
 constexpr Real boxReserve = 0.1;
 
+void requireMotion(const Body& body)
+{
+	const State& state = *body.state;
+	for (const Vector3r& v : { state.pos, state.vel, state.angVel })
+		if (!v.allFinite())
+			throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
+						 ": its State (pos, vel, angVel) holds a value "
+						 "that is not finite; assign a finite one");
+	const Real norm = state.ori.norm();
+	if (!(std::abs(norm - 1) <= unitRounding))
+		throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
+					 ": its State.ori has the norm " + std::to_string(norm) +
+					 "; admissible: 1, a rotation");
+}
+
 void refuseOutOfPlane(const Body& body, const string& what, const string& admissible)
 {
 	throw std::runtime_error("soft grain #" + std::to_string(body.getId()) + ": its State." +
@@ -100,21 +115,6 @@ void requireInPlane(const Body& body, const Vec3& shift, const Rotation& turn, R
 }
 
 } // namespace
-
-void requireMotion(const Body& body)
-{
-	const State& state = *body.state;
-	for (const Vector3r& v : { state.pos, state.vel, state.angVel })
-		if (!v.allFinite())
-			throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
-						 ": its State (pos, vel, angVel) holds a value "
-						 "that is not finite; assign a finite one");
-	const Real norm = state.ori.norm();
-	if (!(std::abs(norm - 1) <= unitRounding))
-		throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
-					 ": its State.ori has the norm " + std::to_string(norm) +
-					 "; admissible: 1, a rotation");
-}
 
 void requireFirstMotion(const Body& body)
 {

@@ -13,9 +13,8 @@ namespace yade {
 /// cost. False where a value is not finite.
 bool isAsWritten(const Body& body);
 
-/// Throws std::runtime_error where the State of a soft grain is no motion, or, of one that is not
-/// yet in an assembly, turned out of the plane of 2D grains: it would be built into the nodes.
-void requireMotion(const Body& body);
+/// Of a soft grain that is not yet in an assembly: throws std::runtime_error where its State is no
+/// motion, or turned out of the plane of 2D grains, which would be built into the nodes.
 void requireFirstMotion(const Body& body);
 
 /// How near the outline of a grain may come to the sides of its box before the collider is called,

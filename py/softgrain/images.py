@@ -1,5 +1,6 @@
 """Grains from a labelled image: one soft grain for each label."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -70,7 +71,7 @@ def grains_from_image(
         OSError: the file is not there, or no picture.
     """
     pixel = number("pixel", pixel, "(0, inf)", "m")
-    number("least_pixels", least_pixels, "[10, inf)")
+    least_pixels = math.ceil(number("least_pixels", least_pixels, "[10, inf)"))
     if unusable not in ("refuse", "skip"):
         raise ValueError(f"unusable = {unusable!r} is unknown; known: 'refuse', 'skip'")
     origin = finite_vector("origin", origin, 3, "m")

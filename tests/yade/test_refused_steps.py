@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from partner_scenes import add_rigid_disk
-from scenes import RADIUS, add_disk, add_wall, complaint, ready, run
+from scenes import RADIUS, add_disk, add_wall, complaint, message_of_step, ready, run
 from yade import O, PyRunner, Quaternion, Vector3
 
 import softgrain as sg
@@ -97,7 +97,7 @@ def test_load_that_is_no_number(put):
     run(2)
     before = second.shape.nodes()
     getattr(O.forces, put)(second.id, (0, math.inf, math.nan))
-    message = complaint()
+    message = message_of_step()
     assert "soft grain #1: its load is not finite" in message and "torque" in message
     np.testing.assert_array_equal(second.shape.nodes(), before)
     getattr(O.forces, put)(second.id, (0, 0, 0))

@@ -9,12 +9,18 @@ namespace softgrain {
 
 /// Throws std::invalid_argument naming the parameter, its value and the admissible range.
 template <class Number>
-void require(bool holds, std::string_view parameter, const Number& value, std::string_view range)
+[[noreturn]] void refuse(std::string_view parameter, const Number& value, std::string_view range)
 {
-	if (holds) return;
 	std::ostringstream message;
 	message << parameter << " = " << value << " is outside the admissible range " << range;
 	throw std::invalid_argument(message.str());
+}
+
+/// The same unless it holds.
+template <class Number>
+void require(bool holds, std::string_view parameter, const Number& value, std::string_view range)
+{
+	if (!holds) refuse(parameter, value, range);
 }
 
 } // namespace softgrain

@@ -340,8 +340,9 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	if (solved_) return report;
 	sweepToTolerance(report);
 	if (!std::isfinite(report.residual)) return report;
+	const int ahead = staysInCache() ? 1 : pairsAhead; // from a near cache it comes soon
 	forEachPair(SweepOrder::forwards, [&](int k) {
-		fetch(k + (staysInCache() ? 1 : pairsAhead), &PairSolver<dim>::fetchResults);
+		fetch(k + ahead, &PairSolver<dim>::fetchResults);
 		withPair(k, [](auto& pair) { pair.finish(); });
 	});
 	for (int k = 0; k < count_; ++k)

@@ -290,7 +290,8 @@ template <int dim> void PairSolver<dim>::finish()
 		for (int i = 0; i < c.partners; ++i)
 			other(c)->impulse[c.partner[i]] -= c.weight[i] * r;
 	}
-	list_->impulse = sum.mean(constraints_, [this](const Constraint& c) { return placeOf(c); });
+	list_->impulse =
+		sum.total(constraints_, [this](const Constraint& c) { return placeOf(c); });
 }
 
 template <int dim> Vec<dim> PairSolver<dim>::placeOf(const Constraint& c) const

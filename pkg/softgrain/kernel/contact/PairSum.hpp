@@ -25,14 +25,14 @@ public:
 	/// All but the moment; where nothing presses, the contact point is the mean of
 	/// `place(constraint)`.
 	template <class Constraints, class Place>
-	PairImpulse<dim> mean(const Constraints& constraints, Place&& place) const
+	PairImpulse<dim> total(const Constraints& constraints, Place&& place) const
 	{
-		PairImpulse<dim> mean = sum_;
+		PairImpulse<dim> total = sum_;
 		if (pressure_ == 0)
 			for (const auto& c : constraints)
-				mean.point += place(c);
-		mean.point /= pressure_ > 0 ? pressure_ : static_cast<double>(constraints.size());
-		return mean;
+				total.point += place(c);
+		total.point /= pressure_ > 0 ? pressure_ : static_cast<double>(constraints.size());
+		return total;
 	}
 
 private:

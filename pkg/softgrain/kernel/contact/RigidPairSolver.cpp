@@ -136,7 +136,7 @@ template <int dim> void RigidPairSolver<dim>::finish()
 		for (int i = 0; i < c.partners; ++i)
 			grain_->impulse[c.partner[i]] += c.weight[i] * r;
 	}
-	list_->impulse = sum.mean(constraints_, placeOf);
+	list_->impulse = sum.total(constraints_, placeOf);
 	list_->impulse.moment = turning;
 }
 
