@@ -124,7 +124,9 @@ def soft_polygon(vertices, material=-1, color=None, mask=1, corners=None, z=0.0,
             largest circle inside, which is the grain's ``radius``.
 
     Returns:
-        Body: to be added with ``O.bodies.append``; its position is the centroid.
+        Body: to be added with ``O.bodies.append``; its position is the centroid, and its
+        orientation that in which congruent polygons have the same axes, in general not the
+        identity: turn it by ``state.ori = turn * state.ori``.
 
     Raises:
         ValueError: the polygon crosses itself or has no area, a value is out of its range, or the

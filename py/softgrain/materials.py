@@ -37,7 +37,7 @@ def found_material(material):
         material (Material | int | str): itself, an index or a label of ``O.materials``.
 
     Returns:
-        Material.
+        Material: of several with that label the first, as YADE takes it.
 
     Raises:
         ValueError: there is none.
@@ -45,11 +45,11 @@ def found_material(material):
     if isinstance(material, Material):
         return material
     if isinstance(material, str):
-        named = [m for m in O.materials if m.label == material]
-        if not named:
+        try:
+            return O.materials[material or None]  # '' would be the first without a label
+        except (KeyError, TypeError):
             known = [m.label for m in O.materials if m.label]
-            raise ValueError(f"material = {material!r} is unknown; known: {known}")
-        return named[-1]
+            raise ValueError(f"material = {material!r} is unknown; known: {known}") from None
     try:
         place = -1 if isinstance(material, bool) else operator.index(material)
     except TypeError:

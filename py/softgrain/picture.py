@@ -1,9 +1,11 @@
 """Pictures of packings: outlines of the grains, coloured by stress (the paper's Figure 3)."""
 
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection, TriMesh
 from matplotlib.figure import Figure
+from matplotlib.path import Path
 from matplotlib.tri import Triangulation
+from scipy import spatial
 from yade import O, wrapper
 
 from softgrain.checks import finite_vector, number
@@ -147,12 +149,16 @@ def _draw_field(figure, axes, images, outlines, field, scale, limits):
     unit = scale if scale else 1e3
     values = np.concatenate([v for _, v in fields]) / unit
     limits = limits or _limits_of(values)
-    for (points, stress), outline in zip(fields, outlines):
-        _draw_grain(axes, points, stress / unit, outline, limits)
+    places, triangles, shades = _shaded(fields, outlines)
+    mesh = TriMesh(
+        Triangulation(places[:, 0], places[:, 1], triangles), cmap="viridis", rasterized=True
+    )
+    mesh.set_array(shades / unit)
+    mesh.set_clim(*limits)
+    axes.add_collection(mesh, autolim=False)  # the outlines tell, triangle by triangle is slow
     name = {"von_mises": "von Mises stress", "pressure": "pressure"}[field]
     label = f"{name} {_unit_label(scale)}"
-    mappable = axes.collections[0]
-    figure.colorbar(mappable, ax=axes, label=label, shrink=0.6, pad=0.02)
+    figure.colorbar(mesh, ax=axes, label=label, shrink=0.6, pad=0.02)
 
 
 def _limits_of(values):
@@ -177,23 +183,27 @@ def _point_values(body, shift, field):
     return data["position"][:, :2] + shift, stress
 
 
-def _draw_grain(axes, points, stress, outline, limits):
-    """Smooth shading between material points, carried on to the outline by the nearest one."""
-    distances = np.linalg.norm(outline[:, None, :] - points[None, :, :], axis=2)
+def _shaded(fields, outlines):
+    """One mesh for all grains, which is drawn much faster than one each: places (n, 2), triangles
+    (m, 3), values at the places."""
+    places, triangles, shades, count = [], [], [], 0
+    for (points, stress), outline in zip(fields, outlines):
+        vertices, mesh, values = _shaded_grain(points, stress, outline)
+        places.append(vertices)
+        triangles.append(mesh + count)
+        shades.append(values)
+        count += len(vertices)
+    return np.vstack(places), np.vstack(triangles), np.concatenate(shades)
+
+
+def _shaded_grain(points, stress, outline):
+    """Triangles between material points, and up to the outline, which has the value of the nearest
+    one."""
+    nearest = spatial.cKDTree(points).query(outline)[1]
     vertices = np.vstack([points, outline])
-    shades = np.concatenate([stress, stress[distances.argmin(axis=1)]])
-    mesh = axes.tripcolor(
-        Triangulation(vertices[:, 0], vertices[:, 1]),
-        shades,
-        shading="gouraud",
-        cmap="viridis",
-        vmin=limits[0],
-        vmax=limits[1],
-        rasterized=True,
-    )
-    clip = PolyCollection([outline], facecolors="none", edgecolors="none")
-    axes.add_collection(clip)
-    mesh.set_clip_path(clip.get_paths()[0], axes.transData)
+    mesh = spatial.Delaunay(vertices).simplices
+    inside = Path(outline).contains_points(vertices[mesh].mean(axis=1))
+    return vertices, mesh[inside], np.concatenate([stress, stress[nearest]])
 
 
 def wall_box():

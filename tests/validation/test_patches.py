@@ -122,6 +122,33 @@ def test_default_spacing_transmits_a_uniform_pressure():
         np.testing.assert_allclose(pressures, 1, atol=0.04)
 
 
+@pytest.mark.parametrize("zeta", (0.185, 0.18, 0.125, 0.11, 0.095))
+def test_squeezed_square_is_uniform_however_it_cuts_its_grid(zeta):
+    """Nothing fits the grid of a polygon to its sides, and here rows of nodes reach into the square
+    by 0.27 to 0.44 of a step only (doc/decisions/0001-rim.md)."""
+    half, speed, until = 0.01, 0.06, 0.08
+    square = [(-half, -half), (half, -half), (half, half), (-half, half)]
+    material = soft()
+    material.massDamping = 1e4
+    grain = add(sg.soft_polygon(square, material, zeta=zeta))
+    for axis in (0, 1):
+        for side in (-1, 1):
+            wall = add_wall(side * half, axis)
+            wall.state.vel[axis] = -side * speed
+    O.engines = sg.engines()
+    while O.time < until * half / speed:
+        sg.advance(10)
+    stretch = 1 - O.time * speed / half
+    shear = YOUNG / (2 * (1 + POISSON))
+    lame = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
+    nominal = shear * (1 / stretch - stretch) - 2 * lame * math.log(stretch) / stretch
+    assert -sg.wall_force(1)[0] == pytest.approx(2 * half * nominal, rel=0.015)
+    cauchy = grain.shape.points()["cauchy"]
+    pressure = -(cauchy[:, 0, 0] + cauchy[:, 1, 1]) / 2 / (nominal / stretch)
+    assert 0.75 < pressure.min() and pressure.max() < 1.4
+    assert O.iter < 700  # no light row makes steps short
+
+
 # --- inclined plane -----------------------------------------------------------------------------
 
 
