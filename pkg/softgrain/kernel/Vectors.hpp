@@ -21,6 +21,11 @@ template <int dim> struct Box {
 	{
 		return (x - low).cwiseMin(high - x).minCoeff() >= 0;
 	}
+	/// Whether another box is inside, with so much room before the faces across each axis.
+	bool contains(const Box& other, const Vec<dim>& room) const
+	{
+		return ((other.low - low).cwiseMin(high - other.high) - room).minCoeff() >= 0;
+	}
 	Box grown(double margin) const { return { low.array() - margin, high.array() + margin }; }
 	Vec<dim> centre() const { return 0.5 * (low + high); }
 };

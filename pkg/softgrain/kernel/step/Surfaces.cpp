@@ -213,13 +213,13 @@ bool Surfaces<dim>::isFarFrom(int g, const RigidSide<dim>& rigid, double reach) 
 
 namespace {
 
-/// The body, or its image where that is displaced: valid until the next call of this thread.
+/// The outline, or its image where that is displaced: valid until the next call of this thread.
 template <int dim>
-const ContactBody<dim>& imageOf(const ContactBody<dim>& body, const PairImage<dim>& image)
+const ContactOutline<dim>& imageOf(const ContactOutline<dim>& outline, const PairImage<dim>& image)
 {
-	if (image.shift.isZero(0)) return body;
-	thread_local ContactBody<dim> displaced;
-	displaced.becomeImage(body, image.shift);
+	if (image.shift.isZero(0)) return outline;
+	thread_local ContactOutline<dim> displaced;
+	displaced.becomeImage(outline, image.shift);
 	return displaced;
 }
 
@@ -249,16 +249,13 @@ template <int dim> bool Surfaces<dim>::search(ContactList<dim>& list, double dt)
 
 template <int dim> bool Surfaces<dim>::isInside(int g, const Box<dim>& box, double margin) const
 {
-	auto holds = [&box](const Box<dim>& own) {
-		return (own.low.array() >= box.low.array()).all() &&
-		       (own.high.array() <= box.high.array()).all();
-	};
 	if (grains_.isRigid(g)) {
 		const RigidBounds<dim> bounds = grains_.setOf(g).rigidBounds(grains_.indexInSet(g));
-		const Box<dim> about { bounds.centre, bounds.centre };
-		if (holds(about.grown(bounds.radius + margin))) return true;
+		if (box.contains({ bounds.centre, bounds.centre },
+				 Vec<dim>::Constant(bounds.radius + margin)))
+			return true;
 	}
-	return holds(body(g).box.grown(margin));
+	return box.contains(body(g).box, Vec<dim>::Constant(margin));
 }
 
 template class Surfaces<2>;
