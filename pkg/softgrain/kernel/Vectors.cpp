@@ -66,14 +66,6 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS Box<dim> boxOf(const std::vector<Vec<dim>>& v
 }
 
 template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double largestNorm(const Vec<dim>* vectors, int count)
-{
-	return largestNormOf<dim>(
-		count, [&](int k) { return vectors[k]; },
-		[&](auto k) { return vectorsOf(vectors, k, count); });
-}
-
-template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double farthestFrom(const Vec<dim>& centre,
 						       const std::vector<Vec<dim>>& vectors)
 {
@@ -117,7 +109,6 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void normalizeAll(std::vector<Vec<dim>>& vect
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template Box<dim> boxOf(const std::vector<Vec<dim>>&);                                     \
-	template double largestNorm<dim>(const Vec<dim>*, int);                                    \
 	template double farthestFrom<dim>(const Vec<dim>&, const std::vector<Vec<dim>>&);          \
 	template double farthestWay<dim>(const std::vector<Vec<dim>>&,                             \
 					 const std::vector<Vec<dim>>&, const Vec<dim>&);           \

@@ -46,8 +46,6 @@ template <class Passes> std::vector<int> numbersThat(int count, Passes&& passes)
 /// Of one vector at least.
 template <int dim> Box<dim> boxOf(const std::vector<Vec<dim>>& vectors);
 
-/// 0 if there is none.
-template <int dim> double largestNorm(const Vec<dim>* vectors, int count);
 /// Largest distance of a vector from `centre`.
 template <int dim>
 double farthestFrom(const Vec<dim>& centre, const std::vector<Vec<dim>>& vectors);

@@ -167,7 +167,7 @@ public:
 	virtual void prepareMove(int /*threads*/) {}
 	/// The new velocities become the present ones, and the grain moves by dt.
 	virtual void move(int g, double dt) = 0;
-	/// Of the contact nodes; of slow grains a bound.
+	/// Of the contact nodes.
 	virtual VelocityRange<dim> contactVelocityRange(int g) const = 0;
 	/// Positions of the contact nodes into `at`.
 	virtual void contactPositions(int g, std::vector<Vec<dim>>& at) const = 0;

@@ -149,7 +149,6 @@ private:
 	std::vector<int> computed_;            ///< grains in the active blocks of the batch
 	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
 	std::vector<Stiffening> stiffening_;
-	double shareSum_; ///< largest sum of sizes of the shares of a contact node
 
 	/// Up to which a grain may move rigidly.
 	struct RigidLimits {

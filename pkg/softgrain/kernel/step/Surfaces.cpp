@@ -46,7 +46,7 @@ template <int dim> void Surfaces<dim>::add(int g)
 							      reference.pointSpacing());
 }
 
-template <int dim> void Surfaces<dim>::renewOutline(int g)
+template <int dim> typename Surfaces<dim>::Way Surfaces<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
 	const Vec<dim> lastCentre = body.box.centre();
@@ -54,8 +54,10 @@ template <int dim> void Surfaces<dim>::renewOutline(int g)
 	surface_[g].expire();
 	renew(g);
 	const Vec<dim> together = body.box.centre() - lastCentre;
-	body.carried += together;
-	body.travelled += farthestWay<dim>(lastPosition_[g], body.position, together);
+	const Way way { together, farthestWay<dim>(lastPosition_[g], body.position, together) };
+	body.carried += way.together;
+	body.travelled += way.apart;
+	return way;
 }
 
 template <int dim> void Surfaces<dim>::renew(int g) const
@@ -80,12 +82,14 @@ template <int dim> void Surfaces<dim>::update(int g)
 template <int dim> void Surfaces<dim>::followMotion(int g, double dt)
 {
 	ContactBody<dim>& body = bodies_[g];
-	body.velocities = grains_.setOf(g).contactVelocityRange(grains_.indexInSet(g));
 	if (grains_.isRigid(g)) {
+		body.velocities = grains_.setOf(g).rigidBounds(grains_.indexInSet(g)).velocities;
 		body.travelled += dt * body.velocities.fastest();
 		surface_[g].expire();
-	} else
-		renewOutline(g);
+	} else {
+		const Way way = renewOutline(g);
+		body.velocities = { way.together / dt, way.apart / dt };
+	}
 }
 
 /// What the grain gives to the common grid at its present place.

@@ -1,6 +1,7 @@
 // Surfaces of the grains of a system: when they are made anew, and what lies within reach of them.
 #pragma once
 
+#include "contact/ContactBody.hpp"
 #include "contact/Search.hpp"
 #include "step/Grains.hpp"
 
@@ -87,8 +88,16 @@ private:
 		double radius;
 	};
 
+	/// Of the contact nodes of a grain, m: all of them by `together`, each besides by at most
+	/// `apart`.
+	struct Way {
+		Vec<dim> together;
+		double apart;
+	};
+
 	void add(int g);
-	void renewOutline(int g);
+	/// Tells how far the nodes have come since the last time.
+	Way renewOutline(int g);
 	void renew(int g) const;
 	void measure(int g) const;
 	void updateGridNodes(int g) const;
