@@ -49,27 +49,26 @@ template <int dim> Box<dim> boxOf(const std::vector<Vec<dim>>& vectors);
 /// Largest distance of a vector from `centre`.
 template <int dim>
 double farthestFrom(const Vec<dim>& centre, const std::vector<Vec<dim>>& vectors);
-/// Largest way from a vector to its counterpart, less that of all `together`.
-template <int dim>
-double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to,
-		   const Vec<dim>& together);
-
 /// Makes them unit vectors; zero stays.
 template <int dim> void normalizeAll(std::vector<Vec<dim>>& vectors);
 
-/// Velocities of some nodes: none differs from `middle` by more than `spread`, m/s.
-template <int dim> struct VelocityRange {
+/// Of some vectors none differs from `middle` by more than `spread`.
+template <int dim> struct VectorRange {
 	Vec<dim> middle = Vec<dim>::Zero();
 	double spread = 0;
 
-	double fastest() const { return middle.norm() + spread; }
+	/// No vector is longer.
+	double largestNorm() const { return middle.norm() + spread; }
 };
 
 /// The middle is that of the box of the vectors; there is at least one.
-template <int dim> VelocityRange<dim> rangeOf(const std::vector<Vec<dim>>& vectors)
+template <int dim> VectorRange<dim> rangeOf(const std::vector<Vec<dim>>& vectors)
 {
 	const Vec<dim> middle = boxOf(vectors).centre();
 	return { middle, farthestFrom<dim>(middle, vectors) };
 }
+/// The same of the ways from vectors to their counterparts.
+template <int dim>
+VectorRange<dim> rangeOfWays(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to);
 
 } // namespace softgrain

@@ -25,9 +25,9 @@ template <int dim> struct ContactOutline {
 	/// 2D: the outline turns inwards so sharply somewhere that to a node close by two places on
 	/// it may be nearest, each of those around.
 	bool folded = false;
-	double circumradius = 0;       ///< of the positions about the centre of the box, m
-	VelocityRange<dim> velocities; ///< of the nodes
-	/// Way of the centre of the box since the start, m, and the most that a node may have come
+	double circumradius = 0;     ///< of the positions about the centre of the box, m
+	VectorRange<dim> velocities; ///< of the nodes
+	/// Way of the nodes together since the start, m, and the most that one may have come
 	/// besides.
 	Vec<dim> carried = Vec<dim>::Zero();
 	double travelled = 0;

@@ -331,7 +331,7 @@ template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
 	if (!pointVelocities_) batch_.v.exchange(g, batch_.vNext);
 }
 
-template <int dim> VelocityRange<dim> TotalLagrangian<dim>::contactVelocityRange(int g) const
+template <int dim> VectorRange<dim> TotalLagrangian<dim>::contactVelocityRange(int g) const
 {
 	if (isRigid_[g]) return rigidBounds(g).velocities;
 	std::vector<Vec<dim>> v;

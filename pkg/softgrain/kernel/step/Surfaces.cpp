@@ -46,17 +46,15 @@ template <int dim> void Surfaces<dim>::add(int g)
 							      reference.pointSpacing());
 }
 
-template <int dim> typename Surfaces<dim>::Way Surfaces<dim>::renewOutline(int g)
+template <int dim> VectorRange<dim> Surfaces<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
-	const Vec<dim> lastCentre = body.box.centre();
 	lastPosition_[g].swap(body.position);
 	surface_[g].expire();
 	renew(g);
-	const Vec<dim> together = body.box.centre() - lastCentre;
-	const Way way { together, farthestWay<dim>(lastPosition_[g], body.position, together) };
-	body.carried += way.together;
-	body.travelled += way.apart;
+	const VectorRange<dim> way = rangeOfWays<dim>(lastPosition_[g], body.position);
+	body.carried += way.middle;
+	body.travelled += way.spread;
 	return way;
 }
 
@@ -84,11 +82,11 @@ template <int dim> void Surfaces<dim>::followMotion(int g, double dt)
 	ContactBody<dim>& body = bodies_[g];
 	if (grains_.isRigid(g)) {
 		body.velocities = grains_.setOf(g).rigidBounds(grains_.indexInSet(g)).velocities;
-		body.travelled += dt * body.velocities.fastest();
+		body.travelled += dt * body.velocities.largestNorm();
 		surface_[g].expire();
 	} else {
-		const Way way = renewOutline(g);
-		body.velocities = { way.together / dt, way.apart / dt };
+		const VectorRange<dim> way = renewOutline(g);
+		body.velocities = { way.middle / dt, way.spread / dt };
 	}
 }
 
@@ -168,7 +166,8 @@ double Surfaces<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<
 			    double dt) const
 {
 	const double spacing = bodies_[g].pointSpacing;
-	return withinRange(bodies_[g].velocities.fastest() + rigid.speed + image.velocity.norm(),
+	return withinRange(bodies_[g].velocities.largestNorm() + rigid.speed +
+				   image.velocity.norm(),
 			   dt, spacing, spacing, interfaceRange_);
 }
 

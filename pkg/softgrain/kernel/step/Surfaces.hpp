@@ -88,16 +88,9 @@ private:
 		double radius;
 	};
 
-	/// Of the contact nodes of a grain, m: all of them by `together`, each besides by at most
-	/// `apart`.
-	struct Way {
-		Vec<dim> together;
-		double apart;
-	};
-
 	void add(int g);
-	/// Tells how far the nodes have come since the last time.
-	Way renewOutline(int g);
+	/// Tells how far the contact nodes have come since the last time, m.
+	VectorRange<dim> renewOutline(int g);
 	void renew(int g) const;
 	void measure(int g) const;
 	void updateGridNodes(int g) const;
