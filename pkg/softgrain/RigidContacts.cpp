@@ -4,6 +4,7 @@
 #include "Require.hpp"
 #include "RigidPartners.hpp"
 #include "SceneAssembly.hpp"
+#include "SoftSearch.hpp"
 #include "assembly/RigidInKernel.hpp"
 
 #include <algorithm>
@@ -92,8 +93,7 @@ void keepInPlane(const Body& first, const Body& second, RigidContactDescription&
 		return;
 	softgrain::RigidBodyDescription plate;
 	plate.form = softgrain::RigidBodyDescription::Form::plate;
-	for (int k = 0; k < 3; ++k)
-		plate.corner[k] = first.state->pos + first.state->ori * facet->vertices[k];
+	plate.corner = cornersOf(*facet, *first.state);
 	const Vec3 across =
 		(plate.corner[1] - plate.corner[0]).cross(plate.corner[2] - plate.corner[0]);
 	if (std::abs(across.z()) > rounding * across.norm()) return;

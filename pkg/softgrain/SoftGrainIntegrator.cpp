@@ -197,9 +197,9 @@ int SoftGrainIntegrator::threads() const
 #endif
 }
 
-void SoftGrainIntegrator::followDeformation(Real undeformed)
+void SoftGrainIntegrator::followDeformation(Real undeformed, bool hasStepper)
 {
-	if (dtSet == 0 || (dtSet != scene->dt && !hasTimeStepper(*scene)))
+	if (dtSet == 0 || (dtSet != scene->dt && !hasStepper))
 		dtSet = std::min(timeStepFraction * undeformed, criticalDt);
 	const bool tooShort = dtSet < lowestTimeStep * timeStepFraction * criticalDt;
 	if (tooShort) measureCriticalStep(std::numeric_limits<Real>::infinity());
@@ -224,9 +224,8 @@ void SoftGrainIntegrator::chooseTimeStep()
 		if (scene->dt == defaultTimeStep())
 			throw std::runtime_error(
 				"O.dt is not set, and contact dynamics of rigid bodies alone has "
-				"no "
-				"critical time step: assign O.dt such that no body moves further "
-				"than 0.05 of its radius in a step");
+				"no critical time step: assign O.dt such that no body moves "
+				"further than 0.05 of its radius in a step");
 		require(scene->dt > 0 && math::isfinite(scene->dt), "O.dt", scene->dt,
 			"(0, inf) s");
 		return;
@@ -235,14 +234,14 @@ void SoftGrainIntegrator::chooseTimeStep()
 	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
 	const bool automatic = scene->dt == dtSet || scene->dt == defaultTimeStep() ||
 			       std::abs(scene->dt - own) <= sameTimeStep * own;
-	measureCriticalStep(automatic || hasTimeStepper(*scene) ? own / timeStepFraction
-								: scene->dt);
-	if (hasTimeStepper(*scene)) {
+	const bool hasStepper = hasTimeStepper(*scene);
+	measureCriticalStep(automatic || hasStepper ? own / timeStepFraction : scene->dt);
+	if (hasStepper) {
 		const Real ofRigidBodies = scene->dt;
-		followDeformation(undeformed);
+		followDeformation(undeformed, hasStepper);
 		scene->dt = std::min(dtSet, ofRigidBodies);
 	} else if (automatic) {
-		followDeformation(undeformed);
+		followDeformation(undeformed, hasStepper);
 		scene->dt = dtSet;
 	} else if (!(scene->dt <= criticalDt * (1 + timeStepRounding) && scene->dt > 0)) {
 		std::ostringstream message;

@@ -79,7 +79,7 @@ private:
 	void continueSavedRun();
 	void saveContinuation();
 	void chooseTimeStep();
-	void followDeformation(Real undeformed);
+	void followDeformation(Real undeformed, bool hasStepper);
 	void measureCriticalStep(Real enough);
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();

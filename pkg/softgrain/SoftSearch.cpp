@@ -140,6 +140,14 @@ void describeFaceOfWall(const Wall& wall, const State& state, const SoftGrain& g
 
 } // namespace
 
+std::array<Vector3r, 3> cornersOf(const Facet& facet, const State& state)
+{
+	std::array<Vector3r, 3> corner;
+	for (int k = 0; k < 3; ++k)
+		corner[k] = state.pos + state.ori * facet.vertices[k];
+	return corner;
+}
+
 std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
 							     int id, const SoftGrain& grain)
 {
@@ -158,8 +166,7 @@ std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape,
 		d.size = box->extents;
 	} else if (const auto* facet = dynamic_cast<const Facet*>(&shape)) {
 		d.form = Form::plate;
-		for (int k = 0; k < 3; ++k)
-			d.corner[k] = state.pos + state.ori * facet->vertices[k];
+		d.corner = cornersOf(*facet, state);
 	} else if (const auto* wall = dynamic_cast<const Wall*>(&shape);
 		   wall && state.blockedDOFs != State::DOF_ALL) {
 		describeFaceOfWall(*wall, state, grain, d);

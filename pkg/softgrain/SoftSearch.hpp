@@ -5,6 +5,7 @@
 #include "Yade.hpp"
 #include "assembly/RigidDescriptions.hpp"
 
+#include <array>
 #include <optional>
 
 namespace yade {
@@ -14,6 +15,9 @@ namespace yade {
 /// which has a mass, is the face of a block next to the grain and wider than it.
 std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape, const State& state,
 							     int id, const SoftGrain& grain);
+
+/// In space.
+std::array<Vector3r, 3> cornersOf(const Facet& facet, const State& state);
 
 class Ig2_SoftGrain_SoftGrain_SoftGeom : public IGeomFunctor {
 public:

@@ -44,27 +44,26 @@ TEMPLATE_TEST_CASE_SIG("Vectors: the box of vectors and the farthest of them", "
 		CHECK(box.low == low);
 		CHECK(box.high == high);
 		CHECK(farthestFrom<dim>(centre, vectors) == farthest);
-		CHECK(largestNorm(vectors.data(), count) ==
-		      farthestFrom<dim>(Vec<dim>::Zero(), vectors));
-		const VelocityRange<dim> range = rangeOf(vectors);
+		const VectorRange<dim> range = rangeOf(vectors);
 		CHECK(range.middle == Vec<dim>(0.5 * (low + high)));
 		CHECK(range.spread == farthestFrom<dim>(range.middle, vectors));
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Vectors: the farthest way less that of all together", "[vectors]",
+TEMPLATE_TEST_CASE_SIG("Vectors: the range of the ways from some to others", "[vectors]",
 		       ((int dim), dim), 2, 3)
 {
 	for (int count = 1; count <= mostVectors; ++count) {
 		const auto to = someVectors<dim>(count);
 		auto from = someVectors<dim>(2 * count);
 		from.resize(count);
-		const Vec<dim> together = to[0] - from[count - 1];
-		double farthest = 0;
+		std::vector<Vec<dim>> way;
 		for (int k = 0; k < count; ++k)
-			farthest = std::max(farthest, (to[k] - from[k] - together).norm());
+			way.push_back(to[k] - from[k]);
 		CAPTURE(count);
-		CHECK(farthestWay<dim>(from, to, together) == farthest);
+		const VectorRange<dim> expected = rangeOf(way), found = rangeOfWays<dim>(from, to);
+		CHECK(found.middle == expected.middle);
+		CHECK(found.spread == expected.spread);
 	}
 }
 

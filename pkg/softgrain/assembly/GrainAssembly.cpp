@@ -235,12 +235,8 @@ public:
 	bool isInside(int g, const Box<3>& outer, double margin, const Mat3& map) const override
 	{
 		auto holds = [&](const Box<3>& own, double about) {
-			const Vec<dim> room = about * map.rowwise().norm().template head<dim>();
-			return ((own.low - outer.low).template head<dim>().array() >= room.array())
-				       .all() &&
-			       ((outer.high - own.high).template head<dim>().array() >=
-				room.array())
-				       .all();
+			return boxInScene(outer).contains(
+				boxInScene(own), about * map.rowwise().norm().template head<dim>());
 		};
 		if (system_.isRigid(g)) {
 			const RigidBounds<dim> bounds =
@@ -253,8 +249,7 @@ public:
 
 	bool isInside(int g, const Box<3>& outer, double margin) const override
 	{
-		return system_.surfaces().isInside(
-			g, { toKernel<dim>(outer.low), toKernel<dim>(outer.high) }, margin);
+		return system_.surfaces().isInside(g, boxInScene(outer), margin);
 	}
 
 	std::vector<Vec3> outline(int g) const override
@@ -320,6 +315,11 @@ public:
 	}
 
 private:
+	static Box<dim> boxInScene(const Box<3>& box)
+	{
+		return { toKernel<dim>(box.low), toKernel<dim>(box.high) };
+	}
+
 	static ContactList<dim>& listOf(PairContacts& pair)
 	{
 		return static_cast<PairContactsOf<dim>&>(pair).list;

@@ -30,6 +30,30 @@ double largestNormOf(int count, const One& one, const Four& four)
 	return std::sqrt(squared);
 }
 
+/// Of the same; there is at least one.
+template <int dim, class One, class Four>
+Box<dim> boxOfAll(int count, const One& one, const Four& four)
+{
+	Box<dim> box { one(0), one(0) };
+	int k = 0;
+	if constexpr (dim == 2)
+		if (count >= nodesPerBlock) {
+			BlockVectors low = four(0), high = low;
+			for (; k + nodesPerBlock <= count; k += nodesPerBlock) {
+				const BlockVectors v = four(k);
+				low = { smaller(low.x, v.x), smaller(low.y, v.y) };
+				high = { larger(high.x, v.x), larger(high.y, v.y) };
+			}
+			box = { { smallestOf(low.x), smallestOf(low.y) },
+				{ largestOf(high.x), largestOf(high.y) } };
+		}
+	for (; k < count; ++k) {
+		box.low = box.low.cwiseMin(one(k));
+		box.high = box.high.cwiseMax(one(k));
+	}
+	return box;
+}
+
 FourNumbers lengthsOf(const BlockVectors& v)
 {
 	const FourNumbers squared = v.dot(v);
@@ -45,32 +69,9 @@ template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS Box<dim> boxOf(const std::vector<Vec<dim>>& vectors)
 {
 	const int count = static_cast<int>(vectors.size());
-	Box<dim> box { vectors[0], vectors[0] };
-	int k = 0;
-	if constexpr (dim == 2)
-		if (count >= nodesPerBlock) {
-			BlockVectors low = vectorsOf(vectors.data(), 0, count), high = low;
-			for (; k + nodesPerBlock <= count; k += nodesPerBlock) {
-				const BlockVectors v = vectorsOf(vectors.data(), k, count);
-				low = { smaller(low.x, v.x), smaller(low.y, v.y) };
-				high = { larger(high.x, v.x), larger(high.y, v.y) };
-			}
-			box = { { smallestOf(low.x), smallestOf(low.y) },
-				{ largestOf(high.x), largestOf(high.y) } };
-		}
-	for (; k < count; ++k) {
-		box.low = box.low.cwiseMin(vectors[k]);
-		box.high = box.high.cwiseMax(vectors[k]);
-	}
-	return box;
-}
-
-template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double largestNorm(const Vec<dim>* vectors, int count)
-{
-	return largestNormOf<dim>(
+	return boxOfAll<dim>(
 		count, [&](int k) { return vectors[k]; },
-		[&](auto k) { return vectorsOf(vectors, k, count); });
+		[&](auto k) { return vectorsOf(vectors.data(), k, count); });
 }
 
 template <int dim>
@@ -84,18 +85,19 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double farthestFrom(const Vec<dim>& centre,
 }
 
 template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS double farthestWay(const std::vector<Vec<dim>>& from,
-						      const std::vector<Vec<dim>>& to,
-						      const Vec<dim>& together)
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS VectorRange<dim> rangeOfWays(const std::vector<Vec<dim>>& from,
+								const std::vector<Vec<dim>>& to)
 {
 	const int count = static_cast<int>(to.size());
-	return largestNormOf<dim>(
-		count, [&](int k) { return Vec<dim>(to[k] - from[k] - together); },
-		[&](auto k) {
-			const auto a = vectorsOf(from.data(), k, count),
-				   b = vectorsOf(to.data(), k, count);
-			return BlockVectors { b.x - a.x, b.y - a.y }.less(together);
-		});
+	const auto one = [&](int k) { return Vec<dim>(to[k] - from[k]); };
+	const auto four = [&](auto k) {
+		const auto a = vectorsOf(from.data(), k, count), b = vectorsOf(to.data(), k, count);
+		return BlockVectors { b.x - a.x, b.y - a.y };
+	};
+	const Vec<dim> middle = boxOfAll<dim>(count, one, four).centre();
+	return { middle, largestNormOf<dim>(
+				 count, [&](int k) { return Vec<dim>(one(k) - middle); },
+				 [&](auto k) { return four(k).less(middle); }) };
 }
 
 template <int dim>
@@ -117,10 +119,9 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void normalizeAll(std::vector<Vec<dim>>& vect
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template Box<dim> boxOf(const std::vector<Vec<dim>>&);                                     \
-	template double largestNorm<dim>(const Vec<dim>*, int);                                    \
 	template double farthestFrom<dim>(const Vec<dim>&, const std::vector<Vec<dim>>&);          \
-	template double farthestWay<dim>(const std::vector<Vec<dim>>&,                             \
-					 const std::vector<Vec<dim>>&, const Vec<dim>&);           \
+	template VectorRange<dim> rangeOfWays<dim>(const std::vector<Vec<dim>>&,                   \
+						   const std::vector<Vec<dim>>&);                  \
 	template void normalizeAll(std::vector<Vec<dim>>&);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)

@@ -21,6 +21,11 @@ template <int dim> struct Box {
 	{
 		return (x - low).cwiseMin(high - x).minCoeff() >= 0;
 	}
+	/// Whether another box is inside, with so much room before the faces across each axis.
+	bool contains(const Box& other, const Vec<dim>& room) const
+	{
+		return ((other.low - low).cwiseMin(high - other.high) - room).minCoeff() >= 0;
+	}
 	Box grown(double margin) const { return { low.array() - margin, high.array() + margin }; }
 	Vec<dim> centre() const { return 0.5 * (low + high); }
 };
@@ -41,32 +46,29 @@ template <class Passes> std::vector<int> numbersThat(int count, Passes&& passes)
 /// Of one vector at least.
 template <int dim> Box<dim> boxOf(const std::vector<Vec<dim>>& vectors);
 
-/// 0 if there is none.
-template <int dim> double largestNorm(const Vec<dim>* vectors, int count);
 /// Largest distance of a vector from `centre`.
 template <int dim>
 double farthestFrom(const Vec<dim>& centre, const std::vector<Vec<dim>>& vectors);
-/// Largest way from a vector to its counterpart, less that of all `together`.
-template <int dim>
-double farthestWay(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to,
-		   const Vec<dim>& together);
-
 /// Makes them unit vectors; zero stays.
 template <int dim> void normalizeAll(std::vector<Vec<dim>>& vectors);
 
-/// Velocities of some nodes: none differs from `middle` by more than `spread`, m/s.
-template <int dim> struct VelocityRange {
+/// Of some vectors none differs from `middle` by more than `spread`.
+template <int dim> struct VectorRange {
 	Vec<dim> middle = Vec<dim>::Zero();
 	double spread = 0;
 
-	double fastest() const { return middle.norm() + spread; }
+	/// No vector is longer.
+	double largestNorm() const { return middle.norm() + spread; }
 };
 
 /// The middle is that of the box of the vectors; there is at least one.
-template <int dim> VelocityRange<dim> rangeOf(const std::vector<Vec<dim>>& vectors)
+template <int dim> VectorRange<dim> rangeOf(const std::vector<Vec<dim>>& vectors)
 {
 	const Vec<dim> middle = boxOf(vectors).centre();
 	return { middle, farthestFrom<dim>(middle, vectors) };
 }
+/// The same of the ways from vectors to their counterparts.
+template <int dim>
+VectorRange<dim> rangeOfWays(const std::vector<Vec<dim>>& from, const std::vector<Vec<dim>>& to);
 
 } // namespace softgrain

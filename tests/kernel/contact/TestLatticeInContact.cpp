@@ -52,7 +52,7 @@ public:
 			else if (list.second != list.first)
 				findContacts(body[list.first], body[list.second], reach, list);
 			else {
-				ContactBody<dim> image;
+				ContactOutline<dim> image;
 				image.becomeImage(body[list.first], list.image.shift);
 				findContacts(body[list.first], image, reach, list);
 			}

@@ -90,8 +90,8 @@ TEMPLATE_TEST_CASE_SIG("Observables: rotation and volume of a deformed grain", "
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Observables: the fastest node, and a component that is not finite",
-		       "[grain]", ((int dim), dim), 2, 3)
+TEMPLATE_TEST_CASE_SIG("Observables: a component that is not finite", "[grain]", ((int dim), dim),
+		       2, 3)
 {
 	Random random(4);
 	for (double zeta : { 0.5, 0.4, 0.3 }) { // numbers of nodes with and without a rest of four
@@ -102,8 +102,6 @@ TEMPLATE_TEST_CASE_SIG("Observables: the fastest node, and a component that is n
 		CHECK(isFinite(batch.v, 0, nodes));
 		for (int I = 0; I < nodes; ++I) {
 			const Vec<dim> own = batch.v.get(0, I);
-			batch.v.set(0, I, Vec<dim>::Unit(I % dim) * 7);
-			CHECK(fastestNode(batch, 0) == 7);
 			batch.v.set(0, I, Vec<dim>::Unit(I % dim) * std::nan(""));
 			CHECK(!isFinite(batch.v, 0, nodes));
 			batch.v.set(0, I, Vec<dim>::Unit(I % dim) / 0.);

@@ -145,6 +145,35 @@ TEST_CASE("System: threads last from step to step", "[step]")
 	CHECK(threadsMade == before);
 }
 
+TEMPLATE_TEST_CASE_SIG("System: no contact node is faster than the reach takes it to be", "[step]",
+		       ((int dim), dim), 2, 3)
+{
+	Scene<dim> scene;
+	Batch<dim> batch = grainsAt<dim>(
+		0.25, { Vec<dim>::Zero(), 0.0202 * Vec<dim>::Unit(0) + 0.004 * Vec<dim>::Unit(1) });
+	setVelocity<dim>(batch, 1, -2 * Vec<dim>::Unit(0));
+	scene.add(std::move(batch));
+	scene.addPairs(0.5);
+	scene.settings.rigidMotion = true;
+	int soft = 0;
+	for (int step = 0; step < 120; ++step) {
+		scene.advance();
+		for (int g : { 0, 1 }) {
+			if (scene.system.isRigid(g)) continue;
+			++soft;
+			std::vector<Vec<dim>> v;
+			scene.system.setOf(g).contactVelocitiesBefore(scene.laneOf(g), v);
+			const VectorRange<dim> found =
+				scene.system.surfaces().bodies()[g].velocities;
+			const VectorRange<dim> least = rangeOf<dim>(v);
+			CHECK(farthestFrom<dim>(found.middle, v) < found.spread + 1e-9);
+			CHECK(found.spread < least.spread + 1e-9);
+		}
+	}
+	CHECK(soft > 100);
+	CHECK(soft < 240); // they touch while we look
+}
+
 TEMPLATE_TEST_CASE_SIG("Impact: two grains head-on", "[step]", ((int dim), dim), 2, 3)
 {
 	const double zeta = dim == 2 ? 0.15 : 0.3, speed = 0.5;

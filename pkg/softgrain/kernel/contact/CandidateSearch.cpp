@@ -14,14 +14,15 @@ namespace {
 constexpr double candidateMargin = 0.5;
 
 template <int dim>
-double finerSpacing(const ContactBody<dim>& first, const ContactBody<dim>& second)
+double finerSpacing(const ContactOutline<dim>& first, const ContactOutline<dim>& second)
 {
 	return std::min(first.pointSpacing, second.pointSpacing);
 }
 
 /// Gaps up to this make candidates, m.
 template <int dim>
-double candidateReach(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach)
+double candidateReach(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
+		      double reach)
 {
 	return reach + candidateMargin * finerSpacing(first, second);
 }
@@ -31,8 +32,8 @@ double candidateReach(const ContactBody<dim>& first, const ContactBody<dim>& sec
 /// (the normals at its corners turn), the rest since normals are those of the arc, which turn more
 /// the farther a node is off: 1.4 for balls, 2.0 for creased ones, half a dr off
 /// (doc/decisions/0028-search.md).
-double wayOfPlaces(const ContactBody<2>&, const ContactBody<2>&, double) { return 1.25; }
-double wayOfPlaces(const ContactBody<3>& first, const ContactBody<3>& second, double reach)
+double wayOfPlaces(const ContactOutline<2>&, const ContactOutline<2>&, double) { return 1.25; }
+double wayOfPlaces(const ContactOutline<3>& first, const ContactOutline<3>& second, double reach)
 {
 	return 2 + reach / finerSpacing(first, second);
 }
@@ -45,7 +46,8 @@ template <int dim> constexpr double wayOfBodies = dim == 2 ? 1 : 1.05;
 /// on the flat facets.)
 template <int dim> constexpr double jumpOfGaps = dim == 2 ? 0 : 0.1;
 
-template <int dim> double jumpBetween(const ContactBody<dim>& first, const ContactBody<dim>& second)
+template <int dim>
+double jumpBetween(const ContactOutline<dim>& first, const ContactOutline<dim>& second)
 {
 	return jumpOfGaps<dim> * finerSpacing(first, second);
 }
@@ -57,7 +59,7 @@ constexpr double trustedOverlap = 0.05;
 /// Takes in how far nodes and places on the other outline may have come towards each other since
 /// the last search.
 template <int dim>
-void followBodies(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
+void followBodies(const ContactOutline<dim>& first, const ContactOutline<dim>& second, double reach,
 		  ContactCandidates<dim>& candidates)
 {
 	const Vec<dim> apart = first.carried - second.carried;
@@ -85,7 +87,7 @@ public:
 	{
 		lanes_.clear();
 	}
-	void add(const Node& node, const Vec<2>& x, const ContactBody<2>& other,
+	void add(const Node& node, const Vec<2>& x, const ContactOutline<2>& other,
 		 const PlaceAlong& place)
 	{
 		node_[lanes_.count()] = node;
@@ -116,7 +118,7 @@ private:
 };
 
 /// (The nearest facet is sought from that of the node before: most others are farther.)
-void findCandidates(const ContactBody<2>& body, const ContactBody<2>& other, int side,
+void findCandidates(const ContactOutline<2>& body, const ContactOutline<2>& other, int side,
 		    double within, ContactList<2>& list)
 {
 	struct NodeAtFacet {
@@ -140,7 +142,7 @@ void findCandidates(const ContactBody<2>& body, const ContactBody<2>& other, int
 	gaps.measure();
 }
 
-void findCandidates(const ContactBody<3>& body, const ContactBody<3>& other, int side,
+void findCandidates(const ContactOutline<3>& body, const ContactOutline<3>& other, int side,
 		    double within, ContactList<3>& list)
 {
 	ContactCandidates<3>& candidates = list.candidates;
@@ -156,8 +158,8 @@ void findCandidates(const ContactBody<3>& body, const ContactBody<3>& other, int
 }
 
 template <int dim>
-void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
-		     ContactList<dim>& list)
+void renewCandidates(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
+		     double reach, ContactList<dim>& list)
 {
 	ContactCandidates<dim>& candidates = list.candidates;
 	// about folds gaps change by jumps, and what is nearest depends on where a node came from
@@ -172,7 +174,7 @@ void renewCandidates(const ContactBody<dim>& first, const ContactBody<dim>& seco
 
 /// The place on a facet nearest to `x` if it is not an end, and of both facets beside it no place
 /// but the common end is near.
-std::optional<PlaceAlong> placeBeneath(const Vec<2>& x, const ContactBody<2>& body, int facet)
+std::optional<PlaceAlong> placeBeneath(const Vec<2>& x, const ContactOutline<2>& body, int facet)
 {
 	const auto& [before, begin, end, after] = body.mesh->carriers(facet);
 	auto isAhead = [&](int node, int next) {
@@ -188,7 +190,7 @@ std::optional<PlaceAlong> placeBeneath(const Vec<2>& x, const ContactBody<2>& bo
 
 /// Nearest place to `x`, from facet to facet as long as the next is nearer (of two as near, as at a
 /// common end, the first in order).
-PlaceAlong followOutline(const Vec<2>& x, const ContactBody<2>& body, int facet)
+PlaceAlong followOutline(const Vec<2>& x, const ContactOutline<2>& body, int facet)
 {
 	if (const auto place = placeBeneath(x, body, facet)) return *place;
 	const int count = static_cast<int>(body.mesh->facet.size());
@@ -211,18 +213,18 @@ void forCandidates(double reach, ContactCandidates<dim>& candidates, Use&& use)
 }
 
 /// Whether a node that counts as deep is outside all the same.
-bool isBeforeFold(const Vec<2>& x, const ContactBody<2>& other, double gap)
+bool isBeforeFold(const Vec<2>& x, const ContactOutline<2>& other, double gap)
 {
 	return gap < -trustedOverlap * other.pointSpacing && !other.encloses(x);
 }
 
-void measureCandidates(const ContactBody<2>& first, const ContactBody<2>& second, double reach,
-		       ContactList<2>& list)
+void measureCandidates(const ContactOutline<2>& first, const ContactOutline<2>& second,
+		       double reach, ContactList<2>& list)
 {
 	using Node = ContactCandidates<2>::Node;
-	const std::array<const ContactBody<2>*, 2> body { &first, &second };
+	const std::array<const ContactOutline<2>*, 2> body { &first, &second };
 	auto take = [&](Node* node, const NodesInLanes& lanes, int lane) {
-		const ContactBody<2>&own = *body[node->side], &other = *body[1 - node->side];
+		const ContactOutline<2>&own = *body[node->side], &other = *body[1 - node->side];
 		const double gap = lanes.gap(lane);
 		++list.tested;
 		node->clearance = gap + list.candidates.approached;
@@ -233,7 +235,7 @@ void measureCandidates(const ContactBody<2>& first, const ContactBody<2>& second
 	GapsInLanes<Node*, decltype(take)> gaps(take);
 	forCandidates(reach, list.candidates, [&](Node& node) {
 		const Vec<2>& x = body[node.side]->position[node.node];
-		const ContactBody<2>& other = *body[1 - node.side];
+		const ContactOutline<2>& other = *body[1 - node.side];
 		const auto place = followOutline(x, other, node.facet);
 		node.facet = place.facet;
 		gaps.add(&node, x, other, place);
@@ -243,8 +245,8 @@ void measureCandidates(const ContactBody<2>& first, const ContactBody<2>& second
 
 /// Of the candidates of a side. Facets within `within` now are all that can be the nearest until
 /// candidates are renewed: until then reach + approached stays below what is covered.
-std::vector<FacetNear<3>> facetsOfCandidates(const ContactBody<3>& body,
-					     const ContactBody<3>& other, double within,
+std::vector<FacetNear<3>> facetsOfCandidates(const ContactOutline<3>& body,
+					     const ContactOutline<3>& other, double within,
 					     std::vector<int>& kept)
 {
 	std::vector<FacetNear<3>> facets;
@@ -259,15 +261,15 @@ std::vector<FacetNear<3>> facetsOfCandidates(const ContactBody<3>& body,
 }
 
 /// One by one, each against all facets that may be nearer than that which it had.
-void measureCandidates(const ContactBody<3>& first, const ContactBody<3>& second, double reach,
-		       ContactList<3>& list)
+void measureCandidates(const ContactOutline<3>& first, const ContactOutline<3>& second,
+		       double reach, ContactList<3>& list)
 {
-	const std::array<const ContactBody<3>*, 2> body { &first, &second };
+	const std::array<const ContactOutline<3>*, 2> body { &first, &second };
 	std::array<std::optional<std::vector<FacetNear<3>>>, 2> facets; // by side of the node
 	const double within =
 		candidateReach(first, second, list.candidates.covered - list.candidates.approached);
 	forCandidates(reach, list.candidates, [&](auto& node) {
-		const ContactBody<3>&own = *body[node.side], &other = *body[1 - node.side];
+		const ContactOutline<3>&own = *body[node.side], &other = *body[1 - node.side];
 		auto& near = facets[node.side];
 		if (!near)
 			near = facetsOfCandidates(own, other, within,
@@ -287,7 +289,7 @@ void measureCandidates(const ContactBody<3>& first, const ContactBody<3>& second
 } // namespace
 
 template <int dim>
-void findContactsOfCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second,
+void findContactsOfCandidates(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
 			      double reach, ContactList<dim>& list)
 {
 	followBodies(first, second, reach, list.candidates);
@@ -295,9 +297,9 @@ void findContactsOfCandidates(const ContactBody<dim>& first, const ContactBody<d
 	if (!list.candidates.nodes.empty()) measureCandidates(first, second, reach, list);
 }
 
-template void findContactsOfCandidates<2>(const ContactBody<2>&, const ContactBody<2>&, double,
-					  ContactList<2>&);
-template void findContactsOfCandidates<3>(const ContactBody<3>&, const ContactBody<3>&, double,
-					  ContactList<3>&);
+template void findContactsOfCandidates<2>(const ContactOutline<2>&, const ContactOutline<2>&,
+					  double, ContactList<2>&);
+template void findContactsOfCandidates<3>(const ContactOutline<3>&, const ContactOutline<3>&,
+					  double, ContactList<3>&);
 
 } // namespace softgrain

@@ -4,13 +4,13 @@
 #pragma once
 
 #include "contact/Contact.hpp"
-#include "contact/ContactBody.hpp"
+#include "contact/ContactOutline.hpp"
 
 namespace softgrain {
 
 /// As findOutlineContacts; renews the candidates of the list when the bodies have moved too far.
 template <int dim>
-void findContactsOfCandidates(const ContactBody<dim>& first, const ContactBody<dim>& second,
+void findContactsOfCandidates(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
 			      double reach, ContactList<dim>& list);
 
 } // namespace softgrain

@@ -98,8 +98,8 @@ template <int dim> struct ContactCandidates : CandidateFacets<dim> {
 	std::vector<Node> nodes;
 	double covered = 0;    ///< all nodes with a gap below this less `approached` are in it, m
 	double approached = 0; ///< no gap has lost more than this so far, m
-	/// At the last search: ContactBody::carried of the first body less that of the second, and
-	/// what their nodes may have travelled besides.
+	/// At the last search: ContactOutline::carried of the first body less that of the second,
+	/// and what their nodes may have travelled besides.
 	Vec<dim> apart = Vec<dim>::Zero();
 	double travelled = 0;
 

@@ -1,33 +1,21 @@
-// What contact sees of a grain: positions and velocities of its contact nodes, and the constant
-// table that turns impulses on them into velocities of them. Nothing of the background grid.
+// A grain in contact: its outline, the velocities and impulses of its contact nodes, and the
+// constant table that turns the one into the other.
 #pragma once
 
-#include "Vectors.hpp"
-#include "contact/CommonGrid.hpp"
-#include "reference/Outline.hpp"
+#include "contact/ContactOutline.hpp"
 #include "reference/SparseRows.hpp"
 #include "reference/SurfaceMobility.hpp"
 
-#include <vector>
-
 namespace softgrain {
 
-template <int dim> struct ContactBody {
-	const OutlineMesh<dim>* mesh =
-		nullptr; ///< facets; without any the contact nodes are disks (spheres)
+template <int dim> struct ContactBody : ContactOutline<dim> {
 	const SparseRows<double>* delassus = nullptr;
 	const SurfaceMobility<dim>* surfaceMobility =
 		nullptr; ///< the same as `delassus` for sweeps; null where there is none
 	const SparseRows<double>* overlap =
 		nullptr;          ///< sum_I N_I(Xs) N_I(Xs'), for averages along the outline
 	double delassusScale = 0; ///< 1/(rho R^dim); table times this is W_ss', 1/kg
-	double nodeRadius = 0;    ///< of the disk about a contact node, m; 0 on a surface
-	double pointSpacing = 0;  ///< dr, m: the measure of overlaps
-	double inradius = 0;      ///< of the largest ball in the undeformed grain, m
 
-	std::vector<Vec<dim>> position; ///< xs at t_n, m
-	std::vector<Vec<dim>>
-		normal; ///< outward unit normals at the contact nodes; empty without facets
 	/// vs at t_n + dt/2, being solved, m/s; in 3D only that of nodes in contact. Behind the
 	/// nodes is room for `surfaceMobility`.
 	std::vector<Vec<dim>> velocity;
@@ -37,62 +25,6 @@ template <int dim> struct ContactBody {
 	/// 3D: blocks of nodes on which contacts of this step act; `surfaceMobility` moves no
 	/// others.
 	std::vector<BlockSet> markedBlocks;
-	Box<dim> box;           ///< of the positions, node radii included
-	double longestEdge = 0; ///< of a facet, m
-	/// 2D: the outline turns inwards so sharply somewhere that to a node close by two places on
-	/// it may be nearest, each of those around.
-	bool folded = false;
-	double circumradius = 0;       ///< of the positions about the centre of the box, m
-	VelocityRange<dim> velocities; ///< of the nodes
-	/// Way of the centre of the box since the start, m, and the most that a node may have come
-	/// besides.
-	Vec<dim> carried = Vec<dim>::Zero();
-	double travelled = 0;
-
-	/// Contact on background nodes: step of the common grid, m (0: another geometry), and what
-	/// the body gives to its nodes. These are the contact nodes then: velocity, impulse and
-	/// delassus are theirs, while position, normal and mesh remain those of the outline.
-	double gridSpacing = 0;
-	std::vector<GridNode<dim>> gridNode;
-
-	int nodes() const { return static_cast<int>(position.size()); }
-	/// Of the outline (without facets: of the disks).
-	bool hasFacets() const { return !mesh->facet.empty(); }
-	bool isOnGrid() const { return gridSpacing > 0; }
-	bool isSurface() const { return hasFacets() && !isOnGrid(); }
-	const Vec<dim>& contactPoint(int node) const
-	{
-		return isOnGrid() ? gridNode[node].centre : position[node];
-	}
-	bool isSharp(int node) const { return mesh->sharp.count(node) > 0; }
-
-	/// Nodes in a region, in their order.
-	std::vector<int> nodesIn(const Box<dim>& region) const;
-	/// Outward normal of a facet; its length is the area (2D: length) of the facet.
-	Vec<dim> areaOfFacet(int facet) const;
-	/// Outward unit normal at a node of a facet: that of the smooth outline, at a sharp node
-	/// that of the facet itself.
-	Vec<dim> normalAt(int facet, int node) const
-	{
-		return isSharp(node) ? areaOfFacet(facet).normalized() : normal[node];
-	}
-	/// Whether the outline at a node faces against `direction` (unit), within the angle of a
-	/// cosine: if nothing is said, 84 degrees.
-	bool facesAgainst(int node, const Vec<dim>& direction, double leastCosine = 0.1) const;
-	/// Whether a place is inside the polygon (3D: polyhedron) of the nodes; without facets
-	/// never.
-	bool encloses(const Vec<dim>& x) const;
-	/// Of the largest ball that the grain may hold as it is now, m.
-	double innerRadius() const
-	{
-		return std::min(inradius, 0.5 * (box.high - box.low).minCoeff());
-	}
-	/// Whether a ball, or a grain that may hold one, is inside this grain or on it, concentric,
-	/// where no place near an outline tells. For grains whose box has its centre inside them.
-	bool holds(const Vec<dim>& centre, double radius) const;
-	/// Outward area vectors of the nodes: of the adjacent facets, an equal share each,
-	/// m^(dim-1).
-	std::vector<Vec<dim>> nodeAreas() const;
 
 	/// A contact of this step acts on the node.
 	void noteContactAt(int node)
@@ -104,10 +36,6 @@ template <int dim> struct ContactBody {
 	/// contact, before the solve.
 	void prepareSolve();
 	bool hasFiniteVelocities() const;
-	/// Renews normals and box after `position` was set.
-	void updateGeometry();
-	/// Makes this the outline of `body`, displaced: what a search sees of it.
-	void becomeImage(const ContactBody& body, const Vec<dim>& shift);
 	/// W_ss', 1/kg; 0 for nodes that do not feel each other.
 	double mobility(int node, int other) const;
 };

@@ -13,7 +13,7 @@ void setLane(VectorLanes& lanes, int lane, const Vec<2>& v)
 
 } // namespace
 
-void NodesInLanes::add(const Vec<2>& x, const ContactBody<2>& other, int facet, double t)
+void NodesInLanes::add(const Vec<2>& x, const ContactOutline<2>& other, int facet, double t)
 {
 	Set& set = set_[count_ / laneWidth];
 	const int lane = count_ % laneWidth;

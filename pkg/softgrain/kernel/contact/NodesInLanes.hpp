@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/Contact.hpp"
-#include "contact/ContactBody.hpp"
+#include "contact/ContactOutline.hpp"
 #include "lanes/VectorLanes.hpp"
 
 namespace softgrain {
@@ -17,7 +17,7 @@ public:
 	void clear() { count_ = 0; }
 	bool isFull() const { return count_ == most; }
 	/// A node at `x`, nearest to the place `t` of this facet of `other`.
-	void add(const Vec<2>& x, const ContactBody<2>& other, int facet, double t);
+	void add(const Vec<2>& x, const ContactOutline<2>& other, int facet, double t);
 	/// Finds the places of the curves that are nearest to the nodes.
 	void measure();
 	double gap(int node) const { return set_[node / laneWidth].gap[node % laneWidth]; }

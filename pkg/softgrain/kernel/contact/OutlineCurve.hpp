@@ -1,7 +1,7 @@
 // The outline of a 2D body between its surface nodes: a smooth curve that moves with the nodes.
 #pragma once
 
-#include "contact/ContactBody.hpp"
+#include "contact/ContactOutline.hpp"
 
 #include <algorithm>
 #include <array>
@@ -79,7 +79,7 @@ protected:
 /// the mirror image of the one before, which leaves a straight side straight.
 class OutlineCurve : public CurvePiece<Vec<2>> {
 public:
-	OutlineCurve(const ContactBody<2>& body, int facet);
+	OutlineCurve(const ContactOutline<2>& body, int facet);
 
 	/// As `nearest` for an `x` however far outside, by bisection.
 	Place nearestToFar(const Vec<2>& x) const;
@@ -90,7 +90,7 @@ public:
 	double bulge() const;
 
 private:
-	static CurvePiece pieceOver(const ContactBody<2>& body, const std::array<int, 4>& node);
+	static CurvePiece pieceOver(const ContactOutline<2>& body, const std::array<int, 4>& node);
 
 	std::array<int, 4> node_;
 	bool startsSharp_, endsSharp_;
@@ -98,7 +98,7 @@ private:
 
 // --- inline, since the search consists of it ------------------------------
 
-inline CurvePiece<Vec<2>> OutlineCurve::pieceOver(const ContactBody<2>& body,
+inline CurvePiece<Vec<2>> OutlineCurve::pieceOver(const ContactOutline<2>& body,
 						  const std::array<int, 4>& node)
 {
 	auto way = [&](int k) -> Vec<2> {
@@ -109,7 +109,7 @@ inline CurvePiece<Vec<2>> OutlineCurve::pieceOver(const ContactBody<2>& body,
 		 body.isSharp(node[2]) ? edge : way(2) };
 }
 
-inline OutlineCurve::OutlineCurve(const ContactBody<2>& body, int facet)
+inline OutlineCurve::OutlineCurve(const ContactOutline<2>& body, int facet)
 	: CurvePiece(pieceOver(body, body.mesh->carriers(facet)))
 	, node_(body.mesh->carriers(facet))
 	, startsSharp_(body.isSharp(node_[1]))

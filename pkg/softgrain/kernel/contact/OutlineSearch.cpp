@@ -6,7 +6,7 @@
 
 namespace softgrain {
 
-template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactBody<dim>& b)
+template <int dim> double contactDepth(const ContactOutline<dim>& a, const ContactOutline<dim>& b)
 {
 	constexpr double deepestContact = 1.5; // in dr
 	return deepestContact * std::max(a.pointSpacing, b.pointSpacing);
@@ -15,7 +15,7 @@ template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactB
 namespace {
 
 /// The facet over which the curve is nearest to a far place: it may be next to the nearest facet.
-int facetBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
+int facetBelow(const Vec<2>& x, const ContactOutline<2>& body, int facet)
 {
 	const int count = static_cast<int>(body.mesh->facet.size());
 	auto ahead = [&](int f, double end) {
@@ -31,14 +31,14 @@ int facetBelow(const Vec<2>& x, const ContactBody<2>& body, int facet)
 /// Whether the centre of a ball behind the nearest facet is in the grain. (About a corner that is
 /// squeezed hard the outline may be folded, and a facet face inwards.)
 template <int dim>
-bool isInside(const Vec<dim>& centre, const ContactBody<dim>& body, const Vec<dim>& fromOutline)
+bool isInside(const Vec<dim>& centre, const ContactOutline<dim>& body, const Vec<dim>& fromOutline)
 {
 	return fromOutline.isZero(0) || body.encloses(centre);
 }
 
 /// The curve's place nearest to the centre of a ball, which may be far from it.
-void leanOnOutline(const Vec<2>& centre, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
-		   Contact<2>& contact)
+void leanOnOutline(const Vec<2>& centre, const ContactOutline<2>& body,
+		   const PlaceOnOutline<2>& place, Contact<2>& contact)
 {
 	contact.facet = facetBelow(centre, body, place.facet);
 	const OutlineCurve curve(body, contact.facet);
@@ -55,8 +55,8 @@ void leanOnOutline(const Vec<2>& centre, const ContactBody<2>& body, const Place
 }
 
 /// In 3D the place on the flat facet stands for that on the outline; the arc over it lifts it.
-void leanOnOutline(const Vec<3>& centre, const ContactBody<3>& body, const PlaceOnOutline<3>& place,
-		   Contact<3>& contact)
+void leanOnOutline(const Vec<3>& centre, const ContactOutline<3>& body,
+		   const PlaceOnOutline<3>& place, Contact<3>& contact)
 {
 	measureGap(centre, body, place, contact);
 	Vec<3> foot = Vec<3>::Zero();
@@ -71,7 +71,7 @@ void leanOnOutline(const Vec<3>& centre, const ContactBody<3>& body, const Place
 }
 
 /// Whether the outline is indented at a corner: what lies beyond the ends of both sides is inside.
-bool isIndented(const ContactBody<2>& body, int corner)
+bool isIndented(const ContactOutline<2>& body, int corner)
 {
 	const auto& side = body.mesh->sharp.at(corner);
 	const Vec<2> in = body.areaOfFacet(side[0]), out = body.areaOfFacet(side[1]);
@@ -79,7 +79,7 @@ bool isIndented(const ContactBody<2>& body, int corner)
 }
 
 /// In 3D there are blocks only.
-bool isIndented(const ContactBody<3>&, int) { return false; }
+bool isIndented(const ContactOutline<3>&, int) { return false; }
 
 /// What is beyond an edge by less, in dr, lies over the facet still. Of a node, which is held
 /// against facets that it faces only: where two edges lie upon each other the direction from one to
@@ -91,8 +91,8 @@ constexpr double edgeWidth = 0.05, noWidth = 1e-9;
 /// end of the facet: no facet lies under `x` then, and the distance to the edge is the gap,
 /// negative below an indentation. `width`: of the edge, in dr.
 template <int dim>
-bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOnOutline<dim>& place,
-		  double width, Contact<dim>& contact)
+bool isBeyondEdge(const Vec<dim>& x, const ContactOutline<dim>& body,
+		  const PlaceOnOutline<dim>& place, double width, Contact<dim>& contact)
 {
 	Vec<dim> foot = Vec<dim>::Zero();
 	bool indented = false;
@@ -115,7 +115,7 @@ bool isBeyondEdge(const Vec<dim>& x, const ContactBody<dim>& body, const PlaceOn
 
 /// Whether a place outside of a grain lies before a facet, not behind it on the far side of a thin
 /// arm.
-bool isBefore(const Vec<2>& x, const ContactBody<2>& body, int facet)
+bool isBefore(const Vec<2>& x, const ContactOutline<2>& body, int facet)
 {
 	const Vec<2>& start = body.position[body.mesh->facet[facet][0]];
 	return (x - start).dot(body.areaOfFacet(facet).normalized()) >=
@@ -123,7 +123,7 @@ bool isBefore(const Vec<2>& x, const ContactBody<2>& body, int facet)
 }
 
 /// In 3D no grain has thin arms.
-bool isBefore(const Vec<3>&, const ContactBody<3>&, int) { return true; }
+bool isBefore(const Vec<3>&, const ContactOutline<3>&, int) { return true; }
 
 /// Deeper nodes, in dr, are looked at once more: whether they are inside at all. Bent sides feign 1
 /// to 2; what is pressed in stays far below, and need not be looked at.
@@ -131,7 +131,7 @@ constexpr double trustedDepth = 0.5;
 
 /// Nodes of `body` against the outline of `other`, where one of them has corners or indentations.
 template <int dim>
-void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& other, int side,
+void nodesFacingOutline(const ContactOutline<dim>& body, const ContactOutline<dim>& other, int side,
 			double reach, ContactList<dim>& list)
 {
 	const double deep = contactDepth(body, other);
@@ -164,7 +164,7 @@ void nodesFacingOutline(const ContactBody<dim>& body, const ContactBody<dim>& ot
 } // namespace
 
 template <int dim>
-void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
+void findOutlineContacts(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
 			 double reach, ContactList<dim>& list)
 {
 	const bool corners = !first.mesh->sharp.empty() || !second.mesh->sharp.empty();
@@ -178,7 +178,7 @@ void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& 
 
 template <int dim>
 std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
-					  const ContactBody<dim>& body, double reach)
+					  const ContactOutline<dim>& body, double reach)
 {
 	const double margin = radius + std::max(reach, contactDepth(body, body));
 	if (!body.box.grown(margin).contains(centre)) return std::nullopt;
@@ -197,11 +197,12 @@ std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
-	template std::optional<Contact<dim>> ballOnOutline<dim>(const Vec<dim>&, double,           \
-								const ContactBody<dim>&, double);  \
-	template double contactDepth<dim>(const ContactBody<dim>&, const ContactBody<dim>&);       \
-	template void findOutlineContacts<dim>(const ContactBody<dim>&, const ContactBody<dim>&,   \
-					       double, ContactList<dim>&);
+	template std::optional<Contact<dim>> ballOnOutline<dim>(                                   \
+		const Vec<dim>&, double, const ContactOutline<dim>&, double);                      \
+	template double contactDepth<dim>(const ContactOutline<dim>&, const ContactOutline<dim>&); \
+	template void findOutlineContacts<dim>(const ContactOutline<dim>&,                         \
+					       const ContactOutline<dim>&, double,                 \
+					       ContactList<dim>&);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)
 #undef SOFTGRAIN_INSTANTIATE

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact/Contact.hpp"
-#include "contact/ContactBody.hpp"
+#include "contact/ContactOutline.hpp"
 
 #include <optional>
 
@@ -11,11 +11,11 @@ namespace softgrain {
 
 /// How deep a node may lie in the other grain and still be a contact, m: from deeper it would be
 /// pushed to whichever side is nearest.
-template <int dim> double contactDepth(const ContactBody<dim>& a, const ContactBody<dim>& b);
+template <int dim> double contactDepth(const ContactOutline<dim>& a, const ContactOutline<dim>& b);
 
 /// Appends the contacts with a gap below `reach` (m, > 0) to `list`, in the order of their keys.
 template <int dim>
-void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
+void findOutlineContacts(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
 			 double reach, ContactList<dim>& list);
 
 /// The contact of a rigid ball (of radius 0: a point) with the outline of `body` (surface), at the
@@ -23,6 +23,6 @@ void findOutlineContacts(const ContactBody<dim>& first, const ContactBody<dim>& 
 /// ball is the node, the outline bears it.
 template <int dim>
 std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
-					  const ContactBody<dim>& body, double reach);
+					  const ContactOutline<dim>& body, double reach);
 
 } // namespace softgrain

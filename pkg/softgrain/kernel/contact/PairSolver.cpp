@@ -154,8 +154,11 @@ template <int dim> void PairSolver<dim>::fetchConstraints() const
 
 template <int dim> void PairSolver<dim>::fetchBodies() const
 {
-	for (const ContactBody<dim>* body : { first_, second_ })
-		if (body) fetchBytes(body, &body->velocityBefore);
+	for (const ContactBody<dim>* body : { first_, second_ }) {
+		if (!body) continue;
+		fetchBytes(&body->pointSpacing, &body->pointSpacing + 1);
+		fetchBytes(&body->delassus, &body->velocityBefore);
+	}
 }
 
 /// Of nodes that feel the contacts from farther off than this only time is lost.

@@ -1,7 +1,7 @@
 // The place of an outline that a node lies against: what the searches of outlines have in common.
 #pragma once
 
-#include "contact/ContactBody.hpp"
+#include "contact/ContactOutline.hpp"
 #include "contact/Facets.hpp"
 #include "contact/OutlineCurve.hpp"
 #include "contact/OutlineSearch.hpp"
@@ -27,7 +27,7 @@ template <int dim> struct FacetNear {
 
 /// Nearest place to `x` on a facet of `body`.
 template <int dim>
-PlaceOnOutline<dim> placeOnFacet(const Vec<dim>& x, const ContactBody<dim>& body, int facet)
+PlaceOnOutline<dim> placeOnFacet(const Vec<dim>& x, const ContactOutline<dim>& body, int facet)
 {
 	std::array<Vec<dim>, dim> corner;
 	for (int i = 0; i < dim; ++i)
@@ -49,7 +49,7 @@ template <int dim> bool comesBefore(const PlaceOnOutline<dim>& a, const PlaceOnO
 /// Nearest place to `x` on those of the facets of `body` that `admissible` lets pass. (`start`: a
 /// place that counts, too; facets that are farther are not looked at.)
 template <int dim, class Admissible>
-PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactBody<dim>& body,
+PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactOutline<dim>& body,
 				 const std::vector<FacetNear<dim>>& facets, Admissible&& admissible,
 				 const PlaceOnOutline<dim>& start = {})
 {
@@ -72,8 +72,8 @@ constexpr auto anyFacet = [](int) { return true; };
 
 /// Gap and normal at a place on a 2D outline: of the smooth curve over the facet. What leans on the
 /// curve moves and pushes its nodes with the curve's own weights.
-inline void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceOnOutline<2>& place,
-		       Contact<2>& contact)
+inline void measureGap(const Vec<2>& x, const ContactOutline<2>& body,
+		       const PlaceOnOutline<2>& place, Contact<2>& contact)
 {
 	const OutlineCurve curve(body, place.facet);
 	const OutlineCurve::Place foot = curve.nearest(x, place.weight[1]);
@@ -88,8 +88,8 @@ inline void measureGap(const Vec<2>& x, const ContactBody<2>& body, const PlaceO
 /// The same in 3D: between its vertices the outline bulges over the flat facet by
 /// 1/2 sum_(i<j) w_i w_j (n_j - n_i).(x_j - x_i), which is the arc through the vertices to second
 /// order.
-inline void measureGap(const Vec<3>& x, const ContactBody<3>& body, const PlaceOnOutline<3>& place,
-		       Contact<3>& contact)
+inline void measureGap(const Vec<3>& x, const ContactOutline<3>& body,
+		       const PlaceOnOutline<3>& place, Contact<3>& contact)
 {
 	const auto& vertex = body.mesh->facet[place.facet];
 	Vec<3> foot = Vec<3>::Zero(), normal = Vec<3>::Zero();
@@ -111,7 +111,7 @@ inline void measureGap(const Vec<3>& x, const ContactBody<3>& body, const PlaceO
 	contact.gap = (x - foot).dot(contact.normal) - bulge;
 }
 
-template <int dim> FacetNear<dim> ballAbout(const ContactBody<dim>& body, int facet)
+template <int dim> FacetNear<dim> ballAbout(const ContactOutline<dim>& body, int facet)
 {
 	const auto& vertex = body.mesh->facet[facet];
 	FacetNear<dim> near { facet, Vec<dim>::Zero(), 0 };
@@ -126,7 +126,7 @@ template <int dim> FacetNear<dim> ballAbout(const ContactBody<dim>& body, int fa
 
 /// Facets that may reach into a region, in their order.
 template <int dim>
-std::vector<FacetNear<dim>> facetsIn(const ContactBody<dim>& body, const Box<dim>& region)
+std::vector<FacetNear<dim>> facetsIn(const ContactOutline<dim>& body, const Box<dim>& region)
 {
 	const auto& facet = body.mesh->facet;
 	const Box<dim> around = region.grown(body.longestEdge);
@@ -139,7 +139,7 @@ std::vector<FacetNear<dim>> facetsIn(const ContactBody<dim>& body, const Box<dim
 
 /// Nodes of `body` that may be inside `other` or within reach of it.
 template <int dim>
-std::vector<int> nodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other,
+std::vector<int> nodesNear(const ContactOutline<dim>& body, const ContactOutline<dim>& other,
 			   double reach, double margin)
 {
 	const Box<dim> around = other.box.grown(margin);
@@ -156,8 +156,8 @@ std::vector<int> nodesNear(const ContactBody<dim>& body, const ContactBody<dim>&
 /// Makes room for a contact with this gap; what lies deeper than contacts do is none (null), but is
 /// known by its depth.
 template <int dim>
-Contact<dim>* append(const ContactKey& key, double gap, const ContactBody<dim>& body,
-		     const ContactBody<dim>& other, ContactList<dim>& list)
+Contact<dim>* append(const ContactKey& key, double gap, const ContactOutline<dim>& body,
+		     const ContactOutline<dim>& other, ContactList<dim>& list)
 {
 	list.noteOverlap(gap, 0.5 * (body.pointSpacing + other.pointSpacing));
 	if (gap < -contactDepth(body, other)) return nullptr;
@@ -168,8 +168,8 @@ Contact<dim>* append(const ContactKey& key, double gap, const ContactBody<dim>& 
 
 /// The same with a contact that is known but for its key.
 template <int dim>
-void append(const ContactKey& key, const Contact<dim>& contact, const ContactBody<dim>& body,
-	    const ContactBody<dim>& other, ContactList<dim>& list)
+void append(const ContactKey& key, const Contact<dim>& contact, const ContactOutline<dim>& body,
+	    const ContactOutline<dim>& other, ContactList<dim>& list)
 {
 	if (Contact<dim>* room = append(key, contact.gap, body, other, list)) {
 		*room = contact;
@@ -179,7 +179,7 @@ void append(const ContactKey& key, const Contact<dim>& contact, const ContactBod
 
 /// The contact of a node with a place on an outline, but for its key.
 template <int dim>
-Contact<dim> contactAt(const Vec<dim>& x, const ContactBody<dim>& other,
+Contact<dim> contactAt(const Vec<dim>& x, const ContactOutline<dim>& other,
 		       const PlaceOnOutline<dim>& place)
 {
 	Contact<dim> contact;
@@ -190,15 +190,15 @@ Contact<dim> contactAt(const Vec<dim>& x, const ContactBody<dim>& other,
 /// The outline bulges out of the box of its vertices, and the facet nearest to a node that overlaps
 /// may lie outside the common region: both by less than a contact depth.
 template <int dim>
-double marginOf(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach)
+double marginOf(const ContactOutline<dim>& body, const ContactOutline<dim>& other, double reach)
 {
 	return std::max(reach, contactDepth(body, other));
 }
 
 /// Facets of `other` that may be the nearest to nodes of `body` within reach.
 template <int dim>
-std::vector<FacetNear<dim>> facetsNear(const ContactBody<dim>& body, const ContactBody<dim>& other,
-				       double reach)
+std::vector<FacetNear<dim>> facetsNear(const ContactOutline<dim>& body,
+				       const ContactOutline<dim>& other, double reach)
 {
 	const double margin = marginOf(body, other, reach);
 	auto facets = facetsIn(other, body.box.grown(margin));
@@ -213,7 +213,7 @@ std::vector<FacetNear<dim>> facetsNear(const ContactBody<dim>& body, const Conta
 /// Calls `use(node, facets)` for the nodes of `body` that may be within reach of the outline of
 /// `other`, with the facets that may be the nearest.
 template <int dim, class Use>
-void forNodesNear(const ContactBody<dim>& body, const ContactBody<dim>& other, double reach,
+void forNodesNear(const ContactOutline<dim>& body, const ContactOutline<dim>& other, double reach,
 		  ContactList<dim>& list, Use&& use)
 {
 	const auto nodes = nodesNear(body, other, reach, marginOf(body, other, reach));

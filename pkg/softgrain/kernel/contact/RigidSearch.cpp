@@ -14,7 +14,7 @@ namespace {
 /// Whether a contact node faces against a direction; disks have no normal of their own, and face
 /// away from the middle of their grain.
 template <int dim>
-bool nodeFaces(const ContactBody<dim>& body, int node, const Vec<dim>& direction,
+bool nodeFaces(const ContactOutline<dim>& body, int node, const Vec<dim>& direction,
 	       double leastCosine)
 {
 	if (body.hasFacets()) return body.facesAgainst(node, direction, leastCosine);
@@ -24,7 +24,7 @@ bool nodeFaces(const ContactBody<dim>& body, int node, const Vec<dim>& direction
 /// What lies deeper than a contact is none, but is known by its depth. Behind a plate, which has no
 /// inside, lies the other side of the grain.
 template <int dim>
-void append(const ContactKey& key, Contact<dim>& contact, const ContactBody<dim>& body,
+void append(const ContactKey& key, Contact<dim>& contact, const ContactOutline<dim>& body,
 	    ContactList<dim>& list)
 {
 	const bool deep = contact.gap < -contactDepth(body, body);
@@ -44,7 +44,7 @@ constexpr double beforeEdge = 0.05;
 /// lies before the edge is nearer to the next side than to the edge, and must not meet it head-on.
 template <int dim> class Surroundings {
 public:
-	Surroundings(const ContactBody<dim>& body, const RigidSide<dim>& rigid)
+	Surroundings(const ContactOutline<dim>& body, const RigidSide<dim>& rigid)
 		: rigid_(rigid)
 		, distance_(beforeEdge * body.pointSpacing)
 		, depth_(contactDepth(body, body))
@@ -86,7 +86,7 @@ private:
 /// stands on, faces as one that has come through the plate does. The grain of that one goes on
 /// behind the plate.
 template <int dim>
-bool isOnSideOfPlate(const ContactBody<dim>& body, int s, const SurfacePlace<dim>& place)
+bool isOnSideOfPlate(const ContactOutline<dim>& body, int s, const SurfacePlace<dim>& place)
 {
 	if (!body.hasFacets()) return true;
 	constexpr double trustedOverlap = 0.05; // in dr: nodes beside a corner are farther apart
@@ -101,7 +101,7 @@ bool isOnSideOfPlate(const ContactBody<dim>& body, int s, const SurfacePlace<dim
 /// Where a contact node touches with a gap below `reach`, past places that are hidden and sides of
 /// a plate that the grain is not on.
 template <int dim>
-std::optional<SurfacePlace<dim>> placeOfNode(const ContactBody<dim>& body, int s, double reach,
+std::optional<SurfacePlace<dim>> placeOfNode(const ContactOutline<dim>& body, int s, double reach,
 					     const RigidSurface<dim>& surface,
 					     Surroundings<dim>& surroundings)
 {
@@ -126,7 +126,7 @@ std::optional<SurfacePlace<dim>> placeOfNode(const ContactBody<dim>& body, int s
 }
 
 template <int dim>
-void nodesOnSurface(const ContactBody<dim>& body, double reach, Surroundings<dim>& surroundings,
+void nodesOnSurface(const ContactOutline<dim>& body, double reach, Surroundings<dim>& surroundings,
 		    ContactList<dim>& list)
 {
 	const RigidSurface<dim>& surface = list.rigid->surface;
@@ -147,7 +147,7 @@ void nodesOnSurface(const ContactBody<dim>& body, double reach, Surroundings<dim
 }
 
 template <int dim>
-void tipsOnOutline(const ContactBody<dim>& body, double reach, Surroundings<dim>& surroundings,
+void tipsOnOutline(const ContactOutline<dim>& body, double reach, Surroundings<dim>& surroundings,
 		   ContactList<dim>& list)
 {
 	const double margin = std::max(reach, contactDepth(body, body));
@@ -167,7 +167,7 @@ void tipsOnOutline(const ContactBody<dim>& body, double reach, Surroundings<dim>
 } // namespace
 
 template <int dim>
-void findRigidContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
+void findRigidContacts(const ContactOutline<dim>& body, double reach, ContactList<dim>& list)
 {
 	Surroundings<dim> surroundings(body, *list.rigid);
 	nodesOnSurface<dim>(body, reach, surroundings, list);
@@ -180,7 +180,7 @@ void findRigidContacts(const ContactBody<dim>& body, double reach, ContactList<d
 	if (nested) list.deepest = std::numeric_limits<double>::infinity();
 }
 
-template void findRigidContacts<2>(const ContactBody<2>&, double, ContactList<2>&);
-template void findRigidContacts<3>(const ContactBody<3>&, double, ContactList<3>&);
+template void findRigidContacts<2>(const ContactOutline<2>&, double, ContactList<2>&);
+template void findRigidContacts<3>(const ContactOutline<3>&, double, ContactList<3>&);
 
 } // namespace softgrain

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/Contact.hpp"
-#include "contact/ContactBody.hpp"
+#include "contact/ContactOutline.hpp"
 
 namespace softgrain {
 
@@ -11,6 +11,6 @@ namespace softgrain {
 /// ball or the corners, against the outline of the grain between its nodes (side 1; the node is the
 /// number of the corner).
 template <int dim>
-void findRigidContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list);
+void findRigidContacts(const ContactOutline<dim>& body, double reach, ContactList<dim>& list);
 
 } // namespace softgrain

@@ -1,7 +1,7 @@
 // Surfaces of rigid bodies that soft grains touch.
 #pragma once
 
-#include "contact/ContactBody.hpp"
+#include "contact/ContactOutline.hpp"
 
 #include <array>
 #include <functional>

@@ -12,8 +12,8 @@ namespace softgrain {
 namespace {
 
 template <int dim>
-void disksAgainstDisks(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
-		       ContactList<dim>& list)
+void disksAgainstDisks(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
+		       double reach, ContactList<dim>& list)
 {
 	const double touch = first.nodeRadius + second.nodeRadius;
 	// the boxes hold the disks of their own body; the centres looked for lie one more radius
@@ -42,8 +42,8 @@ void disksAgainstDisks(const ContactBody<dim>& first, const ContactBody<dim>& se
 /// Nodes of the common grid that get mass from both bodies. The normal is that of the difference of
 /// their mass gradients; the gap compares the centres of what each of them gives.
 template <int dim>
-void nodesOnCommonGrid(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
-		       ContactList<dim>& list)
+void nodesOnCommonGrid(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
+		       double reach, ContactList<dim>& list)
 {
 	list.tested += static_cast<int>(first.gridNode.size());
 	auto other = second.gridNode.begin();
@@ -68,7 +68,7 @@ void nodesOnCommonGrid(const ContactBody<dim>& first, const ContactBody<dim>& se
 
 /// The same with a wall, which stands for a mirror image of the body: half the contact distance.
 template <int dim>
-void nodesOnCommonGrid(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
+void nodesOnCommonGrid(const ContactOutline<dim>& body, double reach, ContactList<dim>& list)
 {
 	list.tested += static_cast<int>(body.gridNode.size());
 	for (std::size_t J = 0; J < body.gridNode.size(); ++J) {
@@ -144,7 +144,7 @@ template <int dim> void carryOver(const std::vector<Contact<dim>>& last, Contact
 }
 
 /// A grain inside another, or two of a size on one another: no node near an outline may tell.
-template <int dim> bool nested(const ContactBody<dim>& first, const ContactBody<dim>& second)
+template <int dim> bool nested(const ContactOutline<dim>& first, const ContactOutline<dim>& second)
 {
 	return first.holds(second.box.centre(), second.innerRadius()) ||
 	       second.holds(first.box.centre(), first.innerRadius());
@@ -153,7 +153,7 @@ template <int dim> bool nested(const ContactBody<dim>& first, const ContactBody<
 /// The same where the centre of a box may lie outside its grain, known that no node is near an
 /// outline; two on one another share their box.
 template <int dim>
-bool nestedIrregular(const ContactBody<dim>& first, const ContactBody<dim>& second)
+bool nestedIrregular(const ContactOutline<dim>& first, const ContactOutline<dim>& second)
 {
 	const double near = 0.2 * std::min(first.inradius, second.inradius);
 	return first.encloses(second.position[0]) || second.encloses(first.position[0]) ||
@@ -164,7 +164,7 @@ bool nestedIrregular(const ContactBody<dim>& first, const ContactBody<dim>& seco
 } // namespace
 
 template <int dim>
-void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
+void findContacts(const ContactOutline<dim>& first, const ContactOutline<dim>& second, double reach,
 		  ContactList<dim>& list)
 {
 	auto& last = beginSearch(list);
@@ -189,7 +189,7 @@ void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second,
 }
 
 template <int dim>
-void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list)
+void findContacts(const ContactOutline<dim>& body, double reach, ContactList<dim>& list)
 {
 	auto& last = beginSearch(list);
 	if (list.rigid) {
@@ -221,9 +221,9 @@ void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& 
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
-	template void findContacts<dim>(const ContactBody<dim>&, const ContactBody<dim>&, double,  \
-					ContactList<dim>&);                                        \
-	template void findContacts<dim>(const ContactBody<dim>&, double, ContactList<dim>&);
+	template void findContacts<dim>(const ContactOutline<dim>&, const ContactOutline<dim>&,    \
+					double, ContactList<dim>&);                                \
+	template void findContacts<dim>(const ContactOutline<dim>&, double, ContactList<dim>&);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)
 #undef SOFTGRAIN_INSTANTIATE

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/Contact.hpp"
-#include "contact/ContactBody.hpp"
+#include "contact/ContactOutline.hpp"
 
 namespace softgrain {
 
@@ -11,11 +11,11 @@ namespace softgrain {
 /// each against the outline of the other, in both directions. Neither has: nodes as disks (spheres)
 /// against each other. Both are on the common grid: its nodes that get mass from both.
 template <int dim>
-void findContacts(const ContactBody<dim>& first, const ContactBody<dim>& second, double reach,
+void findContacts(const ContactOutline<dim>& first, const ContactOutline<dim>& second, double reach,
 		  ContactList<dim>& list);
 
 /// The same against `list.rigid` if there is one, else `list.plane`.
 template <int dim>
-void findContacts(const ContactBody<dim>& body, double reach, ContactList<dim>& list);
+void findContacts(const ContactOutline<dim>& body, double reach, ContactList<dim>& list);
 
 } // namespace softgrain

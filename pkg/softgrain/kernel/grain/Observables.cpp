@@ -168,11 +168,6 @@ template <int dim> Vec<dim> momentum(const Batch<dim>& batch, const NodalField<d
 	return batch.massScale[g] * weightedSum<dim>(batch.reference->nodeMass, v.of(g));
 }
 
-template <int dim> double fastestNode(const Batch<dim>& batch, int g)
-{
-	return largestNorm<dim>(batch.v.of(g), batch.reference->nodes());
-}
-
 template <int dim> bool isFinite(const NodalField<dim>& field, int g, int nodes)
 {
 	return areFinite(field.of(g)->data(), dim * nodes);
@@ -182,7 +177,6 @@ template <int dim> bool isFinite(const NodalField<dim>& field, int g, int nodes)
 	template double kineticEnergy<dim>(const Batch<dim>&, const NodalField<dim>&,              \
 					   const NodalField<dim>&, int);                           \
 	template Vec<dim> momentum<dim>(const Batch<dim>&, const NodalField<dim>&, int);           \
-	template double fastestNode<dim>(const Batch<dim>&, int);                                  \
 	template bool isFinite<dim>(const NodalField<dim>&, int, int);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)

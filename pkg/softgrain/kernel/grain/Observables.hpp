@@ -59,9 +59,6 @@ double kineticEnergy(const Batch<dim>& batch, const NodalField<dim>& v, const No
 /// sum_I mI v_I, N s (2D: N s/m).
 template <int dim> Vec<dim> momentum(const Batch<dim>& batch, const NodalField<dim>& v, int g);
 
-/// Largest speed of a background node, m/s.
-template <int dim> double fastestNode(const Batch<dim>& batch, int g);
-
 /// Whether all components at the nodes of grain `g` are finite.
 template <int dim> bool isFinite(const NodalField<dim>& field, int g, int nodes);
 

@@ -29,20 +29,6 @@ constexpr double slowestPeriod = 2.7;
 /// with room to spare.
 constexpr double bulgeShare = 0.3;
 
-/// A contact node is no faster than this times the fastest background node.
-template <int dim> double largestShareSum(const GrainTemplate<dim>& reference)
-{
-	const SparseRows<double>& shapes = reference.contactShapes;
-	double largest = 0;
-	for (int s = 0; s < shapes.rows(); ++s) {
-		double sum = 0;
-		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
-			sum += std::abs(shapes.value[k]);
-		largest = std::max(largest, sum);
-	}
-	return largest;
-}
-
 } // namespace
 
 template <int dim>
@@ -53,7 +39,6 @@ TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch, const Scheme& scheme)
 	, computed_(batch_.grains())
 	, criticalTimeStep_(criticalTimeSteps(*batch_.reference, batch_.condition, batch_.grain))
 	, stiffening_(batch_.grains())
-	, shareSum_(largestShareSum(*batch_.reference))
 	, rigid_(batch_.grains())
 	, isRigid_(batch_.grains(), 0)
 	, nodesWritten_(batch_.grains(), 1)
@@ -346,22 +331,10 @@ template <int dim> void TotalLagrangian<dim>::moveNodes(int g, double dt)
 	if (!pointVelocities_) batch_.v.exchange(g, batch_.vNext);
 }
 
-namespace {
-
-/// In point spacings per critical time step: slower grains cannot close a gap worth counting
-/// within some steps (Surfaces::reach), so that a coarse bound of their speed does.
-constexpr double slowSpeed = 0.005;
-
-} // namespace
-
-template <int dim> VelocityRange<dim> TotalLagrangian<dim>::contactVelocityRange(int g) const
+template <int dim> VectorRange<dim> TotalLagrangian<dim>::contactVelocityRange(int g) const
 {
 	if (isRigid_[g]) return rigidBounds(g).velocities;
-	const double bound = shareSum_ * fastestNode(batch_, g);
-	const double slow = slowSpeed * batch_.reference->pointSpacing() * batch_.grain[g].radius /
-			    criticalTimeStep_[g];
-	if (bound <= slow) return { Vec<dim>::Zero(), bound };
-	thread_local std::vector<Vec<dim>> v;
+	std::vector<Vec<dim>> v;
 	interpolate<dim>(batch_.reference->contactValues, batch_.v.of(g), v);
 	return rangeOf<dim>(v);
 }

@@ -84,7 +84,7 @@ public:
 	bool preparesMove() const override { return pointVelocities_.has_value(); }
 	void prepareMove(int threads) override;
 	void move(int g, double dt) override;
-	VelocityRange<dim> contactVelocityRange(int g) const override;
+	VectorRange<dim> contactVelocityRange(int g) const override;
 	void contactPositions(int g, std::vector<Vec<dim>>& at) const override;
 	void massPoints(int g, std::vector<Vec<dim>>& position,
 			std::vector<double>& mass) const override;
@@ -149,7 +149,6 @@ private:
 	std::vector<int> computed_;            ///< grains in the active blocks of the batch
 	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
 	std::vector<Stiffening> stiffening_;
-	double shareSum_; ///< largest sum of sizes of the shares of a contact node
 
 	/// Up to which a grain may move rigidly.
 	struct RigidLimits {

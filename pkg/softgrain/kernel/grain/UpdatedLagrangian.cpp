@@ -238,7 +238,7 @@ template <int dim> void UpdatedLagrangian<dim>::move(int g, double dt)
 	grain_[g].gridToPoints(reference_->recipe.order, dt, picShare_);
 }
 
-template <int dim> VelocityRange<dim> UpdatedLagrangian<dim>::contactVelocityRange(int g) const
+template <int dim> VectorRange<dim> UpdatedLagrangian<dim>::contactVelocityRange(int g) const
 {
 	return rangeOf<dim>(grain_[g].contactV);
 }

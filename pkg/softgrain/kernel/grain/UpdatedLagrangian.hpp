@@ -46,7 +46,7 @@ public:
 	void addLoadWork(int g, double kick, const BodyLoad<dim>& load, double& before,
 			 double& after) const override;
 	void move(int g, double dt) override;
-	VelocityRange<dim> contactVelocityRange(int g) const override;
+	VectorRange<dim> contactVelocityRange(int g) const override;
 	void contactPositions(int g, std::vector<Vec<dim>>& at) const override;
 
 	WholeGrain<dim> whole(int g) const override;

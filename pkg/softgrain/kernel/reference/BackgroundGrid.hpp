@@ -15,7 +15,7 @@ namespace softgrain {
 /// Nodes lighter than this share of the heaviest one are *tied*: they follow the heavier nodes
 /// near them by an extrapolation exact for affine motions, and their shape functions are added to
 /// those of these nodes. See doc/decisions/0001-rim.md for how it was chosen.
-constexpr double lightNodeShare = 1e-4;
+constexpr double lightNodeShare = 2e-3;
 
 /// Tensor-product B-splines on a regular grid with a node at the origin, restricted to the nodes
 /// that carry unknowns.

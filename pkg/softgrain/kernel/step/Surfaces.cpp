@@ -46,16 +46,16 @@ template <int dim> void Surfaces<dim>::add(int g)
 							      reference.pointSpacing());
 }
 
-template <int dim> void Surfaces<dim>::renewOutline(int g)
+template <int dim> VectorRange<dim> Surfaces<dim>::renewOutline(int g)
 {
 	ContactBody<dim>& body = bodies_[g];
-	const Vec<dim> lastCentre = body.box.centre();
 	lastPosition_[g].swap(body.position);
 	surface_[g].expire();
 	renew(g);
-	const Vec<dim> together = body.box.centre() - lastCentre;
-	body.carried += together;
-	body.travelled += farthestWay<dim>(lastPosition_[g], body.position, together);
+	const VectorRange<dim> way = rangeOfWays<dim>(lastPosition_[g], body.position);
+	body.carried += way.middle;
+	body.travelled += way.spread;
+	return way;
 }
 
 template <int dim> void Surfaces<dim>::renew(int g) const
@@ -80,12 +80,14 @@ template <int dim> void Surfaces<dim>::update(int g)
 template <int dim> void Surfaces<dim>::followMotion(int g, double dt)
 {
 	ContactBody<dim>& body = bodies_[g];
-	body.velocities = grains_.setOf(g).contactVelocityRange(grains_.indexInSet(g));
 	if (grains_.isRigid(g)) {
-		body.travelled += dt * body.velocities.fastest();
+		body.velocities = grains_.setOf(g).rigidBounds(grains_.indexInSet(g)).velocities;
+		body.travelled += dt * body.velocities.largestNorm();
 		surface_[g].expire();
-	} else
-		renewOutline(g);
+	} else {
+		const VectorRange<dim> way = renewOutline(g);
+		body.velocities = { way.middle / dt, way.spread / dt };
+	}
 }
 
 /// What the grain gives to the common grid at its present place.
@@ -164,7 +166,8 @@ double Surfaces<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<
 			    double dt) const
 {
 	const double spacing = bodies_[g].pointSpacing;
-	return withinRange(bodies_[g].velocities.fastest() + rigid.speed + image.velocity.norm(),
+	return withinRange(bodies_[g].velocities.largestNorm() + rigid.speed +
+				   image.velocity.norm(),
 			   dt, spacing, spacing, interfaceRange_);
 }
 
@@ -213,13 +216,13 @@ bool Surfaces<dim>::isFarFrom(int g, const RigidSide<dim>& rigid, double reach) 
 
 namespace {
 
-/// The body, or its image where that is displaced: valid until the next call of this thread.
+/// The outline, or its image where that is displaced: valid until the next call of this thread.
 template <int dim>
-const ContactBody<dim>& imageOf(const ContactBody<dim>& body, const PairImage<dim>& image)
+const ContactOutline<dim>& imageOf(const ContactOutline<dim>& outline, const PairImage<dim>& image)
 {
-	if (image.shift.isZero(0)) return body;
-	thread_local ContactBody<dim> displaced;
-	displaced.becomeImage(body, image.shift);
+	if (image.shift.isZero(0)) return outline;
+	thread_local ContactOutline<dim> displaced;
+	displaced.becomeImage(outline, image.shift);
 	return displaced;
 }
 
@@ -249,16 +252,13 @@ template <int dim> bool Surfaces<dim>::search(ContactList<dim>& list, double dt)
 
 template <int dim> bool Surfaces<dim>::isInside(int g, const Box<dim>& box, double margin) const
 {
-	auto holds = [&box](const Box<dim>& own) {
-		return (own.low.array() >= box.low.array()).all() &&
-		       (own.high.array() <= box.high.array()).all();
-	};
 	if (grains_.isRigid(g)) {
 		const RigidBounds<dim> bounds = grains_.setOf(g).rigidBounds(grains_.indexInSet(g));
-		const Box<dim> about { bounds.centre, bounds.centre };
-		if (holds(about.grown(bounds.radius + margin))) return true;
+		if (box.contains({ bounds.centre, bounds.centre },
+				 Vec<dim>::Constant(bounds.radius + margin)))
+			return true;
 	}
-	return holds(body(g).box.grown(margin));
+	return box.contains(body(g).box, Vec<dim>::Constant(margin));
 }
 
 template class Surfaces<2>;

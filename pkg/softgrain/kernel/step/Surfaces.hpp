@@ -1,6 +1,7 @@
 // Surfaces of the grains of a system: when they are made anew, and what lies within reach of them.
 #pragma once
 
+#include "contact/ContactBody.hpp"
 #include "contact/Search.hpp"
 #include "step/Grains.hpp"
 
@@ -88,7 +89,8 @@ private:
 	};
 
 	void add(int g);
-	void renewOutline(int g);
+	/// Tells how far the contact nodes have come since the last time, m.
+	VectorRange<dim> renewOutline(int g);
 	void renew(int g) const;
 	void measure(int g) const;
 	void updateGridNodes(int g) const;

@@ -1,0 +1,153 @@
+#include "contact/ContactOutline.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace softgrain {
+
+namespace {
+
+/// Outward normal of a facet, its length the measure of the facet (3D: twice).
+Vec<2> facetNormal(const std::vector<Vec<2>>& x, const std::array<int, 2>& f)
+{
+	const Vec<2> edge = x[f[1]] - x[f[0]];
+	return { edge[1], -edge[0] };
+}
+
+Vec<3> facetNormal(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
+{
+	return (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
+}
+
+/// Of the edges of a facet.
+double longestSquare(const std::vector<Vec<2>>& x, const std::array<int, 2>& f)
+{
+	return (x[f[1]] - x[f[0]]).squaredNorm();
+}
+
+double longestSquare(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
+{
+	return std::max({ (x[f[1]] - x[f[0]]).squaredNorm(), (x[f[2]] - x[f[1]]).squaredNorm(),
+			  (x[f[0]] - x[f[2]]).squaredNorm() });
+}
+
+/// Of two facets of a ring, in its order: negative where the outline turns inwards by more than 17
+/// degrees between them. (Outlines of dense packings do so by 4; two places were taken for the
+/// nearest from 26 on: doc/decisions/0028-search.md.)
+double outwardTurn(const Vec<2>& normal, const Vec<2>& next)
+{
+	constexpr double tangent = 0.3;
+	return cross(normal, next) + tangent * normal.dot(next);
+}
+
+} // namespace
+
+template <int dim> void ContactOutline<dim>::updateGeometry()
+{
+	box = boxOf(position).grown(nodeRadius);
+	circumradius = farthestFrom<dim>(box.centre(), position);
+	if (!hasFacets()) return;
+	normal.assign(position.size(), Vec<dim>::Zero());
+	double squaredEdge = 0;
+	double leastTurn = 0; // without a branch: it is asked of all facets in every step
+	Vec<dim> last = facetNormal(position, mesh->facet.back());
+	for (const auto& facet : mesh->facet) {
+		const Vec<dim> n = facetNormal(position, facet);
+		if constexpr (dim == 2) leastTurn = std::min(leastTurn, outwardTurn(last, n));
+		last = n;
+		for (int node : facet)
+			normal[node] += n;
+		squaredEdge = std::max(squaredEdge, longestSquare(position, facet));
+	}
+	longestEdge = std::sqrt(squaredEdge);
+	folded = leastTurn < 0;
+	normalizeAll(normal);
+}
+
+template <int dim> std::vector<int> ContactOutline<dim>::nodesIn(const Box<dim>& region) const
+{
+	return numbersThat(nodes(), [&](int s) { return region.contains(position[s]); });
+}
+
+template <int dim> Vec<dim> ContactOutline<dim>::areaOfFacet(int facet) const
+{
+	return (dim == 2 ? 1. : 0.5) * facetNormal(position, mesh->facet[facet]);
+}
+
+template <int dim>
+bool ContactOutline<dim>::facesAgainst(int node, const Vec<dim>& direction,
+				       double leastCosine) const
+{
+	const auto corner = mesh->sharp.find(node);
+	if (corner == mesh->sharp.end()) return normal[node].dot(direction) < -leastCosine;
+	for (int facet : corner->second) {
+		const Vec<dim> area = areaOfFacet(facet);
+		if (area.dot(direction) < -leastCosine * area.norm()) return true;
+	}
+	return false;
+}
+
+/// By the number of facets to the right.
+template <> bool ContactOutline<2>::encloses(const Vec<2>& x) const
+{
+	if (!hasFacets() || !box.contains(x)) return false;
+	bool inside = false;
+	for (const auto& [first, second] : mesh->facet) {
+		const Vec<2>&a = position[first], &b = position[second];
+		if ((a[1] > x[1]) != (b[1] > x[1]) &&
+		    x[0] < a[0] + (x[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
+			inside = !inside;
+	}
+	return inside;
+}
+
+/// By the solid angle of the outline (Van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983):
+/// 4 pi inside, 0 outside.
+template <> bool ContactOutline<3>::encloses(const Vec<3>& x) const
+{
+	if (!hasFacets() || !box.contains(x)) return false;
+	double angle = 0;
+	for (const auto& vertex : mesh->facet) {
+		const Vec<3> a = position[vertex[0]] - x, b = position[vertex[1]] - x,
+			     c = position[vertex[2]] - x;
+		const double A = a.norm(), B = b.norm(), C = c.norm();
+		angle += 2 * std::atan2(a.dot(b.cross(c)),
+					A * B * C + a.dot(b) * C + b.dot(c) * A + c.dot(a) * B);
+	}
+	return angle > 2 * std::numbers::pi;
+}
+
+template <int dim> bool ContactOutline<dim>::holds(const Vec<dim>& centre, double radius) const
+{
+	constexpr double concentric = 0.2; // distance over the smaller radius
+	const double distance = (box.centre() - centre).norm(), own = innerRadius();
+	if (distance < concentric * std::min(radius, own)) return true;
+	// what touches a grain that is pressed flat may be so near to its centre from outside
+	return distance < own - radius && (!hasFacets() || encloses(centre));
+}
+
+template <int dim> std::vector<Vec<dim>> ContactOutline<dim>::nodeAreas() const
+{
+	std::vector<Vec<dim>> area(position.size(), Vec<dim>::Zero());
+	for (std::size_t f = 0; f < mesh->facet.size(); ++f)
+		for (int node : mesh->facet[f])
+			area[node] += areaOfFacet(static_cast<int>(f)) / dim;
+	return area;
+}
+
+template <int dim>
+void ContactOutline<dim>::becomeImage(const ContactOutline& of, const Vec<dim>& shift)
+{
+	*this = of;
+	for (Vec<dim>& x : position)
+		x += shift;
+	box = { box.low + shift, box.high + shift };
+	carried += shift;
+}
+
+template struct ContactOutline<2>;
+template struct ContactOutline<3>;
+
+} // namespace softgrain
