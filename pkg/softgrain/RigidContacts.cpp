@@ -4,6 +4,7 @@
 #include "Require.hpp"
 #include "RigidPartners.hpp"
 #include "SceneAssembly.hpp"
+#include "SoftContact.hpp"
 #include "SoftSearch.hpp"
 #include "assembly/RigidInKernel.hpp"
 
@@ -138,6 +139,43 @@ Real restitutionOf(const Law2_ScGeom_FrictPhys_Nonsmooth& law, const Interaction
 	return e;
 }
 
+bool isNonsmooth(const LawFunctor* law)
+{
+	return dynamic_cast<const Law2_ScGeom_FrictPhys_Nonsmooth*>(law);
+}
+
+shared_ptr<InteractionLoop> interactionLoopOf(const Scene& scene)
+{
+	for (const auto& engine : scene.engines)
+		if (auto loop = YADE_PTR_DYN_CAST<InteractionLoop>(engine)) return loop;
+	return nullptr;
+}
+
+/// O.bodies.clear() leaves interactions behind.
+bool haveBodies(const Scene& scene, const Interaction& I)
+{
+	return scene.bodies->exists(I.getId1()) && scene.bodies->exists(I.getId2());
+}
+
+/// Interactions of rigid bodies keep the functors that they began with, also when O.engines are
+/// assigned anew; from the next step on they have those of this loop, as far as it has any.
+void adoptFunctors(const Scene& scene, InteractionLoop& loop)
+{
+	for (const auto& I : *scene.interactions) {
+		auto& cache = I->functorCache;
+		if (!cache.geom || !haveBodies(scene, *I) || dynamic_cast<SoftGeom*>(I->geom.get()))
+			continue;
+		bool swap = false;
+		const auto geom = loop.geomDispatcher->getFunctor2D(
+			(*scene.bodies)[I->getId1()]->shape, (*scene.bodies)[I->getId2()]->shape,
+			swap);
+		if (geom && !swap) cache.geom = geom;
+		if (!I->isReal() || !cache.constLaw) continue;
+		if (const auto law = loop.lawDispatcher->getFunctor2D(I->geom, I->phys, swap))
+			cache.constLaw = law;
+	}
+}
+
 } // namespace
 
 void RigidContacts::list(const Scene& scene)
@@ -145,13 +183,19 @@ void RigidContacts::list(const Scene& scene)
 	found_.clear();
 	const LawFunctor* law = nonsmoothLaw(scene);
 	hasLaw_ = law;
+	const auto loop = interactionLoopOf(scene);
+	const bool otherLoop = loop && loop != loop_.lock();
 	if (law)
 		for (const auto& I : *scene.interactions) {
-			if (!I->isReal() || I->functorCache.constLaw.get() != law) continue;
+			if (!I->isReal() || !haveBodies(scene, *I)) continue;
+			const LawFunctor* own = I->functorCache.constLaw.get();
+			if (own != law && !(otherLoop && isNonsmooth(own))) continue;
 			const auto [lower, higher] = std::minmax(I->getId1(), I->getId2());
 			found_.push_back(
 				{ std::uint64_t(lower) << 32 | std::uint64_t(higher), I.get() });
 		}
+	if (otherLoop) adoptFunctors(scene, *loop);
+	loop_ = loop;
 	if (found_ != kept_) {
 		interactions_ = found_;
 		std::sort(interactions_.begin(), interactions_.end(),

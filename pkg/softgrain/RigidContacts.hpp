@@ -5,6 +5,7 @@
 #include "Yade.hpp"
 #include "assembly/RigidDescriptions.hpp"
 
+#include <boost/weak_ptr.hpp>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -61,6 +62,7 @@ private:
 	void addReaction(const Body& body, const Vector3r& arm, const Vector3r& force);
 
 	bool hasLaw_ = false;
+	boost::weak_ptr<InteractionLoop> loop_; ///< of the last step
 	/// As YADE keeps them: now, and when `interactions_` were sorted.
 	std::vector<Listed> found_, kept_;
 	std::vector<Listed> interactions_;                         ///< in the order of the sweeps

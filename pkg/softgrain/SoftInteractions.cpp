@@ -67,8 +67,10 @@ public:
 		for (int g = 0; g < assembly.grains(); ++g)
 			kind_[assembly.idOf(g)] = Kind::grain;
 	}
+	/// (O.bodies.clear() leaves interactions of bodies behind that are no longer there.)
 	Kind operator[](int id)
 	{
+		if (id < 0 || std::size_t(id) >= kind_.size()) return Kind::none;
 		if (kind_[id] == Kind::unknown) kind_[id] = kindOf(bodies_[id].get());
 		return kind_[id];
 	}

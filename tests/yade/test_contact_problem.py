@@ -158,7 +158,7 @@ def test_no_problem_before_the_first_step():
 
 def test_residual_and_cap_are_reported():
     """Every step has its residual; steps that hit the cap are counted."""
-    squeezed_scene(60)
+    squeezed_scene(70)
     engine = sg.integrator()
     assert engine.cappedSteps == 0
     assert 0 < engine.largestResidual <= engine.tolerance

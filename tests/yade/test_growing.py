@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from scenes import add_disk, add_wall, ready, soft_material
+from scenes import add_disk, add_wall, ready, run, soft_material
 from yade import O
 
 import softgrain as sg
@@ -134,3 +134,16 @@ def test_an_insertion_keeps_the_tables_of_the_others(kind):
         f" first assembly of 80: {1e3 * first:.1f}"
     )
     assert cost[80] < 0.5 * first
+
+
+def test_all_bodies_cleared_in_contact():
+    """YADE leaves the interactions of bodies that are gone behind."""
+    for y in range(4):
+        add_disk((0, 0.0199 * y, 0))
+    ready()
+    run(10)
+    assert O.interactions.countReal() == 3
+    O.bodies.clear()
+    disk = add_disk()
+    run(3)
+    assert disk.state.vel.norm() == 0 and sg.integrator().contacts == 0

@@ -123,7 +123,7 @@ def test_triaxial_compression():
     controller.stressMask, controller.goal = 3, (STRESS, STRESS, -1)
     O.run(1000, True)
     assert controller.strain()[2] - before == pytest.approx(-(O.time - start), rel=1e-3)
-    assert (held_errors(controller, 0.002, (0, 1)) < 0.02).all()
+    assert (held_errors(controller, 0.002, (0, 1)) < 0.025).all()
     assert controller.stress()[2] < 1.1 * stress
 
 

@@ -37,7 +37,7 @@ CASES = {
     "damped, projected": Case(
         volumetric="projected", zeta=(0.25, 0.25), mass_damping=3000.0, stiffness_damping=1e-5
     ),
-    "multirate": Case(zeta=(0.45, 0.12), rates=(3, 1)),
+    "multirate": Case(zeta=(0.5, 0.12), rates=(3, 1)),
     "multirate, damped": Case(
         zeta=(0.5, 0.12), rates=(3, 1), mass_damping=3000.0, stiffness_damping=1e-6
     ),

@@ -361,6 +361,25 @@ def test_goes_on_after_saving(tmp_path):
     assert_done(run_python(code, tmp_path))
 
 
+def test_contacts_go_on_under_new_engines():
+    """Although YADE's interactions keep the object of the law that they began with."""
+    floor, ball = add_wall(0, 2, friction=0.3), add_sphere((0, 0, R))
+    weight = GRAVITY * ball.state.mass
+    for _ in range(3):
+        start(1e-4)
+        run(200)
+        assert abs(ball.state.pos[2] - R) < 1e-12
+        assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-9)
+    O.engines = sg.engines(rigid="linear", gravity=(0, 0, -GRAVITY))
+    O.dt = 1e-6
+    run(100)
+    assert sg.integrator().contacts == 0
+    start(1e-4)
+    run(200)
+    assert sg.integrator().contacts == 1
+    assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-6)
+
+
 def test_linear_law_is_as_before():
     """Without being asked rigid pairs keep YADE's law, and the integrator leaves them alone."""
     add_wall(0, 2)

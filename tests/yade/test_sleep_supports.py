@@ -31,7 +31,7 @@ def test_a_floor_that_goes(floor, awake, going):
     disks = heap(floor=floor)
     if awake:
         O.bodies[3].state.vel = (0, 1e-12, 0)
-    run(8000)
+    run(11000)
     assert sg.quasi_static()["kinetic_over_elastic"] < 1e-10
     assert asleep() == [not awake] * 3
     heights = [disk.state.pos[1] for disk in disks]
@@ -123,12 +123,12 @@ def let_the_clump_go():
 
 
 def test_same_results_without_on_a_clump():
-    """As on other floors, but on spheres disks come to rest more slowly: after 9000 steps nodes
-    differ by 2e-5 R."""
+    """As on other floors, but on spheres disks come to rest more slowly: after 12 000 steps nodes
+    differ by less than 1e-4 R."""
     states = []
     for sleep in (False, True):
         heap(sleep=sleep, floor=clump_below)
-        run(9000)
+        run(12000)
         assert all(asleep()) == sleep
         states.append((present_state()["nodes"], forces()))
     (nodes, pushed), (nodes_asleep, pushed_asleep) = states

@@ -42,7 +42,7 @@ class Recipe:
     surface_spacing: float = 1.0  #: spacing of surface nodes over dr
     quadrature: str = "cutCell"  #: or 'lattice'
     contact: str = "surface"  #: or 'points'
-    light_node_share: float = 1e-4  #: nodes lighter than this share of the heaviest are tied
+    light_node_share: float = 2e-3  #: nodes lighter than this share of the heaviest are tied
     volumetric: str = "pointwise"  #: or 'projected'
     lumping: str = "balanced"  #: of the masses; or 'rowSums'
 

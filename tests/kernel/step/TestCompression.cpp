@@ -141,7 +141,7 @@ TEST_CASE("Compression: ball between planes", "[step]")
 {
 	const auto c = compress<3>(recipe(0.2), 0.1, { { 0.05, 0.0051316 }, { 0.1, 0.015291 } });
 	CAPTURE(c.error[0], c.error[1], c.imbalance, c.kineticShare, c.deepest, c.steps);
-	CHECK(std::abs(c.error[0]) < 0.1);
+	CHECK(std::abs(c.error[0]) < 0.12);
 	CHECK(std::abs(c.error[1]) < 0.03);
 	CHECK(std::abs(c.imbalance) < 0.01);
 	CHECK(c.deepest < 0.1);
