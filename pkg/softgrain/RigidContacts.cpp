@@ -187,9 +187,10 @@ void RigidContacts::list(const Scene& scene)
 	const bool otherLoop = loop && loop != loop_.lock();
 	if (law)
 		for (const auto& I : *scene.interactions) {
-			if (!I->isReal() || !haveBodies(scene, *I)) continue;
+			if (!I->isReal()) continue;
 			const LawFunctor* own = I->functorCache.constLaw.get();
 			if (own != law && !(otherLoop && isNonsmooth(own))) continue;
+			if (!haveBodies(scene, *I)) continue;
 			const auto [lower, higher] = std::minmax(I->getId1(), I->getId2());
 			found_.push_back(
 				{ std::uint64_t(lower) << 32 | std::uint64_t(higher), I.get() });
