@@ -26,7 +26,7 @@ template <int dim> struct ContactOutline {
 	/// it may be nearest, each of those around.
 	bool folded = false;
 	double circumradius = 0;     ///< of the positions about the centre of the box, m
-	VectorRange<dim> velocities; ///< of the nodes
+	VectorRange<dim> velocities; ///< of the nodes, m/s
 	/// Way of the nodes together since the start, m, and the most that one may have come
 	/// besides.
 	Vec<dim> carried = Vec<dim>::Zero();

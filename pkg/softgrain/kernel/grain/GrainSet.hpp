@@ -53,7 +53,7 @@ template <int dim> struct RigidBounds {
 	Vec<dim> centre = Vec<dim>::Zero(); ///< in space, m
 	double radius = 0;                  ///< of the farthest contact node, m
 	double bulge = 0;                   ///< how far the outline may lie out of its facets, m
-	VectorRange<dim> velocities;        ///< of all places
+	VectorRange<dim> velocities;        ///< of all places, m/s
 };
 
 /// Throws std::invalid_argument unless a saved list has the size that the discretisation needs.
@@ -167,7 +167,7 @@ public:
 	virtual void prepareMove(int /*threads*/) {}
 	/// The new velocities become the present ones, and the grain moves by dt.
 	virtual void move(int g, double dt) = 0;
-	/// Of the contact nodes.
+	/// Of the contact nodes, m/s.
 	virtual VectorRange<dim> contactVelocityRange(int g) const = 0;
 	/// Positions of the contact nodes into `at`.
 	virtual void contactPositions(int g, std::vector<Vec<dim>>& at) const = 0;
