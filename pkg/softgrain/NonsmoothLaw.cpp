@@ -64,8 +64,34 @@ SOFTGRAIN_GO_AHEAD(Ig2_Box_Sphere_ScGeom, true, 1)
 SOFTGRAIN_GO_AHEAD(Ig2_Wall_Sphere_ScGeom, false, 1)
 #undef SOFTGRAIN_GO_AHEAD
 
+NonsmoothLaw nonsmoothLawOf(const Scene& scene)
+{
+	for (const auto& engine : scene.engines) {
+		const auto* loop = dynamic_cast<const InteractionLoop*>(engine.get());
+		if (!loop) continue;
+		for (const auto& functor : loop->lawDispatcher->functors)
+			if (const auto law =
+				    YADE_PTR_DYN_CAST<Law2_ScGeom_FrictPhys_Nonsmooth>(functor))
+				return { law, loop->lawDispatcher };
+	}
+	return {};
+}
+
+/// (Each thread that comes first in a step finds the same.)
+bool Law2_ScGeom_FrictPhys_Nonsmooth::isInUse()
+{
+	const long now = 2 * scene->iter;
+	long known = inUse_.load(std::memory_order_relaxed);
+	if (known != now && known != now + 1) {
+		known = now + bool(nonsmoothLawOf(*scene).law);
+		inUse_.store(known, std::memory_order_relaxed);
+	}
+	return known != now;
+}
+
 bool Law2_ScGeom_FrictPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IPhys>&, Interaction*)
 {
+	if (!isInUse()) return false; // YADE makes the interaction anew, by what is there now
 	if (!checked_.load(std::memory_order_relaxed) && !checked_.exchange(true)) {
 		if (!softGrainIntegratorOf(*scene))
 			LOG_ERROR("there is no SoftGrainIntegrator in O.engines, which solves the "

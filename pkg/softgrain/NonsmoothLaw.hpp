@@ -59,9 +59,22 @@ public:
 	DECLARE_LOGGER;
 
 private:
+	/// Whether O.engines still have such a law: interactions keep the functors that they began
+	/// with.
+	bool isInUse();
+
 	/// Whether it was looked who solves the contacts; pairs come in parallel.
 	std::atomic<bool> checked_ { false };
+	/// Twice the step in which it was asked last, plus the answer.
+	std::atomic<long> inUse_ { -1 };
 };
 REGISTER_SERIALIZABLE(Law2_ScGeom_FrictPhys_Nonsmooth);
+
+/// The law where O.engines have it, and what calls it; null where they have not.
+struct NonsmoothLaw {
+	shared_ptr<Law2_ScGeom_FrictPhys_Nonsmooth> law;
+	shared_ptr<LawDispatcher> dispatcher;
+};
+NonsmoothLaw nonsmoothLawOf(const Scene& scene);
 
 } // namespace yade

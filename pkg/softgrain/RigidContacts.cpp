@@ -29,20 +29,6 @@ constexpr Real leaningNormal = 1e-12;
 /// Stands for the spacing of material points where overlaps are measured, over the radius.
 constexpr Real sizeOverRadius = 0.1;
 
-/// The law, if O.engines have it.
-const Law2_ScGeom_FrictPhys_Nonsmooth* nonsmoothLaw(const Scene& scene)
-{
-	for (const auto& engine : scene.engines) {
-		const auto* loop = dynamic_cast<const InteractionLoop*>(engine.get());
-		if (!loop) continue;
-		for (const auto& law : loop->lawDispatcher->functors)
-			if (const auto* found =
-				    dynamic_cast<const Law2_ScGeom_FrictPhys_Nonsmooth*>(law.get()))
-				return found;
-	}
-	return nullptr;
-}
-
 /// (Functors for a shape are called for those derived from it too, as a GridConnection is from
 /// Sphere, which are other bodies.)
 template <class Form> const Form* as(const Body& body)
@@ -139,40 +125,22 @@ Real restitutionOf(const Law2_ScGeom_FrictPhys_Nonsmooth& law, const Interaction
 	return e;
 }
 
-bool isNonsmooth(const LawFunctor* law)
-{
-	return dynamic_cast<const Law2_ScGeom_FrictPhys_Nonsmooth*>(law);
-}
-
-shared_ptr<InteractionLoop> interactionLoopOf(const Scene& scene)
-{
-	for (const auto& engine : scene.engines)
-		if (auto loop = YADE_PTR_DYN_CAST<InteractionLoop>(engine)) return loop;
-	return nullptr;
-}
-
-/// O.bodies.clear() leaves interactions behind.
-bool haveBodies(const Scene& scene, const Interaction& I)
-{
-	return scene.bodies->exists(I.getId1()) && scene.bodies->exists(I.getId2());
-}
-
-/// Interactions of rigid bodies keep the functors that they began with, also when O.engines are
-/// assigned anew; from the next step on they have those of this loop, as far as it has any.
-void adoptFunctors(const Scene& scene, InteractionLoop& loop)
+/// The law of O.engines has become another object. Interactions keep the functors that they began
+/// with: those under a former such law go on under this one. Others that belong to it, and those
+/// that are not real, which may have functors that do not look ahead, are made anew by the
+/// InteractionLoop in the next step.
+void adoptInteractions(const Scene& scene, const NonsmoothLaw& inUse)
 {
 	for (const auto& I : *scene.interactions) {
-		auto& cache = I->functorCache;
-		if (!cache.geom || !haveBodies(scene, *I) || dynamic_cast<SoftGeom*>(I->geom.get()))
-			continue;
+		if (dynamic_cast<SoftGeom*>(I->geom.get())) continue;
+		auto& own = I->functorCache.constLaw;
 		bool swap = false;
-		const auto geom = loop.geomDispatcher->getFunctor2D(
-			(*scene.bodies)[I->getId1()]->shape, (*scene.bodies)[I->getId2()]->shape,
-			swap);
-		if (geom && !swap) cache.geom = geom;
-		if (!I->isReal() || !cache.constLaw) continue;
-		if (const auto law = loop.lawDispatcher->getFunctor2D(I->geom, I->phys, swap))
-			cache.constLaw = law;
+		if (!I->isReal())
+			I->reset();
+		else if (dynamic_cast<Law2_ScGeom_FrictPhys_Nonsmooth*>(own.get()))
+			own = inUse.law;
+		else if (inUse.dispatcher->getFunctor2D(I->geom, I->phys, swap) == inUse.law)
+			I->reset();
 	}
 }
 
@@ -181,22 +149,17 @@ void adoptFunctors(const Scene& scene, InteractionLoop& loop)
 void RigidContacts::list(const Scene& scene)
 {
 	found_.clear();
-	const LawFunctor* law = nonsmoothLaw(scene);
-	hasLaw_ = law;
-	const auto loop = interactionLoopOf(scene);
-	const bool otherLoop = loop && loop != loop_.lock();
+	const NonsmoothLaw inUse = nonsmoothLawOf(scene);
+	const auto& law = inUse.law;
+	if (law && law != law_.lock()) adoptInteractions(scene, inUse);
+	law_ = law;
 	if (law)
 		for (const auto& I : *scene.interactions) {
-			if (!I->isReal()) continue;
-			const LawFunctor* own = I->functorCache.constLaw.get();
-			if (own != law && !(otherLoop && isNonsmooth(own))) continue;
-			if (!haveBodies(scene, *I)) continue;
+			if (!I->isReal() || I->functorCache.constLaw != law) continue;
 			const auto [lower, higher] = std::minmax(I->getId1(), I->getId2());
 			found_.push_back(
 				{ std::uint64_t(lower) << 32 | std::uint64_t(higher), I.get() });
 		}
-	if (otherLoop) adoptFunctors(scene, *loop);
-	loop_ = loop;
 	if (found_ != kept_) {
 		interactions_ = found_;
 		std::sort(interactions_.begin(), interactions_.end(),
@@ -233,7 +196,7 @@ void RigidContacts::requireTreatable(const Interaction& I, const Pair& pair)
 
 void RigidContacts::describe(const Scene& scene, RigidPartners& partners, Real maxOverlap)
 {
-	const Law2_ScGeom_FrictPhys_Nonsmooth* law = nonsmoothLaw(scene);
+	const auto law = nonsmoothLawOf(scene).law;
 	pairs_.clear();
 	contacts_.resize(interactions_.size());
 	for (std::size_t k = 0; k < interactions_.size(); ++k) {
@@ -320,6 +283,7 @@ void RigidContacts::addReaction(const Body& body, const Vector3r& arm, const Vec
 
 void RigidContacts::publish(Scene& scene)
 {
+	if (contacts_.empty()) return;
 	reactions_.assign(scene.bodies->size(), Reaction());
 	for (std::size_t k = 0; k < contacts_.size(); ++k) {
 		const RigidContactDescription& d = contacts_[k];

@@ -12,17 +12,19 @@
 
 namespace yade {
 
+class Law2_ScGeom_FrictPhys_Nonsmooth;
 class RigidPartners;
 
 /// The interactions under Law2_ScGeom_FrictPhys_Nonsmooth. What a step needs is done in the order
 /// in which the functions stand here.
 class RigidContacts {
 public:
-	/// Lists them in the order of the sweeps, which must not depend on threads. Throws
-	/// std::runtime_error for a sphere too large for the periodic cell.
+	/// Lists them in the order of the sweeps, which must not depend on threads. Where O.engines
+	/// have another object of the law than in the last step, those of the former one are among
+	/// them. Throws std::runtime_error for a sphere too large for the periodic cell.
 	void list(const Scene& scene);
 	/// Whether O.engines had the law when listed.
-	bool hasLaw() const { return hasLaw_; }
+	bool hasLaw() const { return !law_.expired(); }
 
 	/// Describes the contacts, with the impulses of the last step, and numbers their bodies.
 	/// Throws std::runtime_error for pairs that cannot be treated, and for an overlap beyond
@@ -61,8 +63,7 @@ private:
 	bool isSeam(const softgrain::RigidContactDescription& d, int sphere) const;
 	void addReaction(const Body& body, const Vector3r& arm, const Vector3r& force);
 
-	bool hasLaw_ = false;
-	boost::weak_ptr<InteractionLoop> loop_; ///< of the last step
+	boost::weak_ptr<Law2_ScGeom_FrictPhys_Nonsmooth> law_; ///< that of O.engines when listed
 	/// As YADE keeps them: now, and when `interactions_` were sorted.
 	std::vector<Listed> found_, kept_;
 	std::vector<Listed> interactions_;                         ///< in the order of the sweeps

@@ -3,6 +3,7 @@
 #include "PeriodicCell.hpp"
 #include "PythonContactProblem.hpp"
 #include "Require.hpp"
+#include "RigidTimeStep.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftBodies.hpp"
 #include "Timing.hpp"
@@ -14,6 +15,8 @@
 namespace yade {
 
 YADE_PLUGIN((SoftGrainIntegrator));
+
+CREATE_LOGGER(SoftGrainIntegrator);
 
 using softgrain::require;
 
@@ -216,6 +219,20 @@ void SoftGrainIntegrator::measureCriticalStep(Real enough)
 	pointsMeasured += assembly_->takeMeasuredPoints();
 }
 
+/// Where rigid bodies touch by a stiffness that the step of the soft grains is too long for.
+void SoftGrainIntegrator::warnOfStiffSpheres() const
+{
+	const Real admissible = rigidTimeStep(*scene);
+	if (scene->dt <= admissible) return;
+	LOG_WARN("O.dt = " << scene->dt
+			   << " s follows from the soft grains, but the stiffest rigid sphere asks "
+			      "for less than "
+			   << admissible
+			   << " s, as utils.PWaveTimeStep() has it: where it touches another rigid "
+			      "body both may fly apart. Assign O.dt, give it a lower young, or use "
+			      "sg.engines(rigid='nonsmooth')");
+}
+
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
 /// set for the undeformed scene before the first step); a value of the user's is only checked.
 void SoftGrainIntegrator::chooseTimeStep()
@@ -243,6 +260,7 @@ void SoftGrainIntegrator::chooseTimeStep()
 	} else if (automatic) {
 		followDeformation(undeformed, hasStepper);
 		scene->dt = dtSet;
+		if (steps == 0) warnOfStiffSpheres();
 	} else if (!(scene->dt <= criticalDt * (1 + timeStepRounding) && scene->dt > 0)) {
 		std::ostringstream message;
 		message.precision(8); // tells numbers apart that differ by more than rounding

@@ -73,6 +73,8 @@ public:
 	);
 	// clang-format on
 
+	DECLARE_LOGGER;
+
 private:
 	void advance();
 	bool assemble();
@@ -81,6 +83,7 @@ private:
 	void chooseTimeStep();
 	void followDeformation(Real undeformed, bool hasStepper);
 	void measureCriticalStep(Real enough);
+	void warnOfStiffSpheres() const;
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();
 	void keepBooks(const softgrain::StepReport& report);

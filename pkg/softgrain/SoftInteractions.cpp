@@ -67,15 +67,18 @@ public:
 		for (int g = 0; g < assembly.grains(); ++g)
 			kind_[assembly.idOf(g)] = Kind::grain;
 	}
-	/// (O.bodies.clear() leaves interactions of bodies behind that are no longer there.)
 	Kind operator[](int id)
 	{
-		if (id < 0 || std::size_t(id) >= kind_.size()) return Kind::none;
+		if (!isId(id)) return Kind::none;
 		if (kind_[id] == Kind::unknown) kind_[id] = kindOf(bodies_[id].get());
 		return kind_[id];
 	}
+	/// Looks at no body.
+	bool isGrain(int id) const { return isId(id) && kind_[id] == Kind::grain; }
 
 private:
+	/// (O.bodies.clear() leaves interactions of bodies behind that are no longer there.)
+	bool isId(int id) const { return id >= 0 && std::size_t(id) < kind_.size(); }
 	static Kind kindOf(const Body* body)
 	{
 		if (!body || !body->shape) return Kind::none;
@@ -86,28 +89,31 @@ private:
 	std::vector<Kind> kind_;
 };
 
-/// Whether an interaction is a real one of soft grains; refuses what soft grains cannot touch.
-bool isOfSoftGrains(const Interaction& I, Kinds& kinds, const BodyContainer& bodies)
+/// Whether an interaction of a soft grain is a real one of its kind; refuses what soft grains
+/// cannot touch.
+bool hasSoftContacts(Interaction& I, Kinds& kinds, const BodyContainer& bodies)
 {
 	const Kind kind1 = kinds[I.getId1()], kind2 = kinds[I.getId2()];
 	if (kind1 == Kind::none || kind2 == Kind::none) return false;
-	if (I.isReal() ? !dynamic_cast<SoftGeom*>(I.geom.get())
-		       : kind1 != Kind::grain && kind2 != Kind::grain)
-		return false;
+	if (I.isReal() && !dynamic_cast<SoftGeom*>(I.geom.get())) return false;
 	const auto &b1 = bodies[I.getId1()], &b2 = bodies[I.getId2()];
 	const bool hasNoFunctor = !I.isReal() && !I.functorCache.geomExists;
+	I.functorCache.geomExists = true; // to be looked for anew, which new engines may have it
 	if (kind1 == Kind::refused || (hasNoFunctor && kind1 != Kind::grain)) refusePair(*b2, *b1);
 	if (kind2 == Kind::refused || hasNoFunctor) refusePair(*b1, *b2);
 	return I.isReal();
 }
 
+/// How many turns of a pass before an interaction is looked at it is asked for.
+constexpr std::size_t interactionsAhead = 24;
+
+void fetch(const Interaction& I) { softgrain::fetchBytes(&I, &I + 1); }
+
 /// In the k-th turn of a pass: asks for the interaction that will be looked at some turns later.
 void fetchInteraction(const std::vector<Interaction*>& interactions, std::size_t k)
 {
-	constexpr std::size_t ahead = 24;
-	if (k + ahead >= interactions.size()) return;
-	const Interaction* I = interactions[k + ahead];
-	softgrain::fetchBytes(I, I + 1);
+	if (k + interactionsAhead < interactions.size())
+		fetch(*interactions[k + interactionsAhead]);
 }
 
 /// In the k-th turn of a pass: of interactions some turns away, what will be read of them. (Memory
@@ -130,6 +136,20 @@ void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
 		const auto* begin = reinterpret_cast<const char*>(pair);
 		softgrain::fetchBytes(begin, begin + softgrain::PairContacts::size2D);
 	}
+}
+
+/// Those of interactions of soft grains.
+std::vector<Interaction*> withSoftContacts(const std::vector<Interaction*>& ofGrains, Kinds& kinds,
+					   const BodyContainer& bodies)
+{
+	constexpr std::size_t geometryAhead = 12;
+	std::vector<Interaction*> found;
+	for (std::size_t k = 0; k < ofGrains.size(); ++k) {
+		if (k + geometryAhead < ofGrains.size())
+			__builtin_prefetch(ofGrains[k + geometryAhead]->geom.get());
+		if (hasSoftContacts(*ofGrains[k], kinds, bodies)) found.push_back(ofGrains[k]);
+	}
+	return found;
 }
 
 softgrain::PairContacts& pairOf(const Interaction& I)
@@ -164,11 +184,15 @@ void describePair(const Scene& scene, const Interaction& I, const Vec3& normal, 
 
 } // namespace
 
-const std::vector<Interaction*>& InteractionOrder::of(InteractionContainer& all)
+template <class Belongs>
+const std::vector<Interaction*>& InteractionOrder::of(InteractionContainer& all,
+						      const Belongs& belongs)
 {
 	present_.clear();
-	for (std::size_t k = 0; k < all.size(); ++k)
-		present_.push_back(all[k].get());
+	for (std::size_t k = 0; k < all.size(); ++k) {
+		if (k + interactionsAhead < all.size()) fetch(*all[k + interactionsAhead]);
+		if (belongs(*all[k])) present_.push_back(all[k].get());
+	}
 	if (present_ != sortedFrom_ || !isSorted()) {
 		sortedFrom_ = sorted_ = present_;
 		std::sort(sorted_.begin(), sorted_.end(), isBefore);
@@ -181,7 +205,6 @@ bool InteractionOrder::isBefore(const Interaction* a, const Interaction* b)
 	return std::minmax(a->getId1(), a->getId2()) < std::minmax(b->getId1(), b->getId2());
 }
 
-/// (The first pass over the interactions in a step.)
 bool InteractionOrder::isSorted() const
 {
 	for (std::size_t k = 1; k < sorted_.size(); ++k) {
@@ -199,23 +222,17 @@ SoftInteractions::SoftInteractions(Scene& scene,
 {
 	if (assembly->grains() == 0) return;
 	assembly->host.searches.beginRun(scene.interactions->size());
+	Kinds kinds(*scene.bodies, *assembly);
+	const auto hasGrain = [&](const Interaction& I) {
+		return kinds.isGrain(I.getId1()) || kinds.isGrain(I.getId2());
+	};
 	// the container's order depends on threads and history; sums of forces must not
-	collect(order.of(*scene.interactions));
+	const auto& ofGrains = order.of(*scene.interactions, hasGrain);
+	interactions_ = withSoftContacts(ofGrains, kinds, *scene.bodies);
 	for (std::size_t k = 0; k < interactions_.size(); ++k) {
 		fetchAhead(interactions_, k);
 		renew(*interactions_[k], moved);
 		pairs_.push_back(&pairOf(*interactions_[k]));
-	}
-}
-
-void SoftInteractions::collect(const std::vector<Interaction*>& all)
-{
-	constexpr std::size_t geometryAhead = 12;
-	Kinds kinds(*scene_.bodies, *assembly_);
-	for (std::size_t k = 0; k < all.size(); ++k) {
-		if (k + geometryAhead < all.size())
-			__builtin_prefetch(all[k + geometryAhead]->geom.get());
-		if (isOfSoftGrains(*all[k], kinds, *scene_.bodies)) interactions_.push_back(all[k]);
 	}
 }
 

@@ -14,11 +14,13 @@ namespace yade {
 class RigidPartners;
 class SoftGrain;
 
-/// All interactions of a scene by the ids of their bodies, an order that seldom changes from step
-/// to step.
+/// Interactions of a scene by the ids of their bodies, an order that seldom changes from step to
+/// step.
 class InteractionOrder {
 public:
-	const std::vector<Interaction*>& of(InteractionContainer& all);
+	/// Of those for which the function holds.
+	template <class Belongs>
+	const std::vector<Interaction*>& of(InteractionContainer& all, const Belongs& belongs);
 
 private:
 	static bool isBefore(const Interaction* a, const Interaction* b);
@@ -58,7 +60,6 @@ private:
 		Vector3r onBody2; ///< N
 	};
 
-	void collect(const std::vector<Interaction*>& all);
 	void renew(Interaction& I, const std::set<int>& moved) const;
 	const Body& rigidBodyOf(const Interaction& I) const;
 	const SoftGrain& softGrainOf(const Interaction& I) const;

@@ -37,6 +37,7 @@
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/DemXDofGeom.hpp>
+#include <pkg/dem/ElasticContactLaw.hpp>
 #include <pkg/dem/FrictPhys.hpp>
 #include <pkg/dem/Ig2_Box_Sphere_ScGeom.hpp>
 #include <pkg/dem/Ig2_Facet_Sphere_ScGeom.hpp>

@@ -70,14 +70,20 @@ def turns(vertices):
     return np.arctan2(cross, np.sum(before * edge, axis=1))
 
 
+def _ways_from_sides(points, vertices):
+    """From the nearest place of each side of a polygon to points; shape (m, n, 2)."""
+    x = points[:, None, :]
+    edge = np.roll(vertices, -1, axis=0) - vertices
+    along = np.sum((x - vertices) * edge, axis=2) / np.sum(edge**2, axis=1)
+    return x - (vertices + np.clip(along, 0, 1)[:, :, None] * edge)
+
+
 def depth_inside(points, vertices):
     """Distance of points from the sides of a polygon, negative outside; shape (m,)."""
+    distance = np.linalg.norm(_ways_from_sides(points, vertices), axis=2).min(axis=1)
     x = points[:, None, :]
     a, b = vertices, np.roll(vertices, -1, axis=0)
     edge = b - a
-    along = np.sum((x - a) * edge, axis=2) / np.sum(edge**2, axis=1)
-    foot = a + np.clip(along, 0, 1)[:, :, None] * edge
-    distance = np.linalg.norm(x - foot, axis=2).min(axis=1)
     level = (a[:, 1] > x[:, :, 1]) != (b[:, 1] > x[:, :, 1])
     rise = np.where(edge[:, 1] == 0, 1, edge[:, 1])
     to_the_right = x[:, :, 0] < a[:, 0] + (x[:, :, 1] - a[:, 1]) / rise * edge[:, 0]
@@ -101,13 +107,24 @@ def inradius(vertices):
         centre = centre[depth + np.sqrt(2) * half > 1.02 * best]
         half /= 2
         centre = (centre[:, None, :] + half * quarters).reshape(-1, 2)
-    improved = optimize.minimize(
-        lambda x: -depth_inside(x[None], vertices)[0],
-        place,
-        method="Nelder-Mead",
-        options={"xatol": 1e-9 * best, "fatol": 1e-9 * best, "maxfev": 500},
-    )
-    return -improved.fun
+    return _largest_depth_about(place, vertices)
+
+
+def _largest_depth_about(place, vertices):
+    """Distance of the sides of a polygon from the place where it is largest, uphill from a place
+    inside. Distances from sides are convex, so that they are not below their tangents: the place
+    where the least of the tangents is largest is never worse, and no side lies between."""
+    depth = 0.0
+    for _ in range(50):  # two or three do for convex polygons, five for others
+        way = _ways_from_sides(place[None], vertices)[0]
+        distance = np.linalg.norm(way, axis=1)
+        if distance.min() <= depth * (1 + 1e-10):
+            break
+        depth = distance.min()
+        tangents = np.column_stack((-way / distance[:, None], np.ones(len(way))))
+        best = optimize.linprog((0, 0, -1), tangents, distance, bounds=(None, None))
+        place = place + best.x[:2]
+    return depth
 
 
 def width(vertices):

@@ -1,7 +1,6 @@
 """Engines and time step of scenes with soft grains."""
 
 import math
-import warnings
 
 import numpy as np
 from yade import (
@@ -11,7 +10,6 @@ from yade import (
     Bo1_Wall_Aabb,
     Box,
     ForceResetter,
-    FrictMat,
     Ig2_Box_Sphere_ScGeom,
     Ig2_Facet_Sphere_ScGeom,
     Ig2_Sphere_Sphere_ScGeom,
@@ -328,9 +326,6 @@ def set_time_step(fraction=0.9):
 
     Raises:
         ValueError: the fraction is out of its range, or the scene has no soft grain.
-
-    Warns:
-        UserWarning: ``O.dt`` is too long for the linear law between rigid spheres.
     """
     check_fraction("fraction", fraction)
     O.dt = fraction * critical_time_step()
@@ -338,26 +333,4 @@ def set_time_step(fraction=0.9):
     for engine in integrators():
         engine.timeStepFraction = fraction
         engine.dtSet = O.dt
-    _warn_of_stiff_spheres()
     return O.dt
-
-
-def _warn_of_stiff_spheres():
-    """Where rigid bodies touch by a stiffness that ``O.dt`` is too long for."""
-    loops = [e for e in O.engines if isinstance(e, InteractionLoop)]
-    laws = [law for loop in loops for law in loop.lawDispatcher.functors]
-    rigid = [b for b in O.bodies if b and isinstance(b.material, FrictMat)]
-    steps = [
-        b.shape.radius * math.sqrt(b.material.density / b.material.young)
-        for b in rigid
-        if isinstance(b.shape, Sphere) and (b.dynamic or b.isClumpMember)
-    ]
-    linear = any(isinstance(law, Law2_ScGeom_FrictPhys_CundallStrack) for law in laws)
-    if linear and len(rigid) > 1 and steps and O.dt > min(steps):
-        warnings.warn(
-            f"O.dt = {O.dt:.3g} s follows from the soft grains, but the stiffest rigid sphere asks "
-            f"for less than {min(steps):.3g} s, as utils.PWaveTimeStep() has it: where it touches "
-            "another rigid body both may fly apart. Assign O.dt, give it a lower young, or use "
-            "sg.engines(rigid='nonsmooth')",
-            stacklevel=3,
-        )

@@ -34,7 +34,7 @@ def test_area_centroid_and_inertia_of_an_angle_iron():
     ],
 )
 def test_largest_circle_inside(vertices, expected):
-    assert outlines.inradius(np.asarray(vertices, float)) == pytest.approx(expected, rel=1e-5)
+    assert outlines.inradius(np.asarray(vertices, float)) == pytest.approx(expected, rel=1e-9)
 
 
 def test_congruent_polygons_have_the_same_digits():

@@ -78,6 +78,20 @@ def test_only_nodes_near_the_other_grain_are_candidates():
     assert STEPS * engine.contacts / 2 < engine.candidatesTested < 0.4 * STEPS * nodes
 
 
+def test_contacts_that_close_nowhere_are_not_swept():
+    """Within reach, but going apart."""
+    _, b = two_disks(distance=1.001)
+    b.state.vel = (0.01, 0, 0)
+    engine = sg.integrator()
+    for _ in range(STEPS):
+        run(1)
+        assert engine.contacts > 0
+    assert engine.contactsSwept == engine.totalSweeps == 0
+    b.state.vel = (-10, 0, 0)
+    run(STEPS)
+    assert engine.activeContacts > 0 and engine.contactsSwept > 0
+
+
 def test_contacts_are_counted_in_every_sweep():
     two_disks(distance=1.001)
     engine = sg.integrator()

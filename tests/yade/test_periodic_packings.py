@@ -72,7 +72,7 @@ def test_dense_periodic_pack_to_soft_balls():
 
 @pytest.mark.parametrize("fraction, overlap", ((0.8, 0.1), (0.9, 0.15)))
 def test_pores_that_have_closed(fraction, overlap, tmp_path):
-    """Pressed to phi = 1.05 outlines have folds about what is left of the pores: no node before a
+    """Pressed to phi > 1.035 outlines have folds about what is left of the pores: no node before a
     fold is taken for one inside, and a loaded run goes on with the same bits."""
     set_cell(0.12, 0.12)
     cloud = pack.SpherePack()

@@ -91,17 +91,32 @@ def test_users_step_before_the_first():
     assert O.dt == chosen
 
 
+@pytest.mark.parametrize("asked", (True, False))
 @pytest.mark.parametrize(
-    "rigid, young, warns", [("linear", 1e9, 1), ("linear", 1e5, 0), ("nonsmooth", 1e9, 0)]
+    "rigid, young, warnings", [("linear", 1e9, 1), ("linear", 1e5, 0), ("nonsmooth", 1e9, 0)]
 )
-def test_warning_of_stiff_spheres(rigid, young, warns, recwarn):
+def test_warning_of_stiff_spheres(rigid, young, warnings, asked, capfd):
+    """Logged once, where O.dt is set for the soft grains, by the user's call or not."""
     add_disk()
     for x in (3, 5):
         material = FrictMat(young=young, density=1000)
         O.bodies.append(utils.sphere((x * RADIUS, 0, 0), RADIUS, material=material))
-    ready(rigid=rigid)
-    found = [w for w in recwarn if "the stiffest rigid sphere asks" in str(w.message)]
-    assert len(found) == warns
+    O.engines = sg.engines(rigid=rigid)
+    if asked:
+        sg.set_time_step()
+    run(3)
+    assert capfd.readouterr().err.count("the stiffest rigid sphere asks") == warnings
+
+
+def test_no_warning_of_stiff_spheres_where_the_step_is_chosen_for_them(capfd):
+    add_disk()
+    for x in (3, 5):
+        material = FrictMat(young=1e9, density=1000)
+        O.bodies.append(utils.sphere((x * RADIUS, 0, 0), RADIUS, material=material))
+    O.engines = sg.engines()
+    O.dt = 0.5 * utils.PWaveTimeStep()
+    run(3)
+    assert "the stiffest rigid sphere asks" not in capfd.readouterr().err
 
 
 def test_step_is_forgotten_with_its_scene():

@@ -72,6 +72,20 @@ TEMPLATE_TEST_CASE_SIG("Solver: frictionless problems against enumeration", "[co
 	CHECK(open > 20);
 }
 
+TEMPLATE_TEST_CASE_SIG("Solver: no friction is the limit of little, sweep by sweep", "[contact]",
+		       ((int dim), dim), 2, 3)
+{
+	for (unsigned seed = 1; seed <= 10; ++seed) {
+		Problem<dim> none(seed, 0), little(seed, 1e-200);
+		ContactSolver<dim> solver, another;
+		CAPTURE(seed);
+		CHECK(none.solve(solver).sweeps == little.solve(another).sweeps);
+		const auto all = none.contacts(), others = little.contacts();
+		for (std::size_t c = 0; c < all.size(); ++c)
+			CHECK((all[c]->impulse - others[c]->impulse).norm() < 1e-12);
+	}
+}
+
 TEMPLATE_TEST_CASE_SIG("Solver: friction against damped projections, and all conditions",
 		       "[contact]", ((int dim), dim), 2, 3)
 {

@@ -39,8 +39,8 @@ TEMPLATE_TEST_CASE("Highest frequency: of a deformed grain", "[grain]", PlaneStr
 		}
 }
 
-TEMPLATE_TEST_CASE("Highest frequency: what few iterations find is on the safe side", "[grain]",
-		   PlaneStrain, PlaneStress, Solid)
+TEMPLATE_TEST_CASE("Highest frequency: few iterations find it to a percent", "[grain]", PlaneStrain,
+		   PlaneStress, Solid)
 {
 	constexpr int dim = TestType::dim;
 	Random random(3);

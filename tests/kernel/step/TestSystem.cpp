@@ -1,4 +1,4 @@
-#include "step/Scene.hpp"
+#include "step/Formulations.hpp"
 
 #include "grain/CriticalTimeStep.hpp"
 #include "grain/InternalForce.hpp"
@@ -172,6 +172,29 @@ TEMPLATE_TEST_CASE_SIG("System: no contact node is faster than the reach takes i
 	}
 	CHECK(soft > 100);
 	CHECK(soft < 240); // they touch while we look
+}
+
+TEST_CASE("System: the reach of the next step follows from the state alone", "[step]")
+{
+	for (const Scheme& scheme : { nodal, flip, updated }) {
+		Scene<2> scene;
+		scene.add(grainsOf<2>(scheme, recipe(0.25)));
+		auto& set = scene.system.setOf(0);
+		setVelocities<2>(set, [](const Vec<2>& x) {
+			return Vec<2>(3 + 500 * x[0] - 900 * x[1], 200 * x[0] + 3e4 * x[1] * x[1]);
+		});
+		scene.system.updateSurfaces(1);
+		for (int step = 0; step < 40; ++step)
+			scene.advance();
+		Surfaces<2>& surfaces = scene.system.surfaces();
+		const VectorRange<2> found = surfaces.bodies()[0].velocities;
+		surfaces.update(0); // as after loading
+		const VectorRange<2> state = surfaces.bodies()[0].velocities;
+		CAPTURE(found.middle, state.middle, found.spread, state.spread);
+		CHECK(state.spread > 0.1);
+		CHECK((found.middle - state.middle).norm() < 1e-8);
+		CHECK(std::abs(found.spread - state.spread) < 1e-8);
+	}
 }
 
 TEMPLATE_TEST_CASE_SIG("Impact: two grains head-on", "[step]", ((int dim), dim), 2, 3)

@@ -298,6 +298,13 @@ template <int dim> bool ContactSolver<dim>::movesRigidBodies() const
 	});
 }
 
+template <int dim> bool ContactSolver<dim>::bearsNothing() const
+{
+	if (lastActive_ > 0) return false;
+	const ResidualSum sum = sumOf(residualsOfPairs());
+	return sum.violation() == 0 && sum.scale() == 0; // nan is something
+}
+
 template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& report)
 {
 	const int cap = settings_.maxSweeps, inARow = movesRigidBodies() ? 1 : sweepsEachWay;
@@ -338,7 +345,7 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 		report.contacts += withPair(k, [](const auto& pair) { return pair.contacts(); });
 	solved_ = report.contacts == 0;
 	if (solved_) return report;
-	sweepToTolerance(report);
+	if (!bearsNothing()) sweepToTolerance(report);
 	if (!std::isfinite(report.residual)) return report;
 	const int ahead = staysInCache() ? 1 : pairsAhead; // from a near cache it comes soon
 	forEachPair(SweepOrder::forwards, [&](int k) {
@@ -347,6 +354,7 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	});
 	for (int k = 0; k < count_; ++k)
 		report.active += withPair(k, [](const auto& pair) { return pair.active(); });
+	lastActive_ = report.active;
 	solved_ = true;
 	return report;
 }

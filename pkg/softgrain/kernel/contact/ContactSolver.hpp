@@ -96,6 +96,8 @@ private:
 	void fetchForPrepare(int k) const;
 	bool hasGrains() const; ///< pairs of grains, or of a grain and a plane
 	bool movesRigidBodies() const;
+	/// No contact has an impulse, and none needs one: sweeps would change nothing.
+	bool bearsNothing() const;
 	/// The sweeps of `solve`; adds to the report what they came to.
 	void sweepToTolerance(SolverReport& report);
 	std::vector<ResidualSum> residualsOfPairs() const;
@@ -165,6 +167,7 @@ private:
 	std::vector<std::size_t> constraintsBegin_;
 	int count_ = 0;
 	bool solved_ = false;
+	int lastActive_ = 0;              ///< contacts with an impulse in the last solve
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	std::vector<long> visits_;        ///< of contacts, by pairs on their own
 	SolverSettings settings_;

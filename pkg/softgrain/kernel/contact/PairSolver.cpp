@@ -192,6 +192,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweep(SweepOrder
 {
 	assert(contacts() > 0);
 	const int step = order == SweepOrder::forwards ? 1 : -1;
+	if (friction_ == 0 && frictions_.empty()) return sweepAlongNormals(step);
 	return withFriction([&](auto&& friction) {
 		SweepChange sum;
 		int k = step > 0 ? 0 : contacts() - 1;
@@ -213,6 +214,35 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweep(SweepOrder
 		}
 		return sum;
 	});
+}
+
+/// `sweep` without friction: one number for each contact.
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweepAlongNormals(int step)
+{
+	SweepChange sum;
+	auto wantedAt = [this](const Constraint& c) {
+		return c.impulse.dot(c.normal) - c.inverseW * (velocity(c).dot(c.normal) + c.bias);
+	};
+	int k = step > 0 ? 0 : contacts() - 1;
+	double wanted = wantedAt(constraints_[k]);
+	for (int left = contacts() - 1; left >= 0; --left, k += step) {
+		Constraint& c = constraints_[k];
+		const double r = std::max(wanted, 0.); // nan stays
+		const Vec<dim> impulse = r * c.normal, J = impulse - c.impulse;
+		sum.total += c.W * r * r;
+		if (left > 0) wanted = wantedAt(constraints_[k + step]);
+		if (J.isZero(0)) continue;
+		if (left > 0) {
+			const Constraint& next = constraints_[k + step];
+			const double W = constraints_[std::min(k, k + step)].coupling;
+			wanted -= W * next.inverseW * J.dot(next.normal);
+		}
+		sum.changed += c.W * J.squaredNorm();
+		c.impulse = impulse;
+		applyImpulse(c, J);
+	}
+	return sum;
 }
 
 template <int dim> SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS ResidualSum PairSolver<dim>::residual() const

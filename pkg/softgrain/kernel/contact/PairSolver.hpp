@@ -131,6 +131,7 @@ private:
 		return visit([this](const Constraint& c) { return friction(c); });
 	}
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
+	SweepChange sweepAlongNormals(int step);
 	/// As the first body sees it, m.
 	Vec<dim> placeOf(const Constraint& c) const;
 	double spinOfOther(const Constraint& c) const; ///< ContactOutcome::spin

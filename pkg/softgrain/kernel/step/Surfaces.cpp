@@ -84,10 +84,14 @@ template <int dim> void Surfaces<dim>::followMotion(int g, double dt)
 		body.velocities = grains_.setOf(g).rigidBounds(grains_.indexInSet(g)).velocities;
 		body.travelled += dt * body.velocities.largestNorm();
 		surface_[g].expire();
-	} else {
-		const VectorRange<dim> way = renewOutline(g);
-		body.velocities = { way.middle / dt, way.spread / dt };
+		return;
 	}
+	const VectorRange<dim> way = renewOutline(g);
+	const GrainSet<dim>& set = grains_.setOf(g);
+	// a set that prepares its moves goes on with other velocities than it moved with
+	body.velocities = set.preparesMove()
+				  ? set.contactVelocityRange(grains_.indexInSet(g))
+				  : VectorRange<dim> { way.middle / dt, way.spread / dt };
 }
 
 /// What the grain gives to the common grid at its present place.
