@@ -27,6 +27,10 @@ ONE_STEP, OWN_STEPS = "radii 1 : 10, one step", "radii 1 : 10, own steps"
 #: velocities of some 15 nodes on either side, two operations for each component. (No such number in
 #: 3D: pushes move those nodes only that bear contacts, more or fewer from scene to scene.)
 FLOPS_PER_VISIT_2D = 2 * 15 * 2 * 2
+
+#: Vectors of each background node that a phase cannot but read and write: x and f; v, f and v+; v+,
+#: x and x again. (What grains share stays in the caches; surfaces come on top.)
+NODAL_VECTORS = {"updateForces": 2, "predictVelocities": 3, "move": 3}
 YADE_ENGINES = ("ForceResetter", "InsertionSortCollider", "InteractionLoop", "NewtonIntegrator")
 
 
@@ -163,10 +167,22 @@ def costs(figures, settings, limit):
     if counts:
         own = sum(phases.get(name, 0.0) for name in YADE_ENGINES)
         rows["YADE's own engines, % of the step"] = 100 * own / wall
+    if "nodes" in figures:
+        rows.update(shares_of_bandwidth(figures, settings, limit))
     rows["us a grain and step"] = 1e6 * wall / figures["grains"]
     if "dt" in figures:
         rows["s a simulated second and grain"] = wall / figures["dt"] / figures["grains"]
     return rows
+
+
+def shares_of_bandwidth(figures, settings, limit):
+    """Rows (name, value) for NODAL_VECTORS, all grains being computed."""
+    vector = 8 * settings.get("dim", 2)
+    passed = vector * figures["nodes"] * figures["grains"] / (1e9 * limit["memory_gb_per_s"])
+    return {
+        f"{phase}, % of memory bandwidth": 100 * vectors * passed / figures["phases"][phase]
+        for phase, vectors in NODAL_VECTORS.items()
+    }
 
 
 #: Figures that some cases have: name in the table, factor.
