@@ -69,6 +69,7 @@ def cases():
         Case("compaction, h = 2 dr", "paper", loose, grains=400, node_spacing=2),
         Case("scale, few", "scale", {}, **many, grains=400),
         Case("scale, many", "scale", fewer, **many, grains=10000),
+        Case("scale, own templates", "scale", {}, **many, grains=400, own_templates=True),
         Case("at rest, all computed", "sleeping", fewer, grains=10000, steps=5),
         Case("at rest, skipped", "sleeping", fewer, grains=10000, steps=5, skip=True),
         Case(
@@ -169,6 +170,8 @@ def costs(figures, settings, limit):
         rows["YADE's own engines, % of the step"] = 100 * own / wall
     if "nodes" in figures:
         rows.update(shares_of_bandwidth(figures, settings, limit))
+    if "setup" in figures:
+        rows["set-up, us a grain"] = 1e6 * figures["setup"] / figures["grains"]
     rows["us a grain and step"] = 1e6 * wall / figures["grains"]
     if "dt" in figures:
         rows["s a simulated second and grain"] = wall / figures["dt"] / figures["grains"]
@@ -236,7 +239,11 @@ def compare(columns):
         ratio("soft over rigid, a simulated second", simulated, "dense", "rigid", threads)
         point = "all phases, ns a point"
         ratio("updated over total", point, "bulk, updated", "bulk, h = 1.25 dr", threads)
-        ratio("many over few grains, a point and step", point, "scale, many", "scale, few", threads)
+        many, few, own = (f"scale, {which}" for which in ("many", "few", "own templates"))
+        setup = "set-up, us a grain"
+        ratio("many over few grains, a point and step", point, many, few, threads)
+        ratio("many over few grains, set-up of a grain", setup, many, few, threads)
+        ratio("templates of their own over one, set-up of a grain", setup, own, few, threads)
         for what in (step, "point updates before, millions", "force on the wall, N/m"):
             ratio(f"one step over own steps: {what}", what, ONE_STEP, OWN_STEPS, threads)
         ratio("skipped over computed", step, "at rest, skipped", "at rest, all computed", threads)
