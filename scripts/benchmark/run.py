@@ -67,6 +67,7 @@ def cases():
         Case("rigid", "rigid", {"grains": 100}, **{**packing, "steps": 2000}),
         Case("compaction", "paper", loose, grains=400),
         Case("compaction, h = 2 dr", "paper", loose, grains=400, node_spacing=2),
+        Case("compaction, tolerance 1e-3", "paper", loose, grains=400, tolerance=1e-3),
         Case("scale, few", "scale", {}, **many, grains=400),
         Case("scale, many", "scale", fewer, **many, grains=10000),
         Case("scale, own templates", "scale", {}, **many, grains=400, own_templates=True),

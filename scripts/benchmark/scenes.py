@@ -141,6 +141,7 @@ def compaction_options(options, *further):
             f"--grains={options.grains}",
             f"--zeta={options.zeta}",
             f"--node-spacing={options.node_spacing}",
+            f"--tolerance={options.tolerance}",
             f"--out={tempfile.mkdtemp()}",
             *further,
         ]
@@ -395,6 +396,12 @@ def parse_options():
         type=command_line.fraction,
         default=0.98,
         help="paper: packing fraction to stop at [-]",
+    )
+    add(
+        "--tolerance",
+        type=command_line.positive,
+        default=1e-2,
+        help="dense, paper, saving: of the contact sweeps [-]",
     )
     add("--damped", action="store_true", help="dense: with weight and damping")
     add("--skip", action="store_true", help="sleeping, resting: let the integrator skip grains")
