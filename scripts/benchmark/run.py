@@ -24,8 +24,13 @@ ROOFLINE = "softgrain_benchmark_roofline"
 ONE_STEP, OWN_STEPS = "radii 1 : 10, one step", "radii 1 : 10, own steps"
 
 #: Floating-point operations counted for a contact visited by a sweep in 2D: its impulse changes the
-#: velocities of some 15 nodes on either side, two operations for each component.
-FLOPS_PER_VISIT = 2 * 15 * 2 * 2
+#: velocities of some 15 nodes on either side, two operations for each component. (No such number in
+#: 3D: pushes move those nodes only that bear contacts, more or fewer from scene to scene.)
+FLOPS_PER_VISIT_2D = 2 * 15 * 2 * 2
+
+#: Vectors of each background node that a phase cannot but read and write: x and f; v, f and v+; v+,
+#: x and x again. (What grains share stays in the caches; surfaces come on top.)
+NODAL_VECTORS = {"updateForces": 2, "predictVelocities": 3, "move": 3}
 YADE_ENGINES = ("ForceResetter", "InsertionSortCollider", "InteractionLoop", "NewtonIntegrator")
 
 
@@ -62,8 +67,10 @@ def cases():
         Case("rigid", "rigid", {"grains": 100}, **{**packing, "steps": 2000}),
         Case("compaction", "paper", loose, grains=400),
         Case("compaction, h = 2 dr", "paper", loose, grains=400, node_spacing=2),
+        Case("compaction, tolerance 1e-3", "paper", loose, grains=400, tolerance=1e-3),
         Case("scale, few", "scale", {}, **many, grains=400),
         Case("scale, many", "scale", fewer, **many, grains=10000),
+        Case("scale, own templates", "scale", {}, **many, grains=400, own_templates=True),
         Case("at rest, all computed", "sleeping", fewer, grains=10000, steps=5),
         Case("at rest, skipped", "sleeping", fewer, grains=10000, steps=5, skip=True),
         Case(
@@ -152,7 +159,8 @@ def costs(figures, settings, limit):
     if counts.get("contactsSwept"):
         visit = phases["solve"] / counts["contactsSwept"]
         rows["solve, ns a contact and sweep"] = 1e9 * visit
-        rows["solve, % of peak multiply-adds"] = 100 * FLOPS_PER_VISIT / visit / peak
+        if settings.get("dim", 2) == 2:
+            rows["solve, % of peak multiply-adds"] = 100 * FLOPS_PER_VISIT_2D / visit / peak
         rows["sweeps a step"] = counts["totalSweeps"]
     if counts.get("pairsSearched"):
         search = phases.get("findContacts", 0.0)
@@ -161,10 +169,24 @@ def costs(figures, settings, limit):
     if counts:
         own = sum(phases.get(name, 0.0) for name in YADE_ENGINES)
         rows["YADE's own engines, % of the step"] = 100 * own / wall
+    if "nodes" in figures:
+        rows.update(shares_of_bandwidth(figures, settings, limit))
+    if "setup" in figures:
+        rows["set-up, us a grain"] = 1e6 * figures["setup"] / figures["grains"]
     rows["us a grain and step"] = 1e6 * wall / figures["grains"]
     if "dt" in figures:
         rows["s a simulated second and grain"] = wall / figures["dt"] / figures["grains"]
     return rows
+
+
+def shares_of_bandwidth(figures, settings, limit):
+    """Rows (name, value) for NODAL_VECTORS, all grains being computed."""
+    vector = 8 * settings.get("dim", 2)
+    passed = vector * figures["nodes"] * figures["grains"] / (1e9 * limit["memory_gb_per_s"])
+    return {
+        f"{phase}, % of memory bandwidth": 100 * vectors * passed / figures["phases"][phase]
+        for phase, vectors in NODAL_VECTORS.items()
+    }
 
 
 #: Figures that some cases have: name in the table, factor.
@@ -218,7 +240,11 @@ def compare(columns):
         ratio("soft over rigid, a simulated second", simulated, "dense", "rigid", threads)
         point = "all phases, ns a point"
         ratio("updated over total", point, "bulk, updated", "bulk, h = 1.25 dr", threads)
-        ratio("many over few grains, a point and step", point, "scale, many", "scale, few", threads)
+        many, few, own = (f"scale, {which}" for which in ("many", "few", "own templates"))
+        setup = "set-up, us a grain"
+        ratio("many over few grains, a point and step", point, many, few, threads)
+        ratio("many over few grains, set-up of a grain", setup, many, few, threads)
+        ratio("templates of their own over one, set-up of a grain", setup, own, few, threads)
         for what in (step, "point updates before, millions", "force on the wall, N/m"):
             ratio(f"one step over own steps: {what}", what, ONE_STEP, OWN_STEPS, threads)
         ratio("skipped over computed", step, "at rest, skipped", "at rest, all computed", threads)

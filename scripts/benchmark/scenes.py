@@ -141,6 +141,7 @@ def compaction_options(options, *further):
             f"--grains={options.grains}",
             f"--zeta={options.zeta}",
             f"--node-spacing={options.node_spacing}",
+            f"--tolerance={options.tolerance}",
             f"--out={tempfile.mkdtemp()}",
             *further,
         ]
@@ -217,7 +218,8 @@ def paper(options):
 
 
 def scale(options):
-    """Many grains that touch their four neighbours: memory and set-up."""
+    """Many grains that touch their four neighbours: memory and set-up. *nodes* are the background
+    nodes of a grain."""
     fill_start = time.perf_counter()
     before = resident_memory()
     centers = lattice(options.grains, 2 * RADIUS * (1 - 1e-3))
@@ -227,7 +229,12 @@ def scale(options):
     skip(False)
     figures = soft_figures(options)
     bytes_per_point = (resident_memory() - before) / (options.grains * figures["points"])
-    return {**figures, "setup": making + assembling, "bytes_per_point": bytes_per_point}
+    return {
+        **figures,
+        "nodes": len(sg.soft_bodies()[0].shape.nodes()),
+        "setup": making + assembling,
+        "bytes_per_point": bytes_per_point,
+    }
 
 
 def sleeping(options):
@@ -389,6 +396,12 @@ def parse_options():
         type=command_line.fraction,
         default=0.98,
         help="paper: packing fraction to stop at [-]",
+    )
+    add(
+        "--tolerance",
+        type=command_line.positive,
+        default=1e-2,
+        help="dense, paper, saving: of the contact sweeps [-]",
     )
     add("--damped", action="store_true", help="dense: with weight and damping")
     add("--skip", action="store_true", help="sleeping, resting: let the integrator skip grains")

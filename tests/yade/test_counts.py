@@ -4,6 +4,7 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yade.timing
 from scenes import RADIUS, add_disk, add_wall, ready, run
@@ -123,6 +124,39 @@ def test_counts_go_on_after_loading(tmp_path):
     assert [getattr(sg.integrator(), name) for name in counts] == before
     O.step()
     assert sg.integrator().pointsUpdated == before[0] * (STEPS + 1) / STEPS
+
+
+def search_in_packing(side, zeta=0.25):
+    """Pairs searched for each grain, and candidates for each surface node, in a step of a hexagonal
+    packing of side^2 disks pressed on each other, which tremble."""
+    O.reset()
+    spacing = 2 * 0.995 * RADIUS
+    for row in range(side):
+        for column in range(side):
+            x, y = column + 0.5 * (row % 2), math.sqrt(0.75) * row
+            add_disk(center=(spacing * x, spacing * y, 0), zeta=zeta)
+    ready()
+    grains, random = sg.soft_bodies(), np.random.default_rng(1)
+    for body, velocity in zip(grains, random.uniform(-0.3, 0.3, (len(grains), 2))):
+        body.state.vel = (*velocity, 0)
+    run(5 * STEPS)
+    engine, nodes = sg.integrator(), sum(len(body.shape.outline()) for body in grains)
+    return (
+        engine.pairsSearched / (5 * STEPS * len(grains)),
+        engine.candidatesTested / (5 * STEPS * nodes),
+    )
+
+
+def test_search_grows_with_the_number_of_grains():
+    few, many = search_in_packing(10), search_in_packing(20)
+    assert few[0] > 2 and few[1] > 0.1
+    assert many == pytest.approx(few, rel=0.2)  # 7 and 8 % more: fewer lie at the rim
+
+
+def test_search_grows_with_the_number_of_surface_nodes():
+    coarse, fine = search_in_packing(8, zeta=0.2), search_in_packing(8, zeta=0.1)
+    assert fine[0] == pytest.approx(coarse[0], rel=0.1)
+    assert 0 < fine[1] < 1.1 * coarse[1]
 
 
 @pytest.mark.parametrize("tracked", [False, True])
