@@ -425,7 +425,8 @@ def test_from_and_to_engines_with_stiffness(sphere, wall, law, integrator):
 
 
 def test_what_is_about_to_touch_is_found_ahead_after_linear_engines():
-    floor, ball = add_wall(0, 2, friction=0.3), add_sphere((0, 0, 1.0001 * R))
+    add_wall(0, 2, friction=0.3)
+    ball = add_sphere((0, 0, 1.0001 * R))
     O.engines = rigid_engines(
         [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
         Law2_ScGeom_FrictPhys_CundallStrack(),

@@ -123,6 +123,11 @@ template <int dim> Vec<dim> PairSolver<dim>::wantedImpulse(const Constraint& c) 
 	return softgrain::wantedImpulse<dim>(c.impulse, velocity(c), c.normal, c.bias, c.inverseW);
 }
 
+template <int dim> double PairSolver<dim>::wantedAlongNormal(const Constraint& c) const
+{
+	return c.impulse.dot(c.normal) - c.inverseW * (velocity(c).dot(c.normal) + c.bias);
+}
+
 template <int dim> void PairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
 {
 	push(c, J, ownSide(c).velocity, otherSide(c).velocity);
@@ -186,63 +191,49 @@ template <int dim> void PairSolver<dim>::fetchResults() const
 
 /// (Each contact waits for the impulse of the one before it, and what that does to the nodes would
 /// be known late: velocities are read before the impulse moves them, and what it does to them is
-/// added by the coupling of the two.)
+/// added by the coupling of the two. Without friction the wanted impulse is one number.)
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweep(SweepOrder order)
 {
 	assert(contacts() > 0);
 	const int step = order == SweepOrder::forwards ? 1 : -1;
-	if (friction_ == 0 && frictions_.empty()) return sweepAlongNormals(step);
-	return withFriction([&](auto&& friction) {
+	// inline: it is to have the instruction set of this function
+	auto sweepWith = [&](auto&& wantedAt, auto&& admissible,
+			     auto&& partOf) __attribute__((always_inline)) {
 		SweepChange sum;
 		int k = step > 0 ? 0 : contacts() - 1;
-		Vec<dim> wanted = wantedImpulse(constraints_[k]);
+		auto wanted = wantedAt(constraints_[k]);
 		for (int left = contacts() - 1; left >= 0; --left, k += step) {
 			Constraint& c = constraints_[k];
-			const Vec<dim> r = onCone<dim>(wanted, c.normal, friction(c));
+			const Vec<dim> r = admissible(c, wanted);
 			const Vec<dim> J = r - c.impulse;
 			sum.total += c.W * r.squaredNorm();
-			if (left > 0) wanted = wantedImpulse(constraints_[k + step]);
+			if (left > 0) wanted = wantedAt(constraints_[k + step]);
 			if (J.isZero(0)) continue;
 			if (left > 0) {
 				const double W = constraints_[std::min(k, k + step)].coupling;
-				wanted -= (W * constraints_[k + step].inverseW) * J;
+				const Constraint& next = constraints_[k + step];
+				wanted -= (W * next.inverseW) * partOf(next, J);
 			}
 			sum.changed += c.W * J.squaredNorm();
 			c.impulse = r;
 			applyImpulse(c, J);
 		}
 		return sum;
-	});
-}
-
-/// `sweep` without friction: one number for each contact.
-template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange PairSolver<dim>::sweepAlongNormals(int step)
-{
-	SweepChange sum;
-	auto wantedAt = [this](const Constraint& c) {
-		return c.impulse.dot(c.normal) - c.inverseW * (velocity(c).dot(c.normal) + c.bias);
 	};
-	int k = step > 0 ? 0 : contacts() - 1;
-	double wanted = wantedAt(constraints_[k]);
-	for (int left = contacts() - 1; left >= 0; --left, k += step) {
-		Constraint& c = constraints_[k];
-		const double r = std::max(wanted, 0.); // nan stays
-		const Vec<dim> impulse = r * c.normal, J = impulse - c.impulse;
-		sum.total += c.W * r * r;
-		if (left > 0) wanted = wantedAt(constraints_[k + step]);
-		if (J.isZero(0)) continue;
-		if (left > 0) {
-			const Constraint& next = constraints_[k + step];
-			const double W = constraints_[std::min(k, k + step)].coupling;
-			wanted -= W * next.inverseW * J.dot(next.normal);
-		}
-		sum.changed += c.W * J.squaredNorm();
-		c.impulse = impulse;
-		applyImpulse(c, J);
-	}
-	return sum;
+	using Row = const Constraint&;
+	if (isFrictionless())
+		return sweepWith(
+			[this](Row c) { return wantedAlongNormal(c); },
+			[](Row c, double r) -> Vec<dim> { return std::max(r, 0.) * c.normal; },
+			[](Row c, const Vec<dim>& J) { return J.dot(c.normal); });
+	return withFriction([&](auto&& friction) {
+		return sweepWith([this](Row c) { return wantedImpulse(c); },
+				 [&](Row c, const Vec<dim>& r) {
+					 return onCone<dim>(r, c.normal, friction(c));
+				 },
+				 [](Row, const Vec<dim>& J) -> const Vec<dim>& { return J; });
+	});
 }
 
 template <int dim> SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS ResidualSum PairSolver<dim>::residual() const

@@ -122,6 +122,8 @@ private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.begin(); }
 	/// CoulombCone.hpp: with the present velocities.
 	Vec<dim> wantedImpulse(const Constraint& c) const;
+	double wantedAlongNormal(const Constraint& c) const; ///< its part along the normal
+	bool isFrictionless() const { return friction_ == 0 && frictions_.empty(); }
 	/// Calls with a function that tells the friction of a constraint: for most pairs a
 	/// constant.
 	template <class Visit> decltype(auto) withFriction(Visit&& visit) const
@@ -131,7 +133,6 @@ private:
 		return visit([this](const Constraint& c) { return friction(c); });
 	}
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
-	SweepChange sweepAlongNormals(int step);
 	/// As the first body sees it, m.
 	Vec<dim> placeOf(const Constraint& c) const;
 	double spinOfOther(const Constraint& c) const; ///< ContactOutcome::spin
