@@ -21,7 +21,7 @@ from softgrain import command_line
 sys.path.append(str(Path(sys.argv[0]).resolve().parents[1]))  # scripts/
 import compaction  # noqa: E402
 
-WINDOWS = (0.72, 0.76, 0.80, 0.84, 0.88, 0.92)
+WINDOWS = (0.72, 0.76, 0.80, 0.84, 0.88, 0.92, 0.95, 0.98)
 
 
 def parse_options(arguments=None):
