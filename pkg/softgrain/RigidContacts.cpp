@@ -196,7 +196,7 @@ void RigidContacts::requireTreatable(const Interaction& I, const Pair& pair)
 
 void RigidContacts::describe(const Scene& scene, RigidPartners& partners, Real maxOverlap)
 {
-	const auto law = nonsmoothLawOf(scene).law;
+	const auto law = law_.lock();
 	pairs_.clear();
 	contacts_.resize(interactions_.size());
 	for (std::size_t k = 0; k < interactions_.size(); ++k) {

@@ -21,7 +21,8 @@ class RigidContacts {
 public:
 	/// Lists them in the order of the sweeps, which must not depend on threads. Where O.engines
 	/// have another object of the law than in the last step, those of the former one are among
-	/// them. Throws std::runtime_error for a sphere too large for the periodic cell.
+	/// them, and other interactions of rigid bodies are left to be made anew. Throws
+	/// std::runtime_error for a sphere too large for the periodic cell.
 	void list(const Scene& scene);
 	/// Whether O.engines had the law when listed.
 	bool hasLaw() const { return !law_.expired(); }

@@ -89,7 +89,7 @@ private:
 	std::vector<Kind> kind_;
 };
 
-/// Whether an interaction of a soft grain is a real one of its kind; refuses what soft grains
+/// Whether an interaction of a soft grain is real, and of our functors; refuses what soft grains
 /// cannot touch.
 bool hasSoftContacts(Interaction& I, Kinds& kinds, const BodyContainer& bodies)
 {
@@ -98,7 +98,7 @@ bool hasSoftContacts(Interaction& I, Kinds& kinds, const BodyContainer& bodies)
 	if (I.isReal() && !dynamic_cast<SoftGeom*>(I.geom.get())) return false;
 	const auto &b1 = bodies[I.getId1()], &b2 = bodies[I.getId2()];
 	const bool hasNoFunctor = !I.isReal() && !I.functorCache.geomExists;
-	I.functorCache.geomExists = true; // to be looked for anew, which new engines may have it
+	if (hasNoFunctor) I.functorCache.geomExists = true; // new engines may have one: look again
 	if (kind1 == Kind::refused || (hasNoFunctor && kind1 != Kind::grain)) refusePair(*b2, *b1);
 	if (kind2 == Kind::refused || hasNoFunctor) refusePair(*b1, *b2);
 	return I.isReal();
@@ -138,7 +138,7 @@ void fetchAhead(const std::vector<Interaction*>& interactions, std::size_t k)
 	}
 }
 
-/// Those of interactions of soft grains.
+/// Of interactions of soft grains, those for which that holds.
 std::vector<Interaction*> withSoftContacts(const std::vector<Interaction*>& ofGrains, Kinds& kinds,
 					   const BodyContainer& bodies)
 {

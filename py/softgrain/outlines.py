@@ -71,7 +71,7 @@ def turns(vertices):
 
 
 def _ways_from_sides(points, vertices):
-    """From the nearest place of each side of a polygon to points; shape (m, n, 2)."""
+    """From the nearest place of each of n sides of a polygon to m points; shape (m, n, 2)."""
     x = points[:, None, :]
     edge = np.roll(vertices, -1, axis=0) - vertices
     along = np.sum((x - vertices) * edge, axis=2) / np.sum(edge**2, axis=1)

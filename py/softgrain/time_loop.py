@@ -316,7 +316,8 @@ def _fraction_set():
 
 def set_time_step(fraction=0.9):
     """Set ``O.dt`` to a fraction of the critical step and let the integrator keep it there while
-    the grains deform.
+    the grains deform. The first step logs a warning if that is too long for rigid spheres that
+    touch by YADE's linear law.
 
     Args:
         fraction (float): in (0, 1] [-].

@@ -22,13 +22,9 @@ from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
     ForceResetter,
-    Ig2_Sphere_Sphere_ScGeom,
-    Ig2_Sphere_Sphere_ScGeom6D,
-    Ig2_Wall_Sphere_ScGeom,
     InsertionSortCollider,
     InteractionLoop,
     Ip2_FrictMat_FrictMat_FrictPhys,
-    Law2_ScGeom_FrictPhys_CundallStrack,
     NewtonIntegrator,
     O,
     Vector3,
@@ -363,80 +359,6 @@ def test_goes_on_after_saving(tmp_path):
         print("done")
     """
     assert_done(run_python(code, tmp_path))
-
-
-def test_contacts_go_on_under_new_engines():
-    """Although YADE's interactions keep the object of the law that they began with."""
-    floor, ball = add_wall(0, 2, friction=0.3), add_sphere((0, 0, R))
-    weight = GRAVITY * ball.state.mass
-    for _ in range(3):
-        start(1e-4)
-        run(200)
-        assert abs(ball.state.pos[2] - R) < 1e-12
-        assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-9)
-    run(1)
-    O.engines = sg.engines(rigid="nonsmooth", gravity=(0, 0, -GRAVITY))
-    run(1)  # no step without contact
-    assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-9)
-
-
-def rigid_engines(geometry, law):
-    """Of YADE alone."""
-    return [
-        ForceResetter(),
-        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=0.05 * R),
-        InteractionLoop(geometry, [Ip2_FrictMat_FrictMat_FrictPhys()], [law]),
-        NewtonIntegrator(damping=0.3, gravity=(0, 0, -GRAVITY)),
-    ]
-
-
-@pytest.mark.parametrize("integrator", (True, False))
-@pytest.mark.parametrize(
-    "sphere, wall, law",
-    [
-        (Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom, Law2_ScGeom_FrictPhys_CundallStrack),
-        (Ig2_Sphere_Sphere_ScGeom6D, Ig2_Wall_Sphere_ScGeom, Law2_ScGeom_FrictPhys_CundallStrack),
-    ],
-)
-def test_from_and_to_engines_with_stiffness(sphere, wall, law, integrator):
-    """Each law bears what lies there already, whatever geometry it wants; what is about to touch is
-    found ahead of it by contact dynamics."""
-    floor, ball = add_wall(0, 2, friction=0.3), add_sphere((0, 0, R))
-    top = add_sphere((0, 0, 3 * R))
-    weight = GRAVITY * (ball.state.mass + top.state.mass)
-    for _ in range(2):
-        start(1e-4)
-        run(200)
-        assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-6)
-        assert {type(i.geom) for i in O.interactions} == {yade.ScGeom}
-        assert len(list(O.interactions)) == 2
-        O.engines = rigid_engines([sphere(), wall()], law())
-        if integrator:
-            O.engines = O.engines[:-1] + [sg.SoftGrainIntegrator()] + O.engines[-1:]
-        O.dt = 0.2 * utils.PWaveTimeStep()
-        for body in (ball, top):
-            body.state.vel = (0, 0, 0)
-        run(2000)
-        assert type(O.interactions[ball.id, top.id].geom).__name__ == sphere.__name__[18:]
-        assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-2)
-        assert -0.01 * R < top.state.pos[2] - 3 * R < 1e-4 * R
-        for body in (ball, top):
-            body.state.vel = (0, 0, 0)
-
-
-def test_what_is_about_to_touch_is_found_ahead_after_linear_engines():
-    add_wall(0, 2, friction=0.3)
-    ball = add_sphere((0, 0, 1.0001 * R))
-    O.engines = rigid_engines(
-        [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
-        Law2_ScGeom_FrictPhys_CundallStrack(),
-    )
-    O.dt = 1e-7
-    run(2)
-    assert len(O.interactions) == 1 and O.interactions.countReal() == 0  # near, but apart
-    start(1e-4)
-    run(2)
-    assert O.interactions.countReal() == 1 and ball.state.pos[2] > R
 
 
 def test_linear_law_is_as_before():

@@ -80,17 +80,18 @@ template <int dim> void Surfaces<dim>::update(int g)
 template <int dim> void Surfaces<dim>::followMotion(int g, double dt)
 {
 	ContactBody<dim>& body = bodies_[g];
+	const GrainSet<dim>& set = grains_.setOf(g);
+	const int k = grains_.indexInSet(g);
 	if (grains_.isRigid(g)) {
-		body.velocities = grains_.setOf(g).rigidBounds(grains_.indexInSet(g)).velocities;
+		body.velocities = set.rigidBounds(k).velocities;
 		body.travelled += dt * body.velocities.largestNorm();
 		surface_[g].expire();
 		return;
 	}
 	const VectorRange<dim> way = renewOutline(g);
-	const GrainSet<dim>& set = grains_.setOf(g);
 	// a set that prepares its moves goes on with other velocities than it moved with
 	body.velocities = set.preparesMove()
-				  ? set.contactVelocityRange(grains_.indexInSet(g))
+				  ? set.contactVelocityRange(k)
 				  : VectorRange<dim> { way.middle / dt, way.spread / dt };
 }
 

@@ -1,0 +1,93 @@
+"""O.engines assigned anew while rigid bodies touch: from contact dynamics to it, to laws with
+stiffness and back."""
+
+import pytest
+import yade
+from rigid_scenes import GRAVITY, R, add_sphere, start
+from scenes import add_wall, run
+from yade import (
+    Bo1_Sphere_Aabb,
+    Bo1_Wall_Aabb,
+    ForceResetter,
+    Ig2_Sphere_Sphere_ScGeom,
+    Ig2_Sphere_Sphere_ScGeom6D,
+    Ig2_Wall_Sphere_ScGeom,
+    InsertionSortCollider,
+    InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys,
+    Law2_ScGeom_FrictPhys_CundallStrack,
+    NewtonIntegrator,
+    O,
+    utils,
+)
+
+import softgrain as sg
+
+
+def test_contacts_go_on_under_new_engines():
+    """Although YADE's interactions keep the object of the law that they began with."""
+    floor, ball = add_wall(0, 2, friction=0.3), add_sphere((0, 0, R))
+    weight = GRAVITY * ball.state.mass
+    for _ in range(3):
+        start(1e-4)
+        run(200)
+        assert abs(ball.state.pos[2] - R) < 1e-12
+        assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-9)
+    run(1)
+    O.engines = sg.engines(rigid="nonsmooth", gravity=(0, 0, -GRAVITY))
+    run(1)  # no step without contact
+    assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-9)
+
+
+def engines_with_stiffness(sphere=Ig2_Sphere_Sphere_ScGeom):
+    """Of YADE alone."""
+    return [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=0.05 * R),
+        InteractionLoop(
+            [sphere(), Ig2_Wall_Sphere_ScGeom()],
+            [Ip2_FrictMat_FrictMat_FrictPhys()],
+            [Law2_ScGeom_FrictPhys_CundallStrack()],
+        ),
+        NewtonIntegrator(damping=0.3, gravity=(0, 0, -GRAVITY)),
+    ]
+
+
+@pytest.mark.parametrize("integrator", (True, False))
+@pytest.mark.parametrize("sphere", (Ig2_Sphere_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom6D))
+def test_from_and_to_engines_with_stiffness(sphere, integrator):
+    """Each law bears what lies there already, whatever geometry it wants."""
+    floor, ball = add_wall(0, 2, friction=0.3), add_sphere((0, 0, R))
+    top = add_sphere((0, 0, 3 * R))
+    weight = GRAVITY * (ball.state.mass + top.state.mass)
+    for _ in range(2):
+        start(1e-4)
+        run(200)
+        assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-6)
+        assert {type(i.geom) for i in O.interactions} == {yade.ScGeom}
+        assert len(list(O.interactions)) == 2
+        O.engines = engines_with_stiffness(sphere)
+        if integrator:
+            O.engines = O.engines[:-1] + [sg.SoftGrainIntegrator()] + O.engines[-1:]
+        O.dt = 0.2 * utils.PWaveTimeStep()
+        for body in (ball, top):
+            body.state.vel = (0, 0, 0)
+        run(2000)
+        made = type(O.interactions[ball.id, top.id].geom).__name__
+        assert sphere.__name__ == f"Ig2_Sphere_Sphere_{made}"
+        assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-2)
+        assert -0.01 * R < top.state.pos[2] - 3 * R < 1e-4 * R
+        for body in (ball, top):
+            body.state.vel = (0, 0, 0)
+
+
+def test_what_is_about_to_touch_is_found_ahead_after_linear_engines():
+    add_wall(0, 2, friction=0.3)
+    ball = add_sphere((0, 0, 1.0001 * R))
+    O.engines = engines_with_stiffness()
+    O.dt = 1e-7
+    run(2)
+    assert len(O.interactions) == 1 and O.interactions.countReal() == 0  # near, but apart
+    start(1e-4)
+    run(2)
+    assert O.interactions.countReal() == 1 and ball.state.pos[2] > R
