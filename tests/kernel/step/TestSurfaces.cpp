@@ -1,4 +1,5 @@
 // How far surfaces look for each other in the step to come.
+#include "step/Batches.hpp"
 #include "step/Formulations.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>

@@ -1,4 +1,4 @@
-#include "step/Scene.hpp"
+#include "step/Batches.hpp"
 
 #include "grain/CriticalTimeStep.hpp"
 #include "grain/InternalForce.hpp"
@@ -32,27 +32,6 @@ extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attribute
 }
 
 namespace {
-
-/// Grains at the given places, 10 mm in radius unless told, all of one batch.
-template <int dim>
-Batch<dim> grainsAt(double zeta, const std::vector<Vec<dim>>& places,
-		    const std::vector<double>& radii = {})
-{
-	std::vector<GrainParameters<dim>> grains;
-	for (std::size_t g = 0; g < places.size(); ++g) {
-		grains.push_back(paperGrain<dim>());
-		grains.back().origin = places[g];
-		if (g < radii.size()) grains.back().radius = radii[g];
-	}
-	return Batch<dim>(makeGrainTemplate<dim>(recipe(zeta)), Law::neoHookean,
-			  usualCondition<dim>, grains);
-}
-
-template <int dim> void setVelocity(Batch<dim>& batch, int g, const Vec<dim>& v)
-{
-	for (int I = 0; I < batch.reference->nodes(); ++I)
-		batch.v.set(g, I, v);
-}
 
 /// Angular momentum of all grains about the origin of space, as skew matrix.
 template <int dim> Mat<dim> angularMomentum(const Scene<dim>& scene)
