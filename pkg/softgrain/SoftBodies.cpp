@@ -37,7 +37,7 @@ constexpr Real noTurn = 1e-16;
 constexpr int loadsPerThread = 2000;
 
 /// Outlines leave their boxes when they are as near to its sides as this, over the spacing of
-/// material points: contacts start before touch.
+/// material points, or as surfaces reach: contacts start before touch.
 constexpr Real boxReserve = 0.1;
 
 void requireMotion(const Body& body)
@@ -273,28 +273,28 @@ void SoftBodies::publishMotion(int g, const CellFlow& flow) const
 	state.ori = before.ori;
 }
 
-Real reserveOfBox(const softgrain::GrainAssembly& assembly, int g, Real gap)
+Real reserveOfBox(const softgrain::GrainAssembly& assembly, int g)
 {
-	return boxReserve * assembly.pointSpacing(g) + gap;
+	return std::max(boxReserve * assembly.pointSpacing(g), assembly.reachAtRest(g));
 }
 
 /// (A grain that sleeps is where it was.)
-bool SoftBodies::needCollider(Real gap, int threads) const
+bool SoftBodies::needCollider(int threads) const
 {
 	const int count = assembly_.grains();
 	bool needed = false;
 #pragma omp parallel for schedule(static) reduction(|| : needed)                                   \
 	num_threads(softgrain::threadsFor(count, threads))
 	for (int g = 0; g < count; ++g)
-		needed = needed || (!assembly_.host.publishedAsleep[g] && !isInItsBox(g, gap));
+		needed = needed || (!assembly_.host.publishedAsleep[g] && !isInItsBox(g));
 	return needed;
 }
 
-bool SoftBodies::isInItsBox(int g, Real gap) const
+bool SoftBodies::isInItsBox(int g) const
 {
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
 	if (!body.bound) return true;
-	const Real margin = reserveOfBox(assembly_, g, gap);
+	const Real margin = reserveOfBox(assembly_, g);
 	const softgrain::Box<3> box { body.bound->min, body.bound->max };
 	if (!scene_.isPeriodic) return assembly_.isInside(g, box, margin);
 	const SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);

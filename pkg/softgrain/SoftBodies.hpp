@@ -18,8 +18,8 @@ bool isAsWritten(const Body& body);
 void requireFirstMotion(const Body& body);
 
 /// How near the outline of a grain may come to the sides of its box before the collider is called,
-/// if contact starts across so large a gap, m.
-Real reserveOfBox(const softgrain::GrainAssembly& assembly, int g, Real gap);
+/// m.
+Real reserveOfBox(const softgrain::GrainAssembly& assembly, int g);
 
 /// The bodies of the soft grains of an assembly, for one step.
 class SoftBodies {
@@ -46,8 +46,8 @@ public:
 	/// The same for grains that sleep, which nobody moves, where State was changed.
 	void publishSleepers(const CellFlow& flow) const;
 	/// After that: whether an outline is about to leave the box that the collider
-	/// knows, which watches State.pos only. `gap`: as in reserveOfBox.
-	bool needCollider(Real gap, int threads) const;
+	/// knows, which watches State.pos only.
+	bool needCollider(int threads) const;
 
 private:
 	bool applyUserMotion(int g, const CellFlow& flow) const;
@@ -55,7 +55,7 @@ private:
 				    const CellFlow& flow) const;
 	/// Throws, once a load has been found that is not finite.
 	[[noreturn]] void refuseLoads(const NewtonIntegrator& newton, const CellFlow& flow) const;
-	bool isInItsBox(int g, Real gap) const;
+	bool isInItsBox(int g) const;
 
 	Scene& scene_;
 	softgrain::GrainAssembly& assembly_;

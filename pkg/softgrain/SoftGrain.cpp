@@ -223,7 +223,7 @@ Real Bo1_SoftGrain_Aabb::room(const SoftGrain& grain) const
 {
 	const softgrain::GrainAssembly& assembly = *grain.assembly;
 	const Real gap = assembly.interfaceRange();
-	return std::max(margin * grain.radius + gap, 2 * reserveOfBox(assembly, grain.index, gap));
+	return std::max(margin * grain.radius + gap, 2 * reserveOfBox(assembly, grain.index));
 }
 
 void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound,

@@ -138,7 +138,7 @@ void SoftGrainIntegrator::advance()
 					    rigidContacts_.descriptions());
 
 	if (report.sleepingGrains > 0) bodies.publishSleepers(flow);
-	if (bodies.needCollider(interfaceRange, threads())) scene->doSort = true;
+	if (bodies.needCollider(threads())) scene->doSort = true;
 	clock_.end("callColliderIfNeeded");
 	keepBooks(report);
 	// last, for the shortest way from its threads to those of NewtonIntegrator: on a long one

@@ -179,6 +179,28 @@ def test_other_methods_go_on(method, suffix, tmp_path):
     assert_same_bits(present_state(), after)
 
 
+def test_cohesion_acts_after_loading_where_it_did_before(tmp_path):
+    """The boxes of grains reach as far as their surfaces look for each other: contacts of a pair
+    do not depend on when the collider ran last."""
+    disk = add_disk((0, 1.3 * RADIUS, 0))
+    disk.state.vel = (0, -2, 0)
+    add_wall(0, 1)
+    ready(interface={"cohesion": 1e3, "cohesionRange": 0.01 * RADIUS})
+    O.saveTmp()
+    while O.interactions.countReal() == 0:
+        run(1)
+    first_contact = O.iter
+    for before in range(1, first_contact, first_contact // 10):
+        O.loadTmp()
+        run(before)
+        O.save(str(tmp_path / "scene.xml.gz"))
+        run(first_contact + 5 - before)
+        after = present_state()
+        O.load(str(tmp_path / "scene.xml.gz"))
+        run(first_contact + 5 - before)
+        assert_same_bits(present_state(), after)
+
+
 def test_users_motion_before_saving(tmp_path):
     """What the user changed since the last step is not lost."""
     disk = add_disk()

@@ -53,6 +53,7 @@ public:
 		system_.surfaces().setInterfaceRange(range);
 	}
 	double interfaceRange() const override { return system_.surfaces().interfaceRange(); }
+	double reachAtRest(int g) const override { return system_.surfaces().reachAtRest(g); }
 	double slowestWave() const override { return slowestWave_; }
 	void updateForces(int threads) override { system_.updateForces(threads); }
 	bool isRigid(int g) const override { return system_.isRigid(g); }

@@ -76,6 +76,7 @@ public:
 	/// Surfaces::setInterfaceRange.
 	virtual void setInterfaceRange(double range) = 0;
 	virtual double interfaceRange() const = 0;
+	virtual double reachAtRest(int g) const = 0;  ///< Surfaces::reachAtRest, m
 	virtual double slowestWave() const = 0;       ///< smallest speed of pressure waves, m/s
 	virtual double pointSpacing(int g) const = 0; ///< dr, m
 	virtual void updateForces(int threads) = 0;   ///< throws StepError

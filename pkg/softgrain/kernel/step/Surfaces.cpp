@@ -176,6 +176,12 @@ double Surfaces<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<
 			   dt, spacing, spacing, interfaceRange_);
 }
 
+template <int dim> double Surfaces<dim>::reachAtRest(int g) const
+{
+	const double spacing = bodies_[g].pointSpacing;
+	return withinRange(0, 0, spacing, spacing, interfaceRange_);
+}
+
 template <int dim> typename Surfaces<dim>::Ball Surfaces<dim>::ballAbout(int g) const
 {
 	if (grains_.isRigid(g)) {

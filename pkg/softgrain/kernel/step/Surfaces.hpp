@@ -71,6 +71,8 @@ public:
 	double reach(int g, const Plane<dim>& plane, double dt) const;
 	double reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
 		     double dt) const;
+	/// That of a grain at rest, from another as fine as it.
+	double reachAtRest(int g) const;
 	/// Renews the contacts of a pair (of a grain and a plane or a rigid body) within reach for
 	/// a step of dt; may be called by several threads at a time. Balls about both come first:
 	/// false if they are so far apart that no surface was looked at.
