@@ -273,9 +273,22 @@ void SoftBodies::publishMotion(int g, const CellFlow& flow) const
 	state.ori = before.ori;
 }
 
+namespace {
+
+/// How near the outline of a grain may come to the sides of its box before the collider is called,
+/// m.
 Real reserveOfBox(const softgrain::GrainAssembly& assembly, int g)
 {
 	return std::max(boxReserve * assembly.pointSpacing(g), assembly.reachAtRest(g));
+}
+
+} // namespace
+
+/// (With as much as the reserve alone, the collider would run in every step.)
+Real roomInBox(const softgrain::GrainAssembly& assembly, int g, Real margin)
+{
+	const Real least = boxReserve * assembly.pointSpacing(g);
+	return reserveOfBox(assembly, g) + std::max(margin - least, least);
 }
 
 /// (A grain that sleeps is where it was.)

@@ -17,9 +17,9 @@ bool isAsWritten(const Body& body);
 /// motion, or turned out of the plane of 2D grains, which would be built into the nodes.
 void requireFirstMotion(const Body& body);
 
-/// How near the outline of a grain may come to the sides of its box before the collider is called,
-/// m.
-Real reserveOfBox(const softgrain::GrainAssembly& assembly, int g);
+/// How far the sides of the box of a grain are from its outline when the collider runs, m: `margin`
+/// at least, and more where surfaces look farther for each other.
+Real roomInBox(const softgrain::GrainAssembly& assembly, int g, Real margin);
 
 /// The bodies of the soft grains of an assembly, for one step.
 class SoftBodies {

@@ -218,12 +218,9 @@ void Bo1_SoftGrain_Aabb::postLoad(Bo1_SoftGrain_Aabb&)
 	softgrain::require(margin > 0 && math::isfinite(margin), "margin", margin, "(0, inf)");
 }
 
-/// (With as much as the reserve alone, the collider would run in every step.)
 Real Bo1_SoftGrain_Aabb::room(const SoftGrain& grain) const
 {
-	const softgrain::GrainAssembly& assembly = *grain.assembly;
-	const Real gap = assembly.interfaceRange();
-	return std::max(margin * grain.radius + gap, 2 * reserveOfBox(assembly, grain.index));
+	return roomInBox(*grain.assembly, grain.index, margin * grain.radius);
 }
 
 void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound,

@@ -47,7 +47,12 @@ def kernel_tests(build):
 
 
 def python_tests(build, options):
-    """Pytest: Python, and scenes inside YADE. A later -m or path among the options wins."""
+    """Pytest: Python, and scenes inside YADE. A later -m or path among the options wins.
+
+    A process for each processor, with one thread unless a test asks for more: threads of several
+    processes would wait for each other's processors.
+    """
+    os.environ["OMP_NUM_THREADS"] = "1"
     return reported(
         "python tests",
         lambda report: [
@@ -60,6 +65,8 @@ def python_tests(build, options):
             f"cache_dir={build}/pytest_cache",
             "-m",
             "not slow",
+            "--numprocesses=auto",
+            "--dist=loadfile",  # so that fixtures of a module are made once
             f"--junitxml={report}",
             *options,
         ],

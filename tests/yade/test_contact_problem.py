@@ -225,7 +225,6 @@ def test_bad_problems_are_refused(change, message):
         ("delassus_column", lambda a: a + 0.5, "delassus_column .*float64; admissible: integers"),
         ("delassus_column", lambda a: a.astype("i8") + 2**32, "delassus_column .*beyond"),
     ],
-    ids=str,
 )
 def test_arrays_that_do_not_fit(name, change, message):
     problem = load(FILES[0])

@@ -162,7 +162,7 @@ def test_wrapped_in_a_dense_packing(flow, homo_deform, within_step):
 
     for wraps in (False, True):
         O.reset()
-        bonded_packing(shift=(1.2 * RADIUS, 1.2 * RADIUS))  # a row and a column beyond the cell
+        bonded_packing(shift=(1.2 * RADIUS, 1.2 * RADIUS), count=4)  # a row, a column beyond it
         O.cell.homoDeform = homo_deform
         O.cell.velGrad = Matrix3(*flow[:2], 0, *flow[2:], 0, 0, 0, 0)
         run(400)

@@ -4,8 +4,8 @@ import pytest
 from oracle_scenes import Case, assert_notices, assert_same, times
 
 #: Columns of a sheared cell; the second grain of OBLIQUE as seen across two of its borders.
-CELL = ((0.05, 0.004), (0.0, 0.05))
-ACROSS = ((0.0, 0.0), (0.0126 - 0.054, 0.0126 - 0.05))
+CELL = ((0.052, 0.004), (0.0, 0.052))
+ACROSS = ((0.0, 0.0), (0.0126 - 0.056, 0.0126 - 0.052))
 FLOW = ((-20.0, 30.0), (5.0, 10.0))
 COHESION = (2e4, 3e-4, 0.1)
 

@@ -176,7 +176,6 @@ def test_unclear_dimension(centers, flat):
         ({"ids": []}, "ids: there is no sphere"),
         ({"when": "loaded"}, "when = 'loaded' needs a SoftGrainIntegrator"),
     ],
-    ids=str,
 )
 def test_refused_options_change_nothing(options, message):
     sphere = add_spheres([(0, 0, 0)])[0]
