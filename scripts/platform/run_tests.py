@@ -52,10 +52,11 @@ def python_tests(build, options):
     A process for each processor, with one thread unless a test asks for more: threads of several
     processes would wait for each other's processors.
     """
-    os.environ["OMP_NUM_THREADS"] = "1"
     return reported(
         "python tests",
         lambda report: [
+            "env",
+            "OMP_NUM_THREADS=1",
             "python3",
             "-m",
             "pytest",

@@ -190,12 +190,12 @@ def test_cohesion_acts_after_loading_where_it_did_before(tmp_path):
     while O.interactions.countReal() == 0:
         run(1)
     first_contact = O.iter
+    run(5)
+    after = present_state()
     for before in range(1, first_contact, first_contact // 10):
         O.loadTmp()
         run(before)
         O.save(str(tmp_path / "scene.xml.gz"))
-        run(first_contact + 5 - before)
-        after = present_state()
         O.load(str(tmp_path / "scene.xml.gz"))
         run(first_contact + 5 - before)
         assert_same_bits(present_state(), after)
