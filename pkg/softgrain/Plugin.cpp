@@ -52,6 +52,11 @@ bool layoutMatches()
 	       read.densityScaling == 0.625;
 }
 
+void letColliderReadBodies()
+{
+	yade::Omega::instance().getScene()->bodies->checkedByCollider = false;
+}
+
 double criticalTimeStep() { return yade::criticalTimeStep(*yade::Omega::instance().getScene()); }
 
 yade::Vector3r contactForce(int id)
@@ -78,6 +83,10 @@ BOOST_PYTHON_MODULE(_softgrain)
 		"none.");
 	py::def("contactForce", contactForce,
 		"Sum of the contact forces on a body in the last step, from its interactions [N].");
+	py::def("letColliderReadBodies", letColliderReadBodies,
+		"Has the next run of the collider take the bodies from their list: where bodies "
+		"were "
+		"erased, a new one would know none.");
 	py::def("presentOutline", yade::presentOutline,
 		"Outline of the soft grain of a body where its State has it now, also if that was "
 		"changed since the last step: array (n, 3) [m].");

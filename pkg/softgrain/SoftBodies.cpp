@@ -291,7 +291,12 @@ Real roomInBox(const softgrain::GrainAssembly& assembly, int g, Real margin)
 	return reserveOfBox(assembly, g) + std::max(margin - least, least);
 }
 
-/// (A grain that sleeps is where it was.)
+/// (A grain that sleeps is where it was, unless it was put there in this step.)
+bool SoftBodies::mayHaveMoved(int g) const
+{
+	return !assembly_.host.publishedAsleep[g] || assembly_.host.moved[g];
+}
+
 bool SoftBodies::needCollider(int threads) const
 {
 	const int count = assembly_.grains();
@@ -299,7 +304,7 @@ bool SoftBodies::needCollider(int threads) const
 #pragma omp parallel for schedule(static) reduction(|| : needed)                                   \
 	num_threads(softgrain::threadsFor(count, threads))
 	for (int g = 0; g < count; ++g)
-		needed = needed || (!assembly_.host.publishedAsleep[g] && !isInItsBox(g));
+		needed = needed || (mayHaveMoved(g) && !isInItsBox(g));
 	return needed;
 }
 

@@ -55,6 +55,7 @@ private:
 				    const CellFlow& flow) const;
 	/// Throws, once a load has been found that is not finite.
 	[[noreturn]] void refuseLoads(const NewtonIntegrator& newton, const CellFlow& flow) const;
+	bool mayHaveMoved(int g) const;
 	bool isInItsBox(int g) const;
 
 	Scene& scene_;

@@ -226,6 +226,7 @@ Real Bo1_SoftGrain_Aabb::room(const SoftGrain& grain) const
 void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound,
 			    const Se3r& se3, const Body*)
 {
+	postLoad(*this); // YADE keeps a value that was refused
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
 	if (!checked_.load(std::memory_order_relaxed) && !checked_.exchange(true) &&
 	    !softGrainIntegratorOf(*scene))

@@ -101,7 +101,7 @@ bool SoftGrainIntegrator::assemble()
 	checkCell(*scene, *assembly_);
 	if (loaded_) continueSavedRun();
 	assembly_->setMultirate(multirate);
-	assembly_->setInterfaceRange(interfaceRange);
+	if (assembly_->setInterfaceRange(interfaceRange)) scene->doSort = true;
 	return true;
 }
 
@@ -110,6 +110,7 @@ bool SoftGrainIntegrator::assemble()
 void SoftGrainIntegrator::advance()
 {
 	clock_.start(TimingInfo::enabled);
+	postLoad(*this); // YADE keeps a value that was refused
 	if (!assemble()) return;
 	clock_.end("assembleScene");
 	const NewtonIntegrator& newton = *newtonIntegratorOf(*scene);

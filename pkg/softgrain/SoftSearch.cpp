@@ -6,6 +6,7 @@
 #include "assembly/RigidInKernel.hpp"
 
 #include <functional>
+#include <typeinfo>
 
 namespace yade {
 
@@ -65,6 +66,16 @@ bool isAssembled(const SoftGrain& grain, Scene& scene, bool force)
 	if (!grain.assembly && force) assembleScene(scene);
 	return bool(grain.assembly);
 }
+
+/// Whether the grain lies where it was when it fell asleep, as far as the last step knew.
+bool liesAsleep(const SoftGrain& grain)
+{
+	return grain.assembly->isAsleep(grain.index) && !grain.assembly->host.moved[grain.index];
+}
+
+/// Whether a body still has the shape for which YADE chose a functor for its interaction: a shape
+/// that was exchanged by hand is told by this alone.
+bool isSoft(const Shape& shape) { return typeid(shape) == typeid(SoftGrain); }
 
 /// Books its lifetime as a search on a functor, which several threads may call at a time.
 class SearchTimer {
@@ -216,12 +227,12 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 					  const State& state2, const Vector3r& shift2,
 					  const bool& force, const shared_ptr<Interaction>& I)
 {
+	if (!isSoft(*shape1) || !isSoft(*shape2)) return false;
 	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
 	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
 	if (!isAssembled(grain1, *scene, force) || grain1.assembly != grain2.assembly)
 		return I->isReal();
-	if (!I->isReal() && !force && grain1.assembly->isAsleep(grain1.index) &&
-	    grain1.assembly->isAsleep(grain2.index))
+	if (!I->isReal() && !force && liesAsleep(grain1) && liesAsleep(grain2))
 		return false; // apart when they fell asleep
 	const SearchTimer timer(*this);
 	LoopTurn turn(grain1.assembly->host.searches, *I);
@@ -252,6 +263,7 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 		       const State& state1, const State& state2, const Vector3r&, const bool& force,
 		       const shared_ptr<Interaction>& I)
 {
+	if (!isSoft(*shape2)) return false;
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
 	if (!isAssembled(grain, *scene, force)) return I->isReal();
 	// where YADE would look for an Ip2 in vain, and end the process

@@ -120,6 +120,8 @@ void WallStressController::checkWalls() const
 
 void WallStressController::action()
 {
+	postLoad(*this); // YADE keeps a value that was refused, and does not look at items of a
+			 // vector
 	checkWalls();
 	if (static_cast<int>(initialLengths.size()) != axes()) {
 		initialLengths.clear();

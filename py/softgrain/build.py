@@ -5,7 +5,7 @@ import math
 import numpy as np
 from yade import Body, Quaternion, Vector3, utils, wrapper
 
-from softgrain.checks import finite_vector, lengths, number
+from softgrain.checks import finite_vector, index, lengths, made, number
 from softgrain.materials import keep_material, soft_material
 from softgrain.outlines import area_and_inertia, normalized
 
@@ -97,6 +97,7 @@ def soft_superdisk(
     Returns, raises: as :func:`soft_ellipse`.
     """
     axes = lengths("half_axes", half_axes, (2,))
+    angle = number("angle", angle, "(-inf, inf)", "rad")
     if axes[1] > axes[0]:  # the longer one along the grain's own x axis: one table for both
         axes.reverse()
         angle += math.pi / 2
@@ -152,24 +153,20 @@ def _aspect(sides):
 
 
 def _turned(angle):
-    if not math.isfinite(angle):
-        raise ValueError(f"angle = {angle}: admissible is a finite number, in rad")
     return Quaternion((0, 0, 1), angle)
 
 
 def _soft_body(center, radius, dim, material, color, mask, shape, form=None):
     """`shape`: attributes as the user gave them; `form`: those of the outline."""
     center = finite_vector("center", center, 3, "m")
+    radius = number("radius", radius, "(0, inf)", "m")
+    mask = index("mask", mask)
+    color = utils.randomColor() if color is None else finite_vector("color", color, 3, "[0, 1]")
     refuse_form(shape)
     material = soft_material(material)
     body = Body()
-    body.shape = wrapper.SoftGrain(
-        radius=radius,
-        dim=dim,
-        color=utils.randomColor() if color is None else Vector3(*color),
-        **shape,
-        **(form or {}),
-    )
+    attributes = {**shape, **(form or {}), "radius": radius, "dim": dim, "color": Vector3(*color)}
+    body.shape = made(wrapper.SoftGrain, attributes)
     volume, inertia = volume_and_inertia(body.shape)
     utils._commonBodySetup(
         body,

@@ -2,6 +2,7 @@
 
 import math
 import operator
+from collections.abc import Mapping, Set
 
 import numpy as np
 
@@ -44,6 +45,8 @@ def lengths(name, value, sizes):
 
 def _numbers(value):
     """A tuple of floats; an empty one where the value is no sequence of numbers."""
+    if isinstance(value, (str, bytes, Mapping, Set)):  # have items, but no numbers in an order
+        return ()
     try:
         return tuple(float(item) for item in value)
     except (TypeError, ValueError):
@@ -67,8 +70,8 @@ def number(name, value, admissible, unit=""):
     """
     low, high = map(float, admissible[1:-1].split(","))
     try:
-        x = float(value)
-    except (TypeError, ValueError):
+        x = math.nan if isinstance(value, (str, bytes)) else float(value)
+    except (TypeError, ValueError, OverflowError):
         x = math.nan
     above = x >= low if admissible[0] == "[" else x > low
     below = x <= high if admissible[-1] == "]" else x < high
@@ -77,6 +80,57 @@ def number(name, value, admissible, unit=""):
             f"{name} = {value} is outside the admissible range {admissible} {unit}".rstrip()
         )
     return x
+
+
+def index(name, value):
+    """An argument as an int.
+
+    Args:
+        name (str): of the argument, for the message.
+        value (int): a whole number, numpy's among them.
+
+    Raises:
+        ValueError: something else.
+    """
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise ValueError(f"{name} = {value!r}: admissible is a whole number") from None
+
+
+def made(cls, attributes):
+    """An object of a class of YADE.
+
+    Args:
+        cls (type): the class.
+        attributes (dict): by name; scalars of numpy are taken, too, which the class itself refuses.
+
+    Raises:
+        ValueError: naming an attribute that the class does not have, or that has a value of
+            another type or (by the class itself) out of its range.
+    """
+    plain = {
+        name: value.item() if isinstance(value, np.generic) else value
+        for name, value in attributes.items()
+    }
+    try:
+        return cls(**plain)
+    except (TypeError, AttributeError):
+        for name, value in plain.items():
+            _check_type(cls(), name, value)
+        raise
+
+
+def _check_type(example, name, value):
+    kind = type(example).__name__
+    if not hasattr(example, name):
+        raise ValueError(f"{name} is no attribute of {kind}")
+    try:
+        setattr(example, name, value)
+    except (TypeError, AttributeError):
+        raise ValueError(f"{name} = {value!r} is of no type that {kind}.{name} takes") from None
+    except ValueError:
+        pass  # of its type, and out of a range that may depend on others
 
 
 def indices(name, values):

@@ -74,6 +74,8 @@ def whole_from(least):
 
 def output_folder(text):
     """Argument type: a folder, made if missing."""
+    if not text:
+        raise argparse.ArgumentTypeError("'' is no name of a folder")
     folder = Path(text)
     try:
         folder.mkdir(parents=True, exist_ok=True)

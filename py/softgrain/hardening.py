@@ -13,6 +13,7 @@ from softgrain.materials import found_material
 from softgrain.observe import bodies_of, soft_bodies
 from softgrain.overlaps import Ball, overlap_factor
 from softgrain.softening import drop_interactions, look_anew
+from softgrain.time_loop import refuse_background_run
 
 #: Outlines of clumps are off by that much of the size of the grain, if nothing else is said, by
 #: dimension: some ten or twenty spheres in either.
@@ -50,7 +51,7 @@ class Hardened:
 
 
 def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
-    """Turn soft grains into rigid bodies of YADE in place, at any time.
+    """Turn soft grains into rigid bodies of YADE in place, between steps or by a PyRunner.
 
     * ``into='spheres'`` (disks and balls only): each becomes a sphere of its present area (volume)
       and keeps its id. The shape becomes round, so that grains that were flattened at their
@@ -89,7 +90,9 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
         ValueError: a body is no soft grain, of a material with massScaling, or of a form or contact
             geometry that cannot be converted, there is no FrictMat, or a value is unknown or out
             of its range. Nothing has been changed then.
+        RuntimeError: a run is going on in the background. Nothing has been changed then.
     """
+    refuse_background_run("harden")
     if into not in _MAKERS:
         raise ValueError(f"into = {into!r} is unknown; known: {', '.join(map(repr, _MAKERS))}")
     bodies = _grains(ids)
@@ -104,6 +107,11 @@ def _grains(ids):
     for body in bodies:
         if not isinstance(body.shape, wrapper.SoftGrain):
             raise ValueError(f"ids: body #{body.id} is no soft grain")
+        if not isinstance(body.material, wrapper.SoftMat):
+            raise ValueError(f"ids: the material of soft grain #{body.id} is no SoftMat")
+        motion = (*body.state.pos, *body.state.vel, *body.state.angVel)
+        if not np.isfinite(motion).all():
+            raise ValueError(f"ids: pos, vel or angVel of soft grain #{body.id} is not finite")
         scaling = body.material.massScaling
         if scaling != 1:
             raise ValueError(

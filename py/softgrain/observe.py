@@ -7,7 +7,7 @@ import numpy as np
 from yade import O, wrapper
 
 from softgrain import _softgrain
-from softgrain.checks import indices, number
+from softgrain.checks import index, indices, number
 from softgrain.time_loop import integrators
 
 
@@ -238,6 +238,7 @@ def wall_force(body_id):
     Raises:
         ValueError: there is no such body.
     """
+    body_id = index("body_id", body_id)
     force = np.array(_softgrain.contactForce(body_id))
     if not O.bodies[body_id].isClump:
         return force

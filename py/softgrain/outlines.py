@@ -177,6 +177,12 @@ def normalized(vertices, corners=None):
             f"vertices: the area of the polygon is {area:g} m^2; admissible: > 0, "
             "without crossings"
         )
+    if abs(turns(x).sum() - 2 * np.pi) > 0.1:
+        raise ValueError(
+            "vertices: the polygon turns by "
+            f"{np.degrees(turns(x).sum()):.0f} degrees in all; admissible: once round, 360, "
+            "without crossings"
+        )
     slenderness = np.ptp(x, axis=0).max() / (width(x) / 2)
     if slenderness > SLENDEREST:  # the circle inside is smaller still, and takes long to be found
         raise ValueError(

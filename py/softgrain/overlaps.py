@@ -56,7 +56,8 @@ def overlap_factor(balls, overlap):
     limit = {"relax": WORKABLE_OVERLAP, "shrink": 1.0, "refuse": 0.0}[overlap]
     pairs = list(_near_pairs(balls))
     worst = max(pairs, key=lambda pair: pair.overlap, default=None)
-    if worst and worst.overlap > limit:
+    swallows = worst and overlap == "shrink" and not worst.factor > 0
+    if worst and (worst.overlap > limit or swallows):
         hint = "" if overlap == "shrink" else " or use overlap='shrink'"
         raise ValueError(
             f"overlap = {overlap!r}: bodies #{worst.ids[0]} and #{worst.ids[1]} overlap by "

@@ -1,5 +1,7 @@
 """Pictures of packings: outlines of the grains, coloured by stress (the paper's Figure 3)."""
 
+import os
+
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection, TriMesh
 from matplotlib.figure import Figure
@@ -35,22 +37,26 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         limits (tuple | None): (low, high) of the colours; None: from 0 (pressure: the lowest) to
             the 99th percentile.
         title (str | None): above the picture.
-        dpi (float): resolution of bitmaps, > 0 [dots an inch].
+        dpi (float): resolution of bitmaps, at least 10 [dots an inch].
 
     Raises:
         ValueError: an unknown field, nothing to draw, or a value out of its range.
     """
     if field not in ("von_mises", "pressure", None):
         raise ValueError(f"field = {field!r} is unknown; known: 'von_mises', 'pressure', None")
+    if not isinstance(path, (str, bytes, os.PathLike)) or not os.path.basename(path):
+        raise ValueError(f"path = {path!r}: admissible is the name of a file")
     if box is not None:
         box = finite_vector("box", box, 4, "m")
+        if not (box[0] < box[1] and box[2] < box[3]):
+            raise ValueError(f"box = {box}: admissible are xmin < xmax and ymin < ymax")
     if limits is not None:
         limits = finite_vector("limits", limits, 2, "the unit of the field")
         if not limits[0] < limits[1]:
             raise ValueError(f"limits = {limits}: the first has to be below the second")
     if scale is not None:
         scale = number("scale", scale, "(0, inf)", "Pa")
-    dpi = number("dpi", dpi, "(0, inf)")
+    dpi = number("dpi", dpi, "[10, inf)")
     disks = [b for b in soft_bodies() if b.shape.dim == 2]
     images = [(b, shift) for b in disks for shift in _shifts(b.state.pos, _outline(b))]
     outlines = [_outline(b) + shift for b, shift in images]

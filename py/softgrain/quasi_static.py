@@ -6,6 +6,7 @@ Formulas: ``doc/theory.md``, section 3; measured: ``doc/decisions/0016-quasi-sta
 import math
 import warnings
 
+import numpy as np
 from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 
 from softgrain import time_loop
@@ -154,7 +155,7 @@ def scale_mass(factor, materials=None):
     factor = number("factor", factor, "[1, inf)")
     if materials is None:
         materials = [b.material for b in bodies]
-    elif isinstance(materials, (Material, int, str)):
+    elif isinstance(materials, (Material, int, str, np.integer)):
         materials = [materials]
     materials = [found_material(material) for material in materials]
     for material in materials:
@@ -168,8 +169,14 @@ def scale_mass(factor, materials=None):
             stacklevel=2,
         )
     automatic = time_loop.automatic_fraction()
-    for material in materials:
-        material.massScaling = factor
-    if automatic is not None:
-        time_loop.set_time_step(automatic)
-    return time_loop.critical_time_step()
+    before = [material.massScaling for material in materials]
+    try:
+        for material in materials:
+            material.massScaling = factor
+        if automatic is not None:
+            time_loop.set_time_step(automatic)
+        return time_loop.critical_time_step()
+    except Exception:
+        for material, scaling in zip(materials, before):
+            material.massScaling = scaling
+        raise

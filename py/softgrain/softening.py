@@ -6,11 +6,18 @@ from dataclasses import dataclass
 from yade import Body, InsertionSortCollider, Material, O, Sphere, Vector3, wrapper
 
 from softgrain.build import refuse_form, soft_polygon, volume_and_inertia
+from softgrain.checks import made, number
 from softgrain.disk_union import outline_of_disks
 from softgrain.materials import keep_material, soft_material
 from softgrain.observe import bodies_of
 from softgrain.overlaps import Ball, overlap_factor
-from softgrain.time_loop import check_fraction, insert_before_solve, integrators, set_time_step
+from softgrain.time_loop import (
+    checked_fraction,
+    insert_before_solve,
+    integrators,
+    refuse_background_run,
+    set_time_step,
+)
 
 #: Members of a clump count as touching, not overlapping, at this share of two radii: rounding.
 TOUCHING = 0.999
@@ -77,8 +84,11 @@ def soften(
         ValueError: a body is neither sphere nor clump, a clump is in 3D, falls into parts or
             encloses a hole, the scene's dimension is not clear, an overlap is refused,
             or a parameter is out of its range. Nothing has been changed then.
+        RuntimeError: a run is going on in the background. Nothing has been changed then.
     """
-    check_fraction("time_step_fraction", time_step_fraction)
+    refuse_background_run("soften")
+    time_step_fraction = checked_fraction("time_step_fraction", time_step_fraction)
+    load = number("load", load, "[0, inf)")
     _refuse_kept(shape)
     bodies = _rigid_grains(ids)
     dim = _dimension(bodies) if dim is None else dim
@@ -86,7 +96,7 @@ def soften(
     if when == "loaded":
         if overlap != "relax":
             raise ValueError(f"overlap = {overlap!r} with when='loaded'; admissible: 'relax'")
-        grain = wrapper.SoftGrain(radius=1, dim=dim, zeta=zeta, **shape)
+        grain = made(wrapper.SoftGrain, {**shape, "radius": 1, "dim": dim, "zeta": zeta})
         _soften_when_loaded(bodies, grain, material, load, time_step_fraction)
         return [b.id for b in bodies]
     if when != "now":
@@ -109,13 +119,14 @@ def _replace(bodies, grains, material, fraction):
     """Put soft counterparts in the place of spheres and clumps, or leave all as it is where they do
     not fit with the soft grains that there are (ValueError); returns their ids."""
     before = [_Sphere.of(body) for body in bodies if not body.isClump]
-    converted = [
-        O.bodies.append(grain) if body.isClump else _convert(body, grain, material)
-        for body, grain in zip(bodies, grains)
-    ]
+    converted = []
     try:
+        for body, grain in zip(bodies, grains):
+            converted.append(
+                O.bodies.append(grain) if body.isClump else _convert(body, grain, material)
+            )
         set_time_step(fraction)
-    except ValueError:
+    except Exception:
         for sphere in before:
             sphere.restore()
         for body, grain_id in zip(bodies, converted):
@@ -141,8 +152,9 @@ class _Sphere:
 
     @classmethod
     def of(cls, body):
-        names = ("mass", "inertia", "blockedDOFs", "vel", "angVel")
-        state = {name: getattr(body.state, name) for name in names}
+        state = {name: getattr(body.state, name) for name in ("mass", "blockedDOFs")}
+        for name in ("inertia", "vel", "angVel"):
+            state[name] = Vector3(getattr(body.state, name))  # not a reference to it
         return cls(body, body.shape, body.material, state)
 
     def restore(self):
@@ -156,7 +168,7 @@ def _soft_counterpart(body, factor, material, shape):
     if body.isClump:
         return _soft_clump(body, factor, material, shape)
     look = {"radius": factor * body.shape.radius, "color": body.shape.color}
-    return wrapper.SoftGrain(**look, **shape)
+    return made(wrapper.SoftGrain, {**look, **shape})
 
 
 def _soft_clump(clump, factor, material, shape):

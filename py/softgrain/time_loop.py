@@ -1,6 +1,7 @@
 """Engines and time step of scenes with soft grains."""
 
 import math
+import threading
 
 import numpy as np
 from yade import (
@@ -9,6 +10,7 @@ from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
     Box,
+    Engine,
     ForceResetter,
     Ig2_Box_Sphere_ScGeom,
     Ig2_Facet_Sphere_ScGeom,
@@ -22,11 +24,12 @@ from yade import (
     NewtonIntegrator,
     O,
     Sphere,
+    log,
     wrapper,
 )
 
 from softgrain import _softgrain
-from softgrain.checks import finite_vector, number
+from softgrain.checks import finite_vector, index, made, number
 
 #: Tag of the scene: ``O.dt`` as last set by set_time_step [s] and the fraction of the critical step
 #: that it was.
@@ -50,6 +53,13 @@ _AHEAD = 1.05
 _VERLET_SHARE = 0.05
 
 
+def refuse_background_run(asker):
+    """RuntimeError where a script changes bodies while another thread, started by ``O.run()``, is
+    at them. (A PyRunner is part of the run: it is called between engines, by that thread.)"""
+    if O.running and threading.current_thread() is threading.main_thread():
+        raise RuntimeError(f"{asker}: O.run() is going on in the background; call O.pause() first")
+
+
 def advance(steps):
     """Take steps in the calling thread, as ``O.step()`` does. ``O.run(steps, True)`` takes them in
     another one, looks every 40 ms whether that is done, and may lose an error: this is for short
@@ -59,10 +69,10 @@ def advance(steps):
         steps (int): in [0, inf) [-].
 
     Raises:
-        ValueError: ``steps`` is negative.
-        TypeError: ``steps`` is no whole number.
+        ValueError: ``steps`` is negative, or no whole number.
         RuntimeError: what stopped a step.
     """
+    steps = index("steps", steps)
     if steps < 0:
         raise ValueError(f"steps = {steps} is outside the admissible range [0, inf)")
     for _ in range(steps):
@@ -117,8 +127,9 @@ def engines(
     integrator.setdefault("interfaceRange", _longest_range(interface))
     if label:
         integrator["label"] = label
-    fraction = _fraction_set()
-    if fraction is not None:  # before there was an integrator: it is to keep that
+    _let_collider_find_all_bodies()
+    fraction = automatic_fraction()
+    if fraction is not None:  # what set_time_step or the integrator until now keeps, it is to keep
         integrator.setdefault("timeStepFraction", fraction)
         integrator.setdefault("dtSet", O.dt)
     return [
@@ -135,7 +146,7 @@ def engines(
             _physics_functors(interface),
             _laws(nonsmooth, interface),
         ),
-        wrapper.SoftGrainIntegrator(**integrator),
+        made(wrapper.SoftGrainIntegrator, integrator),
         NewtonIntegrator(damping=0, gravity=gravity),
     ]
 
@@ -149,8 +160,11 @@ def insert_before_solve(*engines):
         *engines (Engine): in this order.
 
     Raises:
-        ValueError: ``O.engines`` holds no ``SoftGrainIntegrator``.
+        ValueError: ``O.engines`` holds no ``SoftGrainIntegrator``, or an argument is no engine.
     """
+    for engine in engines:
+        if not isinstance(engine, Engine):
+            raise ValueError(f"engines: {engine!r} is no engine")
     present = list(O.engines)
     places = [k for k, e in enumerate(present) if isinstance(e, wrapper.SoftGrainIntegrator)]
     if not places:
@@ -172,7 +186,7 @@ def _checked_interface(interface):
     for name, value in interface.items():
         is_ready = name == "bondAtTouch" or isinstance(value, MatchMaker)
         if not is_ready:
-            number(f"interface: {name}", value, *_INTERFACE_RANGES[name])
+            value = number(f"interface: {name}", value, *_INTERFACE_RANGES[name])
         checked[name] = value if is_ready else MatchMaker(algo="val", val=value)
     return checked
 
@@ -226,6 +240,16 @@ def _sort_axis():
     return int(np.argmin(np.max(halves, axis=0) / np.array(O.cell.size)))
 
 
+def _let_collider_find_all_bodies():
+    """YADE's collider has another way for scenes in which bodies were erased. On that one a new
+    collider knows no body until it is told, and in a periodic cell it may never end: there it is
+    not to begin with it (which YADE would call a bug of its own in a warning)."""
+    if O.periodic and not O.bodies.useRedirection:
+        O.bodies.enableRedirection = False
+        log.setLevel("BodyContainer", log.ERROR)
+    _softgrain.letColliderReadBodies()
+
+
 def _bound_functors(nonsmooth):
     sphere = Bo1_Sphere_Aabb(aabbEnlargeFactor=_AHEAD) if nonsmooth else Bo1_Sphere_Aabb()
     rigid = [Bo1_Wall_Aabb(), sphere, Bo1_Facet_Aabb(), Bo1_Box_Aabb()]
@@ -276,9 +300,9 @@ def _laws(nonsmooth, interface):
     ]
 
 
-def check_fraction(name, fraction):
-    """ValueError unless ``fraction`` of the critical step [-] is in (0, 1]."""
-    number(name, fraction, "(0, 1]")
+def checked_fraction(name, fraction):
+    """As a float; ValueError unless ``fraction`` of the critical step [-] is in (0, 1]."""
+    return number(name, fraction, "(0, 1]")
 
 
 def critical_time_step():
@@ -328,9 +352,9 @@ def set_time_step(fraction=0.9):
     Raises:
         ValueError: the fraction is out of its range, or the scene has no soft grain.
     """
-    check_fraction("fraction", fraction)
+    fraction = checked_fraction("fraction", fraction)
     O.dt = fraction * critical_time_step()
-    O.tags[_OWN_STEP] = f"{O.dt!r} {float(fraction)!r}"
+    O.tags[_OWN_STEP] = f"{O.dt!r} {fraction!r}"
     for engine in integrators():
         engine.timeStepFraction = fraction
         engine.dtSet = O.dt

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from scenes import RADIUS, add_disk
-from yade import FrictMat, O, utils
+from yade import FrictMat, O, Quaternion, utils
 
 import softgrain as sg
 
@@ -26,6 +26,21 @@ THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
         (lambda: sg.soft_polygon(THIN), "times as long as wide; admissible: at most 500"),
         (lambda: sg.engines(verlet_distance=NAN), r"verlet_distance = nan .*\[0, inf\) m"),
         (lambda: sg.engines(1e-4, gravity=(NAN, 0, 0)), "gravity = .*3 finite numbers"),
+        (lambda: sg.soft_polygon([(0, 0), (1, 0), (1, 1), (0, 1)] * 2), "turns by 720 degrees"),
+        (lambda: sg.soft_disk("123", RADIUS), "center = 123: .*3 finite numbers"),
+        (lambda: sg.soft_disk((0, 0, 0), "1"), r"radius = 1 .*\(0, inf\) m"),
+        (lambda: sg.soft_disk(**DISK, zeta="x"), "zeta = 'x' is of no type"),
+        (lambda: sg.soft_disk(**DISK, bogus=1), "bogus is no attribute of SoftGrain"),
+        (lambda: sg.soft_disk(**DISK, mask=1.5), "mask = 1.5: .*whole number"),
+        (lambda: sg.soft_disk(**DISK, color=(1, 2)), "color = .*3 finite numbers"),
+        (lambda: sg.soft_ellipse((0, 0, 0), (2, 1), angle="x"), "angle = x"),
+        (lambda: sg.engines(1e-4, bogus=1), "bogus is no attribute of SoftGrainIntegrator"),
+        (lambda: sg.insert_before_solve(None), "None is no engine"),
+        (lambda: sg.advance("3"), "steps = '3': .*whole number"),
+        (lambda: sg.wall_force("3"), "body_id = '3': .*whole number"),
+        (lambda: sg.soften([0], load=-7), r"load = -7 .*\[0, inf\)"),
+        (lambda: sg.draw_packing(""), "path = '': .*name of a file"),
+        (lambda: sg.draw_packing("p.png", box=(1, 0, 1, 0)), "box = .*xmin < xmax"),
         (lambda: sg.soften([0, 0]), "ids: #0 is given twice"),
         (lambda: sg.soften(i for i in [0]), "body #0 is neither a sphere"),
         (lambda: sg.soften([9]), "ids: there is no body #9"),
@@ -77,3 +92,47 @@ def test_soft_grains_do_not_grow():
     sphere = utils.sphere((5 * RADIUS, 0, 0), RADIUS, material=FrictMat())
     utils.growParticle(O.bodies.append(sphere), 1.1)
     assert sphere.shape.radius == pytest.approx(1.1 * RADIUS)
+
+
+def test_scalars_of_numpy():
+    """Wherever a number is asked for."""
+    disk = sg.soft_disk(
+        (0, 0, 0), np.float32(RADIUS), zeta=np.float64(0.25), order=np.int64(3), mask=np.int64(1)
+    )
+    O.bodies.append([disk, utils.wall(-RADIUS, axis=1, material=FrictMat())])
+    law = {"frictAngle": np.float32(0.3)}
+    O.engines = sg.engines(interface=law, maxSweeps=np.int64(99), tolerance=np.float32(1e-2))
+    sg.set_time_step(np.float32(0.5))
+    sg.advance(np.int64(2))
+    assert sg.wall_force(np.int64(1)).shape == (3,)
+    assert sg.integrator().maxSweeps == 99
+
+
+@pytest.mark.parametrize("wrong", [{"vel": (NAN, 0, 0)}, {"ori": ((1, 0, 0), 0.5)}])
+def test_refused_spheres_stay_as_they_were(wrong):
+    """All of them, the ones before the one that is refused, too."""
+    O.materials.append(FrictMat())
+    O.bodies.append([utils.sphere((x * RADIUS, 0, 0), RADIUS) for x in (0, 3)])
+    for body in O.bodies:
+        body.state.vel, body.state.angVel = (1, 2, 3), (4, 5, 6)
+    attribute, value = next(iter(wrong.items()))
+    last = O.bodies[1].state
+    setattr(last, attribute, Quaternion(*value) if attribute == "ori" else value)
+    before = [(b.shape, b.material, b.state.mass) for b in O.bodies]
+    inertia = [tuple(b.state.inertia) for b in O.bodies]
+    with pytest.raises((ValueError, RuntimeError)):
+        sg.soften([0, 1], material=sg.SoftMat(young=1e6), dim=2, zeta=0.25)
+    assert [(b.shape, b.material, b.state.mass) for b in O.bodies] == before
+    assert [tuple(b.state.inertia) for b in O.bodies] == inertia
+    first = O.bodies[0].state
+    assert (tuple(first.vel), tuple(first.angVel)) == ((1, 2, 3), (4, 5, 6))
+
+
+def test_a_refused_value_is_refused_in_the_step_too():
+    """YADE keeps it."""
+    add_disk()
+    O.engines = sg.engines()
+    with pytest.raises(ValueError):
+        sg.integrator().timeStepFraction = -1
+    with pytest.raises(RuntimeError, match="timeStepFraction = -1"):
+        O.step()

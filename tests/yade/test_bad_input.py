@@ -99,7 +99,7 @@ def test_grain(attributes, message):
 
 
 def test_grain_of_unknown_attribute():
-    with pytest.raises(AttributeError, match="resolution"):
+    with pytest.raises(ValueError, match="resolution is no attribute"):
         sg.soft_disk((0, 0, 0), RADIUS, soft_material(), resolution=0.1)
 
 

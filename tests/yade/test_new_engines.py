@@ -1,10 +1,10 @@
-"""O.engines assigned anew while rigid bodies touch: from contact dynamics to it, to laws with
-stiffness and back."""
+"""O.engines assigned anew: what they find of bodies and of the time step; rigid bodies that touch,
+from contact dynamics to it, to laws with stiffness and back."""
 
 import pytest
 import yade
 from rigid_scenes import GRAVITY, R, add_sphere, start
-from scenes import add_wall, run
+from scenes import RADIUS, add_disk, add_wall, run
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
@@ -22,6 +22,52 @@ from yade import (
 )
 
 import softgrain as sg
+
+
+def test_all_bodies_are_found_after_one_was_erased():
+    """YADE's own new collider knows none of them then."""
+    floor = add_wall(0, 1)
+    grain = add_disk((0, 1.5 * RADIUS, 0))
+    other = add_disk((9 * RADIUS, 9 * RADIUS, 0))
+    gravity = (0, -500, 0)
+    O.engines = sg.engines(gravity=gravity)
+    run(5)
+    O.bodies.erase(other.id)
+    run(50)
+    O.engines = sg.engines(gravity=gravity)
+    run(1500)
+    assert grain.state.pos[1] > 0.8 * RADIUS
+    assert O.bodies[floor.id].intrs()
+
+
+def test_the_collider_keeps_its_way_when_grains_of_a_cell_are_erased():
+    """On the other one it may never end."""
+    O.periodic = True
+    O.cell.setBox(99 * RADIUS, 99 * RADIUS, 99 * RADIUS)
+    add_disk()
+    other = add_disk((9 * RADIUS, 0, 0))
+    O.engines = sg.engines()
+    run(1)
+    O.bodies.erase(other.id)
+    assert not O.bodies.useRedirection
+
+
+@pytest.mark.parametrize("by_hand", [False, True])
+def test_time_step_goes_on_following(by_hand):
+    """Whether set_time_step chose it or the integrator itself."""
+    add_wall(-RADIUS, 1)
+    top = add_wall(RADIUS, 1)
+    add_disk()
+    O.engines = sg.engines()
+    if by_hand:
+        sg.set_time_step(0.8)
+    top.state.vel = (0, -5, 0)
+    run(100)
+    O.engines = sg.engines(tolerance=1e-3)
+    before = O.dt
+    run(150)
+    assert sg.integrator().timeStepFraction == (0.8 if by_hand else 0.9)
+    assert O.dt < before  # or it would have been refused by now
 
 
 def test_contacts_go_on_under_new_engines():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, message_of_step, ready, run
+from scenes import RADIUS, ZETA, add_disk, message_of_step, ready, run, soft_material
 from yade import O, Quaternion
 
 import softgrain as sg
@@ -95,3 +95,43 @@ def test_put_into_another():
         run(1)
     moved.state.pos += (0.9 * RADIUS, 0, 0)
     assert "overlap by" in message_of_step()
+
+
+def free_blocks(gap):
+    """Two that lie still, and so sleep."""
+    side, material = 2 * RADIUS, soft_material()
+    blocks = [
+        sg.soft_block((x, 0, 0), (side, side), material, zeta=ZETA) for x in (0, side + gap)
+    ]
+    O.bodies.append(blocks)
+    ready()
+    run(20)
+    assert all(block.shape.isAsleep() for block in blocks)
+    return blocks
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_sleeper_put_against_a_sleeper(turned):
+    """Neither moves, and nobody else would look for a contact."""
+    first, second = free_blocks(gap=0.1 * RADIUS if turned else 0.5 * RADIUS)
+    if turned:  # its centre stays, which is all that the collider watches
+        first.state.ori = Quaternion((0, 0, 1), 0.2)
+    else:
+        first.state.pos = (0.52 * RADIUS, 0, 0)
+    run(50)
+    assert sg.integrator().contacts > 0
+    assert not first.shape.isAsleep() and not second.shape.isAsleep()
+
+
+def test_sleeper_put_into_a_sleeper():
+    free_blocks(gap=0.5 * RADIUS)[0].state.pos = (RADIUS, 0, 0)
+    assert "overlap by" in message_of_step(10)
+
+
+def test_sleepers_that_begin_to_attract_each_other():
+    blocks = free_blocks(gap=0.02 * RADIUS)
+    law = dict(cohesion=2e3, cohesionRange=0.1 * RADIUS)
+    O.engines = sg.engines(interface=law)
+    run(50)
+    assert sg.integrator().contacts > 0
+    assert not any(block.shape.isAsleep() for block in blocks)

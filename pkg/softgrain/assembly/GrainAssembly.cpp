@@ -48,9 +48,12 @@ public:
 		return parameters(g).radius * system_.setOf(g).reference().pointSpacing();
 	}
 	double kickTime(double dt) const override { return system_.kickTime(dt); }
-	void setInterfaceRange(double range) override
+	bool setInterfaceRange(double range) override
 	{
+		if (range == system_.surfaces().interfaceRange()) return false;
 		system_.surfaces().setInterfaceRange(range);
+		std::fill(host.moved.begin(), host.moved.end(), true);
+		return true;
 	}
 	double interfaceRange() const override { return system_.surfaces().interfaceRange(); }
 	double reachAtRest(int g) const override { return system_.surfaces().reachAtRest(g); }

@@ -73,8 +73,9 @@ public:
 	virtual void setMultirate(bool on) = 0;
 	virtual int rate(int g) const = 0;
 	virtual double kickTime(double dt) const = 0; ///< System::kickTime
-	/// Surfaces::setInterfaceRange.
-	virtual void setInterfaceRange(double range) = 0;
+	/// Surfaces::setInterfaceRange; false if it was that. Whatever sleeps is looked at once
+	/// more.
+	virtual bool setInterfaceRange(double range) = 0;
 	virtual double interfaceRange() const = 0;
 	virtual double reachAtRest(int g) const = 0;  ///< Surfaces::reachAtRest, m
 	virtual double slowestWave() const = 0;       ///< smallest speed of pressure waves, m/s
