@@ -177,11 +177,11 @@ def normalized(vertices, corners=None):
             f"vertices: the area of the polygon is {area:g} m^2; admissible: > 0, "
             "without crossings"
         )
-    if abs(turns(x).sum() - 2 * np.pi) > 0.1:
+    turned = np.degrees(turns(x).sum())
+    if abs(turned - 360) > 1:
         raise ValueError(
-            "vertices: the polygon turns by "
-            f"{np.degrees(turns(x).sum()):.0f} degrees in all; admissible: once round, 360, "
-            "without crossings"
+            f"vertices: the polygon crosses or touches itself, as it turns by {turned:.0f} degrees "
+            "in all; admissible: 360, once round"
         )
     slenderness = np.ptp(x, axis=0).max() / (width(x) / 2)
     if slenderness > SLENDEREST:  # the circle inside is smaller still, and takes long to be found
