@@ -52,6 +52,7 @@ bool layoutMatches()
 	       read.densityScaling == 0.625;
 }
 
+/// Where bodies were erased, a new collider knows none until it is told that they changed.
 void letColliderReadBodies()
 {
 	yade::Omega::instance().getScene()->bodies->checkedByCollider = false;
@@ -84,9 +85,7 @@ BOOST_PYTHON_MODULE(_softgrain)
 	py::def("contactForce", contactForce,
 		"Sum of the contact forces on a body in the last step, from its interactions [N].");
 	py::def("letColliderReadBodies", letColliderReadBodies,
-		"Has the next run of the collider take the bodies from their list: where bodies "
-		"were "
-		"erased, a new one would know none.");
+		"Has the next run of the collider take the bodies from their list.");
 	py::def("presentOutline", yade::presentOutline,
 		"Outline of the soft grain of a body where its State has it now, also if that was "
 		"changed since the last step: array (n, 3) [m].");

@@ -136,3 +136,17 @@ def test_a_refused_value_is_refused_in_the_step_too():
         sg.integrator().timeStepFraction = -1
     with pytest.raises(RuntimeError, match="timeStepFraction = -1"):
         O.step()
+
+
+@pytest.mark.parametrize("change", [sg.soften, sg.harden])
+def test_bodies_are_not_changed_under_a_run(change):
+    """Which another thread is at."""
+    O.materials.append(FrictMat())
+    add_disk()
+    O.engines = sg.engines()
+    O.run()
+    try:
+        with pytest.raises(RuntimeError, match="background; call O.pause"):
+            change()
+    finally:
+        O.pause()

@@ -85,11 +85,8 @@ def add_disks(units, material=None, turned=False, **shape):
 
 def add_rigid_disk(units, centre, numbers):
     body = utils.sphere(centre * units.length, RADIUS * units.length, material=units.rigid())
-    state = body.state
-    state.blockedDOFs = "zXY"
-    state.mass = body.material.density * math.pi * body.shape.radius**2
-    state.inertia = Vector3(1, 1, 1) * (0.5 * state.mass * body.shape.radius**2)
-    return add(units, body, numbers)
+    body.state.blockedDOFs = "zXY"
+    sg.as_disks([add(units, body, numbers)])
 
 
 def add_walls(units, speed=4.0, dim=2):
@@ -192,8 +189,7 @@ def under_stress(units):
     walls = add_walls(units, speed=0)
     O.engines = sg.engines()
     goal = Vector3(-2e5, -1e5, 0) * units.stress
-    press = sg.WallStressController(walls=walls, goal=goal, stressMask=3)
-    O.engines = [*O.engines[:3], press, *O.engines[3:]]
+    sg.insert_before_solve(sg.WallStressController(walls=walls, goal=goal, stressMask=3))
 
 
 def periodic(units):
@@ -213,8 +209,8 @@ def on_facets(units):
     """A rough floor of facets, and a box that comes down."""
     add_disks(units)
     heights = (-0.01, 0.2, 0.0, 0.1, -0.01)
-    places = [Vector3(0.8 * k - 0.1, height, 0) for k, height in enumerate(heights)]
-    floor = [place * (CELL * units.length) for place in places]
+    profile = [Vector3(0.8 * k - 0.1, height, 0) for k, height in enumerate(heights)]
+    floor = [point * (CELL * units.length) for point in profile]
     across = Vector3(0, 0, CELL * units.length)
     for a, b in zip(floor[:-1], floor[1:]):
         for corners in ((a - across, b - across, b + across), (b + across, a + across, a - across)):
@@ -321,7 +317,7 @@ MOVABLE = (
 
 
 @pytest.mark.parametrize("name", MOVABLE)
-def test_what_all_move_along_with_changes_nothing(name):
+def test_a_common_velocity_changes_nothing(name):
     """Faster than any wave in the grains."""
     scene = SCENES[name]
 
