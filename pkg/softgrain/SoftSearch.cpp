@@ -59,12 +59,13 @@ private:
 	softgrain::MemoryPieces read_;
 };
 
-/// Whether the grain is in an assembly; `force` makes it, for interactions that a script creates
-/// before the first step.
-bool isAssembled(const SoftGrain& grain, Scene& scene, bool force)
+/// Whether the grain is in an assembly, as that of the body `id`: one that a script gave to another
+/// body is so from the next assembly on. `force` makes the first one, for interactions that a script
+/// creates before the first step.
+bool isAssembled(const SoftGrain& grain, int id, Scene& scene, bool force)
 {
 	if (!grain.assembly && force) assembleScene(scene);
-	return bool(grain.assembly);
+	return grain.assembly && grain.assembly->idOf(grain.index) == id;
 }
 
 /// Whether the grain lies where it was when it fell asleep, as far as the last step knew.
@@ -230,7 +231,9 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	if (!isSoft(*shape1) || !isSoft(*shape2)) return false;
 	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
 	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
-	if (!isAssembled(grain1, *scene, force) || grain1.assembly != grain2.assembly)
+	if (!isAssembled(grain1, I->getId1(), *scene, force) ||
+	    !isAssembled(grain2, I->getId2(), *scene, force) ||
+	    grain1.assembly != grain2.assembly)
 		return I->isReal();
 	if (!I->isReal() && !force && liesAsleep(grain1) && liesAsleep(grain2))
 		return false; // apart when they fell asleep
@@ -263,9 +266,9 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 		       const State& state1, const State& state2, const Vector3r&, const bool& force,
 		       const shared_ptr<Interaction>& I)
 {
-	if (!isSoft(*shape2)) return false;
+	if (!isFor(*shape1) || !isSoft(*shape2)) return false;
 	const SoftGrain& grain = static_cast<SoftGrain&>(*shape2);
-	if (!isAssembled(grain, *scene, force)) return I->isReal();
+	if (!isAssembled(grain, I->getId2(), *scene, force)) return I->isReal();
 	// where YADE would look for an Ip2 in vain, and end the process
 	if (!I->phys && !hasFriction(*(*scene->bodies)[I->getId1()])) return I->isReal();
 	const SearchTimer timer(*this);

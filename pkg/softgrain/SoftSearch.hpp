@@ -47,6 +47,8 @@ public:
 		       const shared_ptr<Interaction>&) override;
 
 private:
+	/// Whether a shape is of the class that the functor was chosen for.
+	virtual bool isFor(const Shape& shape) const = 0;
 	/// Finds the contact points of a grain whose assembly is there. Returns the normal from the
 	/// body to the grain, by which the pair is described as long as it bears nothing.
 	virtual Vector3r search(const Shape& shape, const State& rigid, const SoftGrain& grain,
@@ -54,7 +56,14 @@ private:
 				softgrain::PairContacts& pair) const;
 };
 
-class Ig2_Wall_SoftGrain_SoftGeom : public SearchOnRigid {
+template <class Rigid> class SearchOn : public SearchOnRigid {
+	bool isFor(const Shape& shape) const override
+	{
+		return dynamic_cast<const Rigid*>(&shape) != nullptr;
+	}
+};
+
+class Ig2_Wall_SoftGrain_SoftGeom : public SearchOn<Wall> {
 public:
 	FUNCTOR2D(Wall, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(Wall, SoftGrain);
@@ -70,7 +79,7 @@ private:
 };
 REGISTER_SERIALIZABLE(Ig2_Wall_SoftGrain_SoftGeom);
 
-class Ig2_Sphere_SoftGrain_SoftGeom : public SearchOnRigid {
+class Ig2_Sphere_SoftGrain_SoftGeom : public SearchOn<Sphere> {
 public:
 	FUNCTOR2D(Sphere, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(Sphere, SoftGrain);
@@ -81,7 +90,7 @@ public:
 };
 REGISTER_SERIALIZABLE(Ig2_Sphere_SoftGrain_SoftGeom);
 
-class Ig2_Facet_SoftGrain_SoftGeom : public SearchOnRigid {
+class Ig2_Facet_SoftGrain_SoftGeom : public SearchOn<Facet> {
 public:
 	FUNCTOR2D(Facet, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(Facet, SoftGrain);
@@ -92,7 +101,7 @@ public:
 };
 REGISTER_SERIALIZABLE(Ig2_Facet_SoftGrain_SoftGeom);
 
-class Ig2_Box_SoftGrain_SoftGeom : public SearchOnRigid {
+class Ig2_Box_SoftGrain_SoftGeom : public SearchOn<Box> {
 public:
 	FUNCTOR2D(Box, SoftGrain);
 	DEFINE_FUNCTOR_ORDER_2D(Box, SoftGrain);
