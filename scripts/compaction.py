@@ -59,7 +59,7 @@ def parse_options(arguments=None):
     add("--speed", type=command_line.positive, default=0.5, help="of the top wall [m/s]")
     command_line.add_until_phi(parser, start=f"{START_PHI}")
     command_line.add_method_options(parser)
-    add("--seed", type=command_line.whole_from(1), default=1, help="of the packing generator [-]")
+    add("--seed", type=command_line.seed, default=1, help="of the packing generator [-]")
     options = parser.parse_args(arguments)
     command_line.check_method(parser, options)
     command_line.check_until_phi(parser, options, START_PHI, f"{START_PHI}")

@@ -25,7 +25,7 @@ def parse_options(arguments=None):
     parser = command_line.case_parser(__doc__, out="harden_packing")
     add = parser.add_argument
     add("--zeta", type=command_line.resolution, default=0.15, help="relative resolution [-]")
-    add("--seed", type=command_line.whole_from(1), default=1, help="of the packing")
+    add("--seed", type=command_line.seed, default=1, help="of the packing")
     add("--stress", type=command_line.positive, default=2e5, help="on the walls [Pa]; E = 1e6")
     add("--walls", choices=("still", "held"), default="still", help="held: by the stress")
     add(

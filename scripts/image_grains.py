@@ -9,7 +9,6 @@ areas, and the stress on the walls against the packing fraction.
 
 import math
 import sys
-from pathlib import Path
 
 import numpy as np
 from PIL import Image
@@ -22,6 +21,7 @@ from softgrain.picture import wall_box
 YOUNG = 1e6  # Pa
 CELL = 48  # pixels, of the grid on which the script draws
 MARGIN = 4  # pixels, about it
+MOST_COLUMNS = 255  # labels have 16 bits
 HALF_AXIS = 19  # pixels, the longer one of superdisks and ellipses
 PEBBLE, DENTS = 18, 0.13  # pixels, mean radius of pebbles; over it, depth of their dents
 STEPS_PER_RECORD = 100
@@ -30,11 +30,15 @@ STEPS_PER_RECORD = 100
 def parse_options(arguments=None):
     parser = command_line.case_parser(__doc__, out="image_grains")
     add = parser.add_argument
-    add("--image", type=Path, help="labelled picture; default: one that the script draws")
+    add(
+        "--image",
+        type=command_line.input_file,
+        help="labelled picture; default: one that the script draws",
+    )
     add("--pixel", type=command_line.positive, default=2e-4, help="side of a pixel [m]")
     add(
         "--columns",
-        type=command_line.whole_from(1),
+        type=command_line.whole_from(1, MOST_COLUMNS),
         default=4,
         help="grains drawn along each side of the picture",
     )
@@ -42,7 +46,7 @@ def parse_options(arguments=None):
     add("--mu", type=command_line.non_negative, default=0.2, help="friction [-]")
     add("--phi", type=command_line.fraction, default=0.95, help="packing fraction to end at [-]")
     add("--speed", type=command_line.positive, default=0.3, help="of each wall [m/s]")
-    add("--seed", type=command_line.whole_from(0), default=1, help="of the drawing")
+    add("--seed", type=command_line.seed, default=1, help="of the drawing")
     return parser.parse_args(arguments)
 
 

@@ -29,7 +29,7 @@ CALM, CALM_STEPS = 0.01, 500  # error of the stresses, and steps for which it is
 def parse_options(arguments=None):
     parser = command_line.case_parser(__doc__, out="periodic_shear")
     add = parser.add_argument
-    add("--grains", type=command_line.whole_from(1), default=40, help="number of disks")
+    add("--grains", type=command_line.whole_from(10), default=40, help="number of disks")
     add("--zeta", type=command_line.resolution, default=0.2, help="relative resolution 2 dr/D [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction [-]")
     add("--stress", type=command_line.positive, default=0.03, help="normal stress over E [-]")

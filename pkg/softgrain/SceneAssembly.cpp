@@ -9,6 +9,7 @@
 #include "SoftMat.hpp"
 #include "Threads.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -190,6 +191,14 @@ SoftScene softScene(const Scene& scene, int threads)
 	return soft;
 }
 
+/// Grains may have been moved towards each other's images by a cell that has changed.
+void noteCell(const Scene& scene, softgrain::HostNotes& host)
+{
+	if (!scene.isPeriodic || scene.cell->hSize == host.cell) return;
+	host.cell = scene.cell->hSize;
+	std::fill(host.moved.begin(), host.moved.end(), true);
+}
+
 std::vector<Body*> softBodies(const Scene& scene)
 {
 	std::vector<Body*> soft;
@@ -250,7 +259,10 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 	const SoftScene soft = softScene(scene, threads);
 	if (soft.grains == 0) return nullptr;
 	checkHost(scene);
-	if (soft.assembly) return soft.assembly;
+	if (soft.assembly) {
+		noteCell(scene, soft.assembly->host);
+		return soft.assembly;
+	}
 
 	std::vector<softgrain::GrainDescription> grains;
 	std::shared_ptr<softgrain::GrainAssembly> last;

@@ -60,8 +60,8 @@ private:
 };
 
 /// Whether the grain is in an assembly, as that of the body `id`: one that a script gave to another
-/// body is so from the next assembly on. `force` makes the first one, for interactions that a script
-/// creates before the first step.
+/// body is so from the next assembly on. `force` makes the first one, for interactions that a
+/// script creates before the first step.
 bool isAssembled(const SoftGrain& grain, int id, Scene& scene, bool force)
 {
 	if (!grain.assembly && force) assembleScene(scene);
@@ -232,8 +232,7 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
 	const SoftGrain& grain2 = static_cast<SoftGrain&>(*shape2);
 	if (!isAssembled(grain1, I->getId1(), *scene, force) ||
-	    !isAssembled(grain2, I->getId2(), *scene, force) ||
-	    grain1.assembly != grain2.assembly)
+	    !isAssembled(grain2, I->getId2(), *scene, force) || grain1.assembly != grain2.assembly)
 		return I->isReal();
 	if (!I->isReal() && !force && liesAsleep(grain1) && liesAsleep(grain2))
 		return false; // apart when they fell asleep

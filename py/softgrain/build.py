@@ -5,7 +5,7 @@ import math
 import numpy as np
 from yade import Body, Quaternion, Vector3, utils, wrapper
 
-from softgrain.checks import finite_vector, index, lengths, made, number
+from softgrain.checks import finite_vector, index, lengths, made, number, rgb
 from softgrain.materials import keep_material, soft_material
 from softgrain.outlines import area_and_inertia, normalized
 
@@ -161,7 +161,7 @@ def _soft_body(center, radius, dim, material, color, mask, shape, form=None):
     center = finite_vector("center", center, 3, "m")
     radius = number("radius", radius, "(0, inf)", "m")
     mask = index("mask", mask)
-    color = utils.randomColor() if color is None else finite_vector("color", color, 3, "[0, 1]")
+    color = utils.randomColor() if color is None else rgb(color)
     refuse_form(shape)
     material = soft_material(material)
     body = Body()

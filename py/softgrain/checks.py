@@ -25,6 +25,18 @@ def finite_vector(name, value, size, unit):
     return numbers
 
 
+def rgb(value):
+    """The argument ``color``, red, green and blue, as a tuple of floats.
+
+    Raises:
+        ValueError: other than three numbers in [0, 1].
+    """
+    numbers = _numbers(value)
+    if len(numbers) != 3 or not all(0 <= share <= 1 for share in numbers):
+        raise ValueError(f"color = {value}: admissible are 3 numbers in [0, 1]")
+    return numbers
+
+
 def lengths(name, value, sizes):
     """An argument as a list of positive lengths [m].
 

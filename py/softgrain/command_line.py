@@ -65,11 +65,25 @@ def poisson(text):
     return _checked(text, lambda value: -1 < value < 0.5, "a number in (-1, 0.5)")
 
 
-def whole_from(least):
-    """Argument type: a whole number >= ``least`` (int)."""
+def whole_from(least, most=math.inf):
+    """Argument type: a whole number from ``least`` to ``most`` (int)."""
+    admissible = f"[{least}, {most}{')' if most == math.inf else ']'}"
     return lambda text: _checked(
-        text, lambda value: value >= least, f"a whole number in [{least}, inf)", int
+        text, lambda value: least <= value <= most, f"a whole number in {admissible}", int
     )
+
+
+def seed(text):
+    """Argument type: of generators of random packings, YADE's among them (int)."""
+    return whole_from(1, 10**9)(text)
+
+
+def input_file(text):
+    """Argument type: a file that is there (Path)."""
+    path = Path(text)
+    if not path.is_file():
+        raise argparse.ArgumentTypeError(f"{text!r} is no file")
+    return path
 
 
 def output_folder(text):

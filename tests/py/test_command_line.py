@@ -58,6 +58,27 @@ def test_whole_numbers():
         with pytest.raises(argparse.ArgumentTypeError) as caught:
             check(text)
         assert str(caught.value) == f"{text!r} is not a whole number in [4, inf)"
+    check = command_line.whole_from(1, 255)
+    assert [check(text) for text in ("1", "255")] == [1, 255]
+    for text in ("0", "256"):
+        with pytest.raises(argparse.ArgumentTypeError, match=r"whole number in \[1, 255\]"):
+            check(text)
+
+
+def test_seeds_fit_the_generators_of_yade():
+    assert command_line.seed("1000000000") < 2**31 - 1000  # some count on from it
+    for text in ("0", "99999999999"):
+        with pytest.raises(argparse.ArgumentTypeError):
+            command_line.seed(text)
+
+
+def test_input_file(tmp_path):
+    path = tmp_path / "labels.png"
+    path.write_bytes(b"")
+    assert command_line.input_file(str(path)) == path
+    for text in (str(tmp_path), str(tmp_path / "other.png"), ""):
+        with pytest.raises(argparse.ArgumentTypeError, match="is no file"):
+            command_line.input_file(text)
 
 
 def test_output_folder(tmp_path):

@@ -4,7 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from scenes import RADIUS, ZETA, add_disk, message_of_step, ready, run, soft_material
+from scenes import (
+    RADIUS,
+    ZETA,
+    add_disk,
+    add_wall,
+    damped_material,
+    message_of_step,
+    ready,
+    run,
+    soft_material,
+)
 from yade import O, Quaternion
 
 import softgrain as sg
@@ -18,6 +28,15 @@ def test_state_that_is_no_number(attribute):
     setattr(disk.state, attribute, (float("nan"), 0, 0))
     message = message_of_step(3)
     assert "#0" in message
+
+
+def test_farther_away_than_numbers_resolve():
+    disk = add_disk((1e6 * RADIUS, 0, 0))
+    ready()
+    run(2)
+    disk.state.pos = (0, -1e200, 0)
+    message = message_of_step()
+    assert "soft grain #0: its State.pos" in message and "up to 1e9 radii" in message
 
 
 @pytest.mark.parametrize("ori", [(2, 0, 0, 1), (math.nan, 0, 0, 0)], ids=str)
@@ -121,6 +140,28 @@ def test_sleeper_put_against_a_sleeper(turned):
     run(50)
     assert sg.integrator().contacts > 0
     assert not first.shape.isAsleep() and not second.shape.isAsleep()
+
+
+def test_sleepers_that_a_smaller_cell_brings_together():
+    O.periodic = True
+    O.cell.setBox(6 * RADIUS, 6 * RADIUS, RADIUS)
+    blocks = free_blocks(gap=0.5 * RADIUS)
+    O.cell.setBox(4.48 * RADIUS, 6 * RADIUS, RADIUS)
+    run(50)
+    assert sg.integrator().contacts > 0
+    assert not any(block.shape.isAsleep() for block in blocks)
+
+
+def test_sleeper_whose_floor_is_turned():
+    disk, floor = add_disk(material=damped_material()), add_wall(-RADIUS, axis=1)
+    floor.state.pos = (-5 * RADIUS, -RADIUS, 0)
+    ready(gravity=(0, -10, 0))
+    while not disk.shape.isAsleep():
+        run(1)
+    floor.shape.axis = 0
+    run(2)
+    assert not disk.shape.isAsleep()
+    assert disk.state.vel[1] < 0
 
 
 def test_sleeper_put_into_a_sleeper():

@@ -49,6 +49,7 @@ struct HostNotes {
 	/// By grain, whether its copy of the motion may not be what it published; of a new
 	/// assembly, that is not known.
 	std::vector<char> moved;
+	Mat3 cell = Mat3::Zero(); ///< periods of a periodic scene as last seen, in columns, m
 };
 
 class GrainAssembly {

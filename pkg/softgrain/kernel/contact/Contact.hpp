@@ -189,7 +189,9 @@ template <int dim> std::vector<double> ContactList<dim>::placeOfSecond() const
 	if (second >= 0 && image.shift.isZero(0)) return {};
 	if (second >= 0) return { image.shift.begin(), image.shift.end() };
 	if (rigid) return placeNumbers<dim>(rigid->surface);
-	return { plane.point.data(), plane.point.data() + dim };
+	std::vector<double> place(plane.point.begin(), plane.point.end());
+	place.insert(place.end(), plane.normal.begin(), plane.normal.end());
+	return place;
 }
 
 } // namespace softgrain
