@@ -142,6 +142,18 @@ void checkSubdomain(const Scene&) {}
 void checkSubdomain(const Body&) {}
 #endif
 
+void checkBound(const Scene& scene, const Body& body)
+{
+	for (const auto& engine : scene.engines) {
+		const auto* collider = dynamic_cast<const Collider*>(engine.get());
+		if (collider && collider->boundDispatcher->getFunctor(body.shape)) return;
+	}
+	refuse("body #" + std::to_string(body.getId()) + " of shape " + body.shape->getClassName(),
+	       "no functor of the collider bounds it, so that soft grains would pass through it; "
+	       "they touch Sphere, Wall, Facet and Box. Set its bounded = False if nothing is to "
+	       "touch it");
+}
+
 void checkHost(const Scene& scene)
 {
 	for (const auto& engine : scene.engines)

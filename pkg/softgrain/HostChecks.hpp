@@ -10,5 +10,8 @@ class Scene;
 void checkHost(const Scene& scene);
 /// The same if the body is divided among processes.
 void checkSubdomain(const Body& body);
+/// The same if no collider of the scene has a functor for the shape of the body: nothing would ever
+/// touch it.
+void checkBound(const Scene& scene, const Body& body);
 
 } // namespace yade

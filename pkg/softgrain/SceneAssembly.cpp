@@ -143,9 +143,13 @@ void fetchBodiesAfter(const BodyContainer& bodies, int id)
 	softgrain::fetchBytes(&state->blockedDOFs, &state->blockedDOFs + 1);
 }
 
+/// Whether the collider, had it run, would have given the body a box.
+bool lacksBound(const Body& body) { return !body.bound && body.isBounded() && !body.isClump(); }
+
 /// The soft grains of a scene.
 struct SoftScene {
 	int grains = 0;
+	int unbounded = -1; ///< HostNotes::unbounded
 	/// Of them all, as they are; null if there is none.
 	std::shared_ptr<softgrain::GrainAssembly> assembly;
 };
@@ -157,10 +161,10 @@ SoftScene softScene(const Scene& scene, int threads)
 {
 	const BodyContainer& bodies = *scene.bodies;
 	const int count = static_cast<int>(bodies.size());
-	int faulty = count, first = count, grains = 0, inAssembly = 0;
+	int faulty = count, first = count, unbounded = count, grains = 0, inAssembly = 0;
 	std::uintptr_t lowest = UINTPTR_MAX, highest = 0; // of the assemblies: are they one?
 	MaterialCheck materials;
-#pragma omp parallel for schedule(static) reduction(min : faulty, first, lowest)                   \
+#pragma omp parallel for schedule(static) reduction(min : faulty, first, unbounded, lowest)        \
 	reduction(max : highest) reduction(+ : grains, inAssembly) firstprivate(materials)         \
 	num_threads(softgrain::threadsFor(count, threads, bodiesPerThread))
 	for (int id = 0; id < count; ++id) {
@@ -172,6 +176,7 @@ SoftScene softScene(const Scene& scene, int threads)
 			faulty = id;
 			continue;
 		}
+		if (lacksBound(*body)) unbounded = std::min(unbounded, id);
 		if (!isSoftGrain(*body)) continue;
 		const SoftGrain& grain = static_cast<const SoftGrain&>(*body->shape);
 		const auto assembly = reinterpret_cast<std::uintptr_t>(grain.assembly.get());
@@ -184,7 +189,7 @@ SoftScene softScene(const Scene& scene, int threads)
 		grain.assembly->host.moved[grain.index] = !isAsWritten(*body);
 	}
 	if (faulty < count) check(*bodies[faulty], scene);
-	SoftScene soft { grains, nullptr };
+	SoftScene soft { grains, unbounded < count ? unbounded : -1, nullptr };
 	if (grains == 0 || lowest != highest || inAssembly != grains) return soft;
 	const auto& assembly = static_cast<SoftGrain&>(*bodies[first]->shape).assembly;
 	if (assembly->grains() == grains) soft.assembly = assembly;
@@ -192,8 +197,9 @@ SoftScene softScene(const Scene& scene, int threads)
 }
 
 /// Grains may have been moved towards each other's images by a cell that has changed.
-void noteCell(const Scene& scene, softgrain::HostNotes& host)
+void note(const SoftScene& soft, const Scene& scene, softgrain::HostNotes& host)
 {
+	host.unbounded = soft.unbounded;
 	if (!scene.isPeriodic || scene.cell->hSize == host.cell) return;
 	host.cell = scene.cell->hSize;
 	std::fill(host.moved.begin(), host.moved.end(), true);
@@ -260,7 +266,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 	if (soft.grains == 0) return nullptr;
 	checkHost(scene);
 	if (soft.assembly) {
-		noteCell(scene, soft.assembly->host);
+		note(soft, scene, soft.assembly->host);
 		return soft.assembly;
 	}
 
@@ -278,6 +284,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 	if (const auto* integrator = softGrainIntegratorOf(scene))
 		assembly->setInterfaceRange(integrator->interfaceRange);
 	join(scene, assembly);
+	note(soft, scene, assembly->host);
 	return assembly;
 }
 

@@ -1,5 +1,6 @@
 #include "SoftGrainIntegrator.hpp"
 #include "Engines.hpp"
+#include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
 #include "PythonContactProblem.hpp"
 #include "Require.hpp"
@@ -99,6 +100,8 @@ bool SoftGrainIntegrator::assemble()
 	checkEngineOrder(*scene, *this);
 	SoftBodies(*scene, *assembly_).requireCarried(*newtonIntegratorOf(*scene));
 	checkCell(*scene, *assembly_);
+	const int unbounded = assembly_->host.unbounded;
+	if (unbounded >= 0) checkBound(*scene, *(*scene->bodies)[unbounded]);
 	if (loaded_) continueSavedRun();
 	assembly_->setMultirate(multirate);
 	if (assembly_->setInterfaceRange(interfaceRange)) scene->doSort = true;

@@ -84,6 +84,10 @@ def tetra():
     O.engines[1].boundDispatcher.functors += [yade.Bo1_Tetra_Aabb()]
 
 
+def tetra_without_bound():
+    near(utils.tetra([(0, 0, 0), (RADIUS, 0, 0), (0, RADIUS, 0), (0, 0, RADIUS)], fixed=True))
+
+
 def free_damped_sphere():
     body = utils.sphere((1.5 * RADIUS, 0, 0), 0.51 * RADIUS, material=FrictMat())
     body.state.blockedDOFs = "zXY"
@@ -144,6 +148,7 @@ REFUSED = [
     (grid_node, r"of shape GridNode\. Soft grains touch"),
     (cylinder, r"of shape Cylinder\. Soft grains touch"),
     (tetra, r"of shape Tetra\. Soft grains touch"),
+    (tetra_without_bound, "#1 of shape Tetra: no functor of the collider bounds it"),
     (free_damped_sphere, "NewtonIntegrator.damping = 0.2"),
     (free_turning_wall, "free to turn, which a Wall cannot"),
     (massless_wall, r"state.mass = 0.*admissible range \(0, inf\) kg"),
@@ -191,6 +196,15 @@ def test_refused(change, message):
     with pytest.raises((RuntimeError, ValueError), match=message):
         run(2)
     assert disk.state.pos == before
+
+
+def test_bodies_that_nothing_is_to_touch():
+    add_disk()
+    ready()
+    tetra_without_bound()
+    O.bodies[1].bounded = False
+    O.bodies.appendClumped([utils.sphere((5 * RADIUS, x * RADIUS, 0), RADIUS) for x in (0, 1)])
+    run(2)
 
 
 @pytest.mark.parametrize("name", ("FlowEngine", "PeriodicFlowEngine", "TwoPhaseFlowEngine"))

@@ -100,6 +100,42 @@ def test_turned_box_carries():
     assert sg.integrator().cappedSteps == 0
 
 
+def squeezed_between_boxes(half, dim):
+    """Forces on two boxes of that half thickness that squeeze a grain by a tenth."""
+    O.reset()
+    material = soft_material(massDamping=3000)
+    axis = dim - 1
+    if dim == 2:
+        add_disk(material=material)
+    else:
+        O.bodies.append(sg.soft_sphere((0, 0, 0), RADIUS, material, zeta=0.4, nodeSpacing=2))
+    extents = [3 * RADIUS] * 3
+    extents[axis] = half
+    plates = []
+    for side in (-1, 1):
+        place = [0, 0, 0]
+        place[axis] = side * (RADIUS + half)
+        plate = utils.box(place, extents, fixed=True, material=rigid_material())
+        O.bodies.append(plate)
+        plates.append(plate)
+    velocity = [0, 0, 0]
+    velocity[axis] = -0.5
+    plates[1].state.vel = velocity
+    ready()
+    while plates[1].state.pos[axis] - half > 0.8 * RADIUS:
+        run(5)
+    return [O.forces.f(plate.id)[axis] for plate in plates]
+
+
+@pytest.mark.parametrize("dim", (2, 3))
+def test_thin_boxes_bear_as_thick_ones(dim):
+    """Nodes are behind a box that is thinner than they overlap it."""
+    thick = squeezed_between_boxes(0.5 * RADIUS, dim)
+    assert -thick[0] > 0 and thick[1] > 0
+    for half in (0.01 * RADIUS, 1e-4 * RADIUS, 1e-9 * RADIUS, 0):
+        np.testing.assert_allclose(squeezed_between_boxes(half, dim), thick, rtol=1e-3)
+
+
 def test_box_turned_out_of_the_plane_is_refused():
     add_disk()
     box = utils.box(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <limits>
 
 using namespace softgrain;
@@ -123,6 +124,38 @@ TEMPLATE_TEST_CASE_SIG("a plate that pokes into an outline has no side beneath i
 	CHECK(std::abs(overlap->gap + 0.3) < 1e-12);
 	x[dim - 1] = -0.4; // deeper than wide
 	REQUIRE(placeOn<dim>(plate, x, faces(outward)));
+}
+
+TEMPLATE_TEST_CASE_SIG("what has come through a block touches the side that it faces", "[rigid]",
+		       ((int dim), dim), 2, 3)
+{
+	BlockSurface<dim> block; // upright, thin, its upper edge at height 0
+	const double half = GENERATE(0., 1e-9, 0.01);
+	block.halfSides[0] = half;
+	block.centre[dim - 1] = -1;
+	const Vec<dim> right = Vec<dim>::Unit(0), up = Vec<dim>::Unit(dim - 1);
+	auto faces = [](const Vec<dim>& outward) {
+		return [outward](const Vec<dim>& n, double least) {
+			return outward.dot(n) < -least;
+		};
+	};
+	const Vec<dim> x = -(half + 0.05) * right - 0.2 * up;
+	const auto place = placeOn<dim>(block, x, faces(-right));
+	REQUIRE(place);
+	CHECK(place->isBehind);
+	CHECK((place->normal - right).norm() < 1e-15);
+	CHECK(std::abs(place->gap + 2 * half + 0.05) < 1e-15);
+	const auto before = placeOn<dim>(block, x, faces(right));
+	REQUIRE(before);
+	CHECK(!before->isBehind);
+	CHECK(std::abs(before->gap - 0.05) < 1e-15);
+	// where the upper edge pokes into the outline, it has no side
+	const Vec<dim> beneath = -(half + 0.05) * right - 0.01 * up;
+	CHECK(!placeOn<dim>(block, beneath, faces((-right - up).normalized())));
+	// an outline that lies upon either side lies along it at a corner
+	const Tip<dim> corner { { block.centre + block.halfSides, 0 }, 0 };
+	CHECK(liesAlongSide<dim>(block, corner, -right, 0.1));
+	CHECK(liesAlongSide<dim>(block, corner, right, 0.1) == (half < 1e-8));
 }
 
 TEST_CASE("points of edges in space: as near as asked for, with numbers of their own", "[rigid]")

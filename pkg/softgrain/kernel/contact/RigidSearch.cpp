@@ -21,14 +21,14 @@ bool nodeFaces(const ContactOutline<dim>& body, int node, const Vec<dim>& direct
 	return (body.position[node] - body.box.centre()).dot(direction) < 0;
 }
 
-/// What lies deeper than a contact is none, but is known by its depth. Behind a plate, which has no
-/// inside, lies the other side of the grain.
+/// What lies deeper than a contact is none, but is known by its depth. Behind a plate or a block
+/// lies the other side of the grain.
 template <int dim>
-void append(const ContactKey& key, Contact<dim>& contact, const ContactOutline<dim>& body,
-	    ContactList<dim>& list)
+void append(const ContactKey& key, Contact<dim>& contact, bool isBehind,
+	    const ContactOutline<dim>& body, ContactList<dim>& list)
 {
 	const bool deep = contact.gap < -contactDepth(body, body);
-	if (deep && std::holds_alternative<PlateSurface<dim>>(list.rigid->surface)) return;
+	if (deep && isBehind) return;
 	list.noteOverlap(contact.gap, body.pointSpacing);
 	if (deep) return;
 	contact.key = key;
@@ -81,25 +81,25 @@ private:
 	bool hasAsked_ = false; ///< for them (of an optional GCC warns wrongly)
 };
 
-/// Whether the grain is on that side of a plate on which a node would touch it. The plate is
-/// touched from both: a node on the far side of a sharp corner, near to the plate that the corner
-/// stands on, faces as one that has come through the plate does. The grain of that one goes on
-/// behind the plate.
+/// Whether a node behind a plate or a block has come through it. Both are touched from all sides:
+/// one on the far side of a sharp corner, near to the plate that the corner stands on, faces as one
+/// that has come through does. The grain of that one goes on before the plate.
 template <int dim>
-bool isOnSideOfPlate(const ContactOutline<dim>& body, int s, const SurfacePlace<dim>& place)
+bool hasComeThrough(const ContactOutline<dim>& body, int s, const SurfacePlace<dim>& place)
 {
+	if (place.gap < -contactDepth(body, body)) return false;
 	if (!body.hasFacets()) return true;
 	constexpr double trustedOverlap = 0.05; // in dr: nodes beside a corner are farther apart
 	const double trusted = trustedOverlap * body.pointSpacing;
 	const double inwards = -body.normal[s].dot(place.normal);
-	if (inwards <= 0) return place.gap >= 0;
+	if (inwards <= 0) return false;
 	if (place.gap >= -trusted) return true;
-	const double way = (trusted - place.gap) / inwards; // to a little behind the plate
+	const double way = (trusted - place.gap) / inwards; // to a little before it
 	return body.encloses(body.position[s] - way * body.normal[s]);
 }
 
-/// Where a contact node touches with a gap below `reach`, past places that are hidden and sides of
-/// a plate that the grain is not on.
+/// Where a contact node touches with a gap below `reach`, past places that are hidden and sides
+/// that the grain is not on.
 template <int dim>
 std::optional<SurfacePlace<dim>> placeOfNode(const ContactOutline<dim>& body, int s, double reach,
 					     const RigidSurface<dim>& surface,
@@ -110,9 +110,8 @@ std::optional<SurfacePlace<dim>> placeOfNode(const ContactOutline<dim>& body, in
 		return nodeFaces<dim>(body, s, n, leastCosine);
 	};
 	auto isInReach = [&](const auto& p) { return p && p->gap - body.nodeRadius < reach; };
-	const bool isPlate = std::holds_alternative<PlateSurface<dim>>(surface);
 	auto isHidden = [&](const SurfacePlace<dim>& p) {
-		return surroundings.hides(x, p) || (isPlate && !isOnSideOfPlate(body, s, p));
+		return (p.isBehind && !hasComeThrough(body, s, p)) || surroundings.hides(x, p);
 	};
 	const auto place = placeOn<dim>(surface, x, faces);
 	if (!isInReach(place)) return std::nullopt;
@@ -142,7 +141,7 @@ void nodesOnSurface(const ContactOutline<dim>& body, double reach, Surroundings<
 		Contact<dim> contact;
 		contact.normal = place->normal;
 		contact.gap = place->gap - body.nodeRadius;
-		append({ 0, s, -1 }, contact, body, list);
+		append({ 0, s, -1 }, contact, place->isBehind, body, list);
 	}
 }
 
@@ -152,6 +151,7 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, Surroundings<d
 {
 	const double margin = std::max(reach, contactDepth(body, body));
 	const double turn = body.pointSpacing / body.inradius; // of the outline, from node to node
+	const bool isPlate = std::holds_alternative<PlateSurface<dim>>(list.rigid->surface);
 	const auto tips =
 		tipsOf<dim>(list.rigid->surface, body.box.grown(margin), body.pointSpacing);
 	for (const Tip<dim>& tip : tips) {
@@ -160,7 +160,7 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, Surroundings<d
 			continue;
 		const bool isPoint = tip.ball.radius == 0;
 		if (isPoint && surroundings.goOnBefore(tip.ball.centre, -contact->normal)) continue;
-		append({ 1, tip.number, -1 }, *contact, body, list);
+		append({ 1, tip.number, -1 }, *contact, isPlate, body, list);
 	}
 }
 

@@ -104,9 +104,22 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 	for (const double side : { 1., -1. }) {
 		if (!faces(side * normal, alongSide)) continue;
 		if (pokesIn<dim>(plate, weight, -side * height, faces)) return std::nullopt;
-		return SurfacePlace<dim> { side * normal, side * height, farFromEdges };
+		return SurfacePlace<dim> { side * normal, side * height, farFromEdges,
+					   side * height < 0 };
 	}
 	return std::nullopt;
+}
+
+/// The same of a point `y`, in the axes of a block, beneath its side across axis `a`.
+template <int dim>
+bool pokesIn(const BlockSurface<dim>& block, int a, const Vec<dim>& y, double depth,
+	     const Faces<dim>& faces)
+{
+	for (int b = 0; b < dim; ++b) {
+		if (b == a || block.halfSides[b] - std::abs(y[b]) >= depth) continue;
+		if (faces(std::copysign(1., y[b]) * block.axes.col(b), alongSide)) return true;
+	}
+	return false;
 }
 
 template <int dim>
@@ -124,12 +137,13 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 		for (const double side : { 1., -1. }) {
 			const double gap = side * y[a] - block.halfSides[a];
 			const Vec<dim> normal = side * block.axes.col(a);
-			if (foot != y && gap < 0) continue; // the side turned away
+			const bool isBehind = foot != y && gap < 0;
 			if ((best && gap <= best->gap) || !faces(normal, alongSide)) continue;
+			if (isBehind && pokesIn<dim>(block, a, y, -gap, faces)) continue;
 			double toEdge = farFromEdges;
 			for (int b = 0; b < dim; ++b)
 				if (b != a) toEdge = std::min(toEdge, depth[b]);
-			best = SurfacePlace<dim> { normal, gap, toEdge };
+			best = SurfacePlace<dim> { normal, gap, toEdge, isBehind };
 		}
 	}
 	return best;
@@ -267,7 +281,11 @@ bool isAlong(const BlockSurface<dim>& block, const Vec<dim>& place, const Vec<di
 	for (int a = 0; a < dim; ++a) {
 		const double rounding = 1e-9 * block.halfSides.maxCoeff();
 		if (std::abs(y[a]) < block.halfSides[a] - rounding) continue;
-		if (normal.dot(block.axes.col(a)) * y[a] < -cosine * std::abs(y[a])) return true;
+		const double across = normal.dot(block.axes.col(a));
+		const bool hasBothSides = block.halfSides[a] <= rounding;
+		const double inwards =
+			hasBothSides ? std::abs(across) : -std::copysign(1., y[a]) * across;
+		if (inwards > cosine) return true;
 	}
 	return false;
 }

@@ -39,6 +39,9 @@ template <int dim> struct SurfacePlace {
 	/// From the place to the nearest edge of its side, m: 0 on an edge or a corner; on the
 	/// sides of plates and on balls infinite, wherever it is.
 	double toEdge;
+	/// Whether the grain lies on the other side of a plate or a block: the place has come
+	/// through it, or it is one of the side that the grain turns away.
+	bool isBehind = false;
 };
 
 /// Whether an outline faces against a direction (unit), within the angle of a cosine.
