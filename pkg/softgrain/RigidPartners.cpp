@@ -105,42 +105,44 @@ Vec3 gyroscopicTorque(const State& state)
 	return state.angVel.cross(inertia * state.angVel);
 }
 
-/// What NewtonIntegrator would make of a body in this step without contact dynamics.
-softgrain::RigidMotionDescription motionOf(const Body& body, Scene& scene,
-					   const NewtonIntegrator& newton, const CellFlow& flow)
+} // namespace
+
+/// What NewtonIntegrator will make of a body in this step without contact dynamics.
+softgrain::RigidMotionDescription RigidPartners::motionOf(const Body& body, Load& load) const
 {
-	softgrain::RigidMotionDescription d = undisturbedMotion(body, scene.dt, newton, flow);
-	if (!isFreeUnder(body, newton)) return d;
-	requireExactReactions(body, newton);
+	const Real dt = scene_->dt;
+	softgrain::RigidMotionDescription d = undisturbedMotion(body, dt, *newton_, flow_);
+	if (!isFreeUnder(body, *newton_)) return d;
+	requireExactReactions(body, *newton_);
 
 	const State& state = *body.state;
-	Vec3 force, torque;
-	forcesOn(body, scene, force, torque);
-	const Real scaling = newton.densityScaling ? state.densityScaling : 1;
+	forcesOn(body, *scene_, load.force, load.torque);
+	load.force += state.mass * newton_->gravity;
+	const Real scaling = newton_->densityScaling ? state.densityScaling : 1;
 	for (int a = 0; a < 3; ++a) {
 		if (state.blockedDOFs & State::axisDOF(a, false)) continue;
 		d.inverseMass[a] = scaling / state.mass;
-		d.freeVelocity[a] +=
-			scene.dt * scaling * (force[a] / state.mass + newton.gravity[a]);
+		d.freeVelocity[a] += kick_ * d.inverseMass[a] * load.force[a];
 	}
-	const bool aspherical = turnsAsAspherical(body, newton);
+	const bool aspherical = turnsAsAspherical(body, *newton_);
 	d.inverseInertia = inverseInertia(state, scaling, aspherical);
+	d.freeAngularVelocity += kick_ * d.inverseInertia * load.torque;
 	if (aspherical) {
-		torque -= gyroscopicTorque(state);
-		d.freeAngularVelocity -= flow.spinChange; // Newton's integrator leaves it out here
+		d.freeAngularVelocity -= dt * d.inverseInertia * gyroscopicTorque(state);
+		d.freeAngularVelocity -= flow_.spinChange; // Newton's integrator leaves it out here
 	}
-	d.freeAngularVelocity += scene.dt * d.inverseInertia * torque;
 	return d;
 }
 
-} // namespace
-
-void RigidPartners::begin(Scene& scene, const NewtonIntegrator& newton, const CellFlow& flow)
+void RigidPartners::begin(Scene& scene, const NewtonIntegrator& newton, const CellFlow& flow,
+			  Real kick)
 {
 	scene_ = &scene;
 	newton_ = &newton;
 	flow_ = flow;
+	kick_ = kick;
 	motions_.clear();
+	loads_.clear();
 	movers_.clear();
 	numberOf_.assign(scene.bodies->size(), -1);
 }
@@ -156,7 +158,7 @@ int RigidPartners::numberOf(const Body& body)
 	int& number = numberOf_[mover.getId()];
 	if (number < 0) {
 		number = static_cast<int>(motions_.size());
-		motions_.push_back(motionOf(mover, *scene_, *newton_, flow_));
+		motions_.push_back(motionOf(mover, loads_.emplace_back()));
 		movers_.push_back(mover.getId());
 	}
 	return number;
@@ -173,6 +175,16 @@ bool RigidPartners::isFree(const Body& body) const { return isFreeUnder(moverOf(
 bool RigidPartners::isHeld(int number) const
 {
 	return motions_[number].inverseMass.isZero(0) && motions_[number].inverseInertia.isZero(0);
+}
+
+void RigidPartners::publishLoads() const
+{
+	const Real besides = kick_ / scene_->dt - 1;
+	if (besides == 0) return;
+	for (std::size_t k = 0; k < loads_.size(); ++k) {
+		scene_->forces.addForce(movers_[k], besides * loads_[k].force);
+		scene_->forces.addTorque(movers_[k], besides * loads_[k].torque);
+	}
 }
 
 void RigidPartners::moveApart() const

@@ -130,7 +130,7 @@ void SoftGrainIntegrator::advance()
 	interactions.moveImages();
 	clock_.end("softInteractions");
 	bodies.applyLoads(newton, flow, threads());
-	partners_.begin(*scene, newton, flow);
+	partners_.begin(*scene, newton, flow, assembly_->kickTime(scene->dt));
 	interactions.numberPartners(partners_);
 	rigidContacts_.describe(*scene, partners_, maxOverlap);
 	if (tracksRigidBodies()) partners_.addFreeBodies();
@@ -149,6 +149,7 @@ void SoftGrainIntegrator::advance()
 	// they would fall asleep
 	interactions.publish(partners_, threads());
 	rigidContacts_.publish(*scene);
+	partners_.publishLoads();
 	partners_.moveApart();
 	clock_.end("publishForces");
 	publishTimes();

@@ -7,6 +7,7 @@
 #include "Threads.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <typeinfo>
 
@@ -298,8 +299,12 @@ void SoftInteractions::stopOnOverlap(Real maxOverlap) const
 		const Real deepest = pairs_[k]->deepest();
 		if (deepest <= maxOverlap) continue;
 		std::ostringstream message;
-		message << namesOf(*interactions_[k]) << " overlap by " << deepest
-			<< " point spacings, more than maxOverlap = " << maxOverlap
+		message << namesOf(*interactions_[k]);
+		if (std::isinf(deepest))
+			message << ": one lies inside the other, an overlap of more";
+		else
+			message << " overlap by " << deepest << " point spacings, more";
+		message << " than maxOverlap = " << maxOverlap
 			<< ". Hint: start from less overlap (sg.soften(overlap='shrink')), load "
 			   "more slowly, or reduce tolerance";
 		throw std::runtime_error(message.str());

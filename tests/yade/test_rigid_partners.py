@@ -209,6 +209,27 @@ def test_contact_does_not_limit_the_time_step_of_a_sphere():
     assert interaction.phys.kn == interaction.phys.ks == 0
 
 
+@pytest.mark.parametrize("load", ("force", "weight"))
+def test_a_new_step_does_not_kick_what_grains_carry(load):
+    """Loads act for as long on it as stress acts in the grains."""
+    weight = 600 * RADIUS  # N/m
+    material = soft_material(massDamping=6000)
+    block = sg.soft_block((0, 0, 0), (4 * RADIUS, 2 * RADIUS), material, zeta=0.25)
+    O.bodies.append(block)
+    add_wall(-RADIUS, axis=1)
+    lid = add_wall(RADIUS, axis=1)
+    lid.state.blockedDOFs, lid.state.mass = "xzXYZ", 0.01
+    if load == "force":
+        O.forces.setPermF(lid.id, (0, -weight, 0))
+    ready(gravity=(0, -weight / lid.state.mass if load == "weight" else 0, 0), sleep=False)
+    run(6000)
+    rest = abs(lid.state.vel[1])
+    O.dt /= 2
+    run(1)
+    kick = weight / lid.state.mass * O.dt / 2
+    assert abs(lid.state.vel[1]) < rest + 1e-2 * kick  # the tolerance of the sweeps
+
+
 def mixed_scene():
     add_disk((-RADIUS, 0, 0), material=soft_material(frictionAngle=0.5))
     add_disk((1.01 * RADIUS, 0, 0), material=soft_material(frictionAngle=0.5))
