@@ -56,7 +56,8 @@ REFUSED = {
     compaction: {
         "--grains 3": "--grains: '3' is not a whole number in [4, inf)",
         "--grains many": "--grains: 'many' is not a whole number in [4, inf)",
-        "--seed 0": "--seed: '0' is not a whole number in [1, inf)",
+        "--seed 0": "--seed: '0' is not a whole number in [1, 1000000000]",
+        "--seed 99999999999": "--seed: '99999999999' is not a whole number in [1, 1000000000]",
         "--until-phi 0.5": "--until-phi: 0.5 is not above the start at 0.7",
         "--until-phi 1.5": "--until-phi: '1.5' is not a number in (0, 1)",
         "--mu -1": "--mu: '-1' is not a number in [0, inf)",
