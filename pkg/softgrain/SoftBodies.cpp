@@ -30,10 +30,6 @@ constexpr Real wrapTolerance = 1e-6;
 /// Of the norm of a quaternion that stands for a rotation.
 constexpr Real unitRounding = 1e-6;
 
-/// How far from the origin a grain may be put, in radii: farther out places are rounded so coarsely
-/// that strains of 1e-6 are lost.
-constexpr Real farthest = 1e9;
-
 /// A rotation within a step that is none, rad.
 constexpr Real noTurn = 1e-16;
 
@@ -52,12 +48,8 @@ void requireMotion(const Body& body)
 			throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
 						 ": its State (pos, vel, angVel) holds a value "
 						 "that is not finite; assign a finite one");
-	const Real reach = farthest * static_cast<const SoftGrain&>(*body.shape).radius;
-	if (state.pos.lpNorm<Eigen::Infinity>() > reach)
-		throw std::runtime_error(
-			"soft grain #" + std::to_string(body.getId()) +
-			": its State.pos lies too far from the origin for the rounding of its "
-			"strains; admissible: coordinates up to 1e9 radii");
+	softgrain::requireDigits(body.getId(), state.pos,
+				 static_cast<const SoftGrain&>(*body.shape).radius);
 	const Real norm = state.ori.norm();
 	if (!(std::abs(norm - 1) <= unitRounding))
 		throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +

@@ -1,6 +1,7 @@
 #include "assembly/GrainDescription.hpp"
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -14,15 +15,6 @@ namespace {
 constexpr double farthest = 1e8;
 
 std::string nameOf(const GrainDescription& d) { return "grain #" + std::to_string(d.id); }
-
-void requireDigits(const GrainDescription& d)
-{
-	const double distance = d.position.norm() / d.radius;
-	if (distance <= farthest) return;
-	throw std::invalid_argument(nameOf(d) + " lies " + std::to_string(distance) +
-				    " radii from the origin, more than the admissible 1e8, where "
-				    "gaps lose their digits; move the scene nearer");
-}
 
 void requireAlike(const GrainDescription& d, const GrainDescription& first)
 {
@@ -98,6 +90,17 @@ std::unique_ptr<GrainSet<dim>> makeSet(const std::vector<const GrainDescription*
 
 } // namespace
 
+void requireDigits(int id, const Vec3& position, double radius)
+{
+	const double distance = position.stableNorm() / radius;
+	if (distance <= farthest) return;
+	std::ostringstream message;
+	message << "grain #" << id << " lies " << distance
+		<< " radii from the origin, more than the admissible 1e8, where gaps lose their "
+		   "digits; move the scene nearer";
+	throw std::invalid_argument(message.str());
+}
+
 void requireOneSystem(const std::vector<GrainDescription>& grains)
 {
 	if (grains.empty()) throw std::invalid_argument("there is no soft grain to assemble");
@@ -105,7 +108,7 @@ void requireOneSystem(const std::vector<GrainDescription>& grains)
 		requireAlike(d, grains.front());
 	for (const GrainDescription& d : grains) {
 		requirePlane(d, grains.front());
-		requireDigits(d);
+		requireDigits(d.id, d.position, d.radius);
 	}
 }
 

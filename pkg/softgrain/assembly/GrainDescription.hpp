@@ -29,6 +29,9 @@ struct GrainDescription {
 	GrainState state;           ///< to go on from; empty: undeformed
 };
 
+/// Throws std::invalid_argument for a grain so far from the origin that gaps lose their digits.
+void requireDigits(int id, const Vec3& position, double radius);
+
 /// Throws std::invalid_argument, naming the grain and what is admissible, unless there are grains
 /// that can be in one system.
 void requireOneSystem(const std::vector<GrainDescription>& grains);
