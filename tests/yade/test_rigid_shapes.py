@@ -183,6 +183,16 @@ def edge_of_box():
     return [box]
 
 
+def edge_of_thin_box():
+    half = 2 * RADIUS
+    return [utils.box((0, 0, -half), (1e-3 * RADIUS, 5 * RADIUS, half), fixed=True)]
+
+
+def edge_of_box_without_thickness():
+    half = 2 * RADIUS
+    return [utils.box((0, 0, -half), (0, 5 * RADIUS, half), fixed=True)]
+
+
 def edge_of_facet():
     return [
         utils.facet([(0, -5 * RADIUS, 0), (0, 5 * RADIUS, 0), (0, 0, -10 * RADIUS)], fixed=True)
@@ -196,7 +206,16 @@ def ridge_of_facets():
     ]
 
 
-@pytest.mark.parametrize("edge", (edge_of_box, edge_of_facet, ridge_of_facets))
+@pytest.mark.parametrize(
+    "edge",
+    (
+        edge_of_box,
+        edge_of_thin_box,
+        edge_of_box_without_thickness,
+        edge_of_facet,
+        ridge_of_facets,
+    ),
+)
 @pytest.mark.parametrize("aside", (0, 0.1))
 def test_edge_in_space_carries(edge, aside):
     """A stiff ball laid on an edge, the nodes of its outline as they come, rests there (aside: it
@@ -213,12 +232,26 @@ def test_edge_in_space_carries(edge, aside):
     assert sg.integrator().largestOverlap < 0.02
 
 
+def upright_facet():
+    return utils.facet([(0, 0, -0.02), (0, 0, 0.02), (0, -0.05, 0)], material=rigid_material(0.4))
+
+
+def upright_thin_box():
+    extents = (1e-3 * RADIUS, 0.02, 0.02)
+    return utils.box((0, -0.02, 0), extents, fixed=True, material=rigid_material(0.4))
+
+
+def upright_box_without_thickness():
+    return utils.box((0, -0.02, 0), (0, 0.02, 0.02), fixed=True, material=rigid_material(0.4))
+
+
+@pytest.mark.parametrize(
+    "plate", (upright_facet, upright_thin_box, upright_box_without_thickness)
+)
 @pytest.mark.parametrize("aside", (0, 0.0625, 0.125, 0.25))
-def test_facet_that_pokes_into_a_disk(aside):
+def test_plate_that_pokes_into_a_disk(plate, aside):
     """Upright beneath a soft disk: nodes beside its tip are not taken for overlaps of its side."""
-    O.bodies.append(
-        utils.facet([(0, 0, -0.02), (0, 0, 0.02), (0, -0.05, 0)], material=rigid_material(0.4))
-    )
+    O.bodies.append(plate())
     soft = soft_material(young=1e5, poisson=0.4, massDamping=50, frictionAngle=0.4)
     disk = add_disk((aside * RADIUS, 1.06 * RADIUS, 0), RADIUS, soft, zeta=0.2)
     ready(gravity=(0, -9.81, 0))

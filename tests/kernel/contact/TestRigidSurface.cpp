@@ -154,8 +154,11 @@ TEMPLATE_TEST_CASE_SIG("what has come through a block touches the side that it f
 	CHECK(!placeOn<dim>(block, beneath, faces((-right - up).normalized())));
 	// an outline that lies upon either side lies along it at a corner
 	const Tip<dim> corner { { block.centre + block.halfSides, 0 }, 0 };
-	CHECK(liesAlongSide<dim>(block, corner, -right, 0.1));
-	CHECK(liesAlongSide<dim>(block, corner, right, 0.1) == (half < 1e-8));
+	CHECK(liesAlongSide<dim>(block, corner, -right, 0.1, 0.1));
+	CHECK(liesAlongSide<dim>(block, corner, right, 0.1, 0.1) == (half < 1e-8));
+	// one that stands on its narrow upper side does so where nodes are nearer than that is wide
+	CHECK(!liesAlongSide<dim>(block, corner, -up, 0.1, 0.1));
+	CHECK(liesAlongSide<dim>(block, corner, -up, 0.1, 0.001) == (half > 1e-3));
 }
 
 TEST_CASE("points of edges in space: as near as asked for, with numbers of their own", "[rigid]")

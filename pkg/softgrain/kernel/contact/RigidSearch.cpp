@@ -156,7 +156,8 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, Surroundings<d
 		tipsOf<dim>(list.rigid->surface, body.box.grown(margin), body.pointSpacing);
 	for (const Tip<dim>& tip : tips) {
 		auto contact = ballOnOutline<dim>(tip.ball.centre, tip.ball.radius, body, reach);
-		if (!contact || liesAlongSide<dim>(list.rigid->surface, tip, contact->normal, turn))
+		if (!contact || liesAlongSide<dim>(list.rigid->surface, tip, contact->normal, turn,
+						   body.pointSpacing))
 			continue;
 		const bool isPoint = tip.ball.radius == 0;
 		if (isPoint && surroundings.goOnBefore(tip.ball.centre, -contact->normal)) continue;

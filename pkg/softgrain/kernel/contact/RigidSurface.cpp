@@ -262,25 +262,36 @@ std::vector<Tip<dim>> tips(const Surface& surface, const Box<dim>& box, double s
 	return found;
 }
 
-template <int dim> bool isAlong(const BallSurface<dim>&, const Vec<dim>&, const Vec<dim>&, double)
+template <int dim>
+bool isAlong(const BallSurface<dim>&, const Vec<dim>&, const Vec<dim>&, double, double)
 {
 	return false;
 }
 
 template <int dim>
-bool isAlong(const PlateSurface<dim>& plate, const Vec<dim>&, const Vec<dim>& normal, double cosine)
+bool isAlong(const PlateSurface<dim>& plate, const Vec<dim>&, const Vec<dim>& normal, double cosine,
+	     double)
 {
 	return std::abs(normal.dot(plateNormal(plate))) > cosine;
 }
 
+/// Whether the side of a block across axis `a` is so narrow that no node need be on it.
+template <int dim> bool isNarrow(const BlockSurface<dim>& block, int a, double spacing)
+{
+	for (int b = 0; b < dim; ++b)
+		if (b != a && 2 * block.halfSides[b] < spacing) return true;
+	return false;
+}
+
 template <int dim>
 bool isAlong(const BlockSurface<dim>& block, const Vec<dim>& place, const Vec<dim>& normal,
-	     double cosine)
+	     double cosine, double spacing)
 {
 	const Vec<dim> y = block.axes.transpose() * (place - block.centre);
 	for (int a = 0; a < dim; ++a) {
 		const double rounding = 1e-9 * block.halfSides.maxCoeff();
 		if (std::abs(y[a]) < block.halfSides[a] - rounding) continue;
+		if (isNarrow<dim>(block, a, spacing)) continue;
 		const double across = normal.dot(block.axes.col(a));
 		const bool hasBothSides = block.halfSides[a] <= rounding;
 		const double inwards =
@@ -322,11 +333,11 @@ template <int dim> std::vector<double> placeNumbers(const RigidSurface<dim>& sur
 
 template <int dim>
 bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const Vec<dim>& normal,
-		   double angle)
+		   double angle, double spacing)
 {
 	return std::visit(
 		[&](const auto& s) {
-			return isAlong<dim>(s, tip.ball.centre, normal, std::cos(angle));
+			return isAlong<dim>(s, tip.ball.centre, normal, std::cos(angle), spacing);
 		},
 		surface);
 }
@@ -359,7 +370,7 @@ std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& b
 		const RigidSurface<dim>&, const Vec<dim>&, const Faces<dim>&);                     \
 	template std::vector<double> placeNumbers<dim>(const RigidSurface<dim>&);                  \
 	template bool liesAlongSide<dim>(const RigidSurface<dim>&, const Tip<dim>&,                \
-					 const Vec<dim>&, double);                                 \
+					 const Vec<dim>&, double, double);                         \
 	template double distanceTo<dim>(const RigidSurface<dim>&, const Vec<dim>&);                \
 	template BallSurface<dim> ballAbout<dim>(const RigidSurface<dim>&);                        \
 	template std::vector<Tip<dim>> tipsOf<dim>(const RigidSurface<dim>&, const Box<dim>&,      \

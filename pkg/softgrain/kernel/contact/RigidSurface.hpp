@@ -72,10 +72,11 @@ template <int dim> struct Tip {
 };
 
 /// Whether an outline with this normal (unit, outwards) at a tip lies along a side that ends there,
-/// within an angle: the side bears it then, by the contact nodes, not the tip.
+/// within an angle: the side bears it then, by the contact nodes, not the tip. A side of a block
+/// that is narrower than their spacing does not.
 template <int dim>
 bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const Vec<dim>& normal,
-		   double angle);
+		   double angle, double spacing);
 
 /// The ball itself; corners and, in 3D, points of the edges no further apart than `spacing`, those
 /// in `box`.
