@@ -196,13 +196,14 @@ SoftScene softScene(const Scene& scene, int threads)
 	return soft;
 }
 
-/// Grains may have been moved towards each other's images by a cell that has changed.
-void note(const SoftScene& soft, const Scene& scene, softgrain::HostNotes& host)
+/// (A cell that is changed by hand may bring sleepers to each other's images; while it flows none
+/// sleeps, and there is nothing to look at.)
+void noteBodies(const SoftScene& soft, const Scene& scene, softgrain::HostNotes& host)
 {
 	host.unbounded = soft.unbounded;
 	if (!scene.isPeriodic || scene.cell->hSize == host.cell) return;
 	host.cell = scene.cell->hSize;
-	std::fill(host.moved.begin(), host.moved.end(), true);
+	if (comingVelGrad(scene).isZero(0)) std::fill(host.moved.begin(), host.moved.end(), true);
 }
 
 std::vector<Body*> softBodies(const Scene& scene)
@@ -266,7 +267,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 	if (soft.grains == 0) return nullptr;
 	checkHost(scene);
 	if (soft.assembly) {
-		note(soft, scene, soft.assembly->host);
+		noteBodies(soft, scene, soft.assembly->host);
 		return soft.assembly;
 	}
 
@@ -284,7 +285,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 	if (const auto* integrator = softGrainIntegratorOf(scene))
 		assembly->setInterfaceRange(integrator->interfaceRange);
 	join(scene, assembly);
-	note(soft, scene, assembly->host);
+	noteBodies(soft, scene, assembly->host);
 	return assembly;
 }
 

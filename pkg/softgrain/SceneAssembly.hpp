@@ -16,8 +16,8 @@ class SoftGrain;
 class SoftMat;
 
 /// The assembly of the scene's soft grains, made anew if grains, materials or shapes changed since;
-/// null if there is none. What is to be known of the
-/// bodies is noted in its HostNotes.
+/// null if there is none. What the step has to know of the bodies is noted in HostNotes (which were
+/// moved, the cell, the first without a box).
 /// Throws std::invalid_argument (std::runtime_error for its State) saying which body is wrong and
 /// why. Thread-safe.
 std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene, int threads = 1);

@@ -74,7 +74,8 @@ def whole_from(least, most=math.inf):
 
 
 def seed(text):
-    """Argument type: of generators of random packings, YADE's among them (int)."""
+    """Argument type: of generators of random packings (int). YADE's takes 32 bits, and some cases
+    count on from it."""
     return whole_from(1, 10**9)(text)
 
 
