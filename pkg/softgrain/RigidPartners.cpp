@@ -122,11 +122,11 @@ softgrain::RigidMotionDescription RigidPartners::motionOf(const Body& body, Load
 	for (int a = 0; a < 3; ++a) {
 		if (state.blockedDOFs & State::axisDOF(a, false)) continue;
 		d.inverseMass[a] = scaling / state.mass;
-		d.freeVelocity[a] += kick_ * d.inverseMass[a] * load.force[a];
+		d.freeVelocity[a] += load.kick * d.inverseMass[a] * load.force[a];
 	}
 	const bool aspherical = turnsAsAspherical(body, *newton_);
 	d.inverseInertia = inverseInertia(state, scaling, aspherical);
-	d.freeAngularVelocity += kick_ * d.inverseInertia * load.torque;
+	d.freeAngularVelocity += load.kick * d.inverseInertia * load.torque;
 	if (aspherical) {
 		d.freeAngularVelocity -= dt * d.inverseInertia * gyroscopicTorque(state);
 		d.freeAngularVelocity -= flow_.spinChange; // Newton's integrator leaves it out here
@@ -152,22 +152,24 @@ const Body& RigidPartners::moverOf(const Body& body) const
 	return body.isClumpMember() ? *(*scene_->bodies)[body.clumpId] : body;
 }
 
-int RigidPartners::numberOf(const Body& body)
+int RigidPartners::numberOfMover(const Body& mover, Real kick)
 {
-	const Body& mover = moverOf(body);
 	int& number = numberOf_[mover.getId()];
 	if (number < 0) {
 		number = static_cast<int>(motions_.size());
-		motions_.push_back(motionOf(mover, loads_.emplace_back()));
+		motions_.push_back(motionOf(mover, loads_.emplace_back(Load { kick })));
 		movers_.push_back(mover.getId());
 	}
 	return number;
 }
 
+int RigidPartners::numberOf(const Body& body) { return numberOfMover(moverOf(body), kick_); }
+
 void RigidPartners::addFreeBodies()
 {
 	for (const auto& body : *scene_->bodies)
-		if (body && !body->isClumpMember() && isFree(*body)) numberOf(*body);
+		if (body && !body->isClumpMember() && isFree(*body))
+			numberOfMover(*body, scene_->dt);
 }
 
 bool RigidPartners::isFree(const Body& body) const { return isFreeUnder(moverOf(body), *newton_); }
@@ -179,9 +181,9 @@ bool RigidPartners::isHeld(int number) const
 
 void RigidPartners::publishLoads() const
 {
-	const Real besides = kick_ / scene_->dt - 1;
-	if (besides == 0) return;
 	for (std::size_t k = 0; k < loads_.size(); ++k) {
+		const Real besides = loads_[k].kick / scene_->dt - 1;
+		if (besides == 0) continue;
 		scene_->forces.addForce(movers_[k], besides * loads_[k].force);
 		scene_->forces.addTorque(movers_[k], besides * loads_[k].torque);
 	}

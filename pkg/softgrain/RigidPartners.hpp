@@ -22,6 +22,7 @@ public:
 	/// one that NewtonIntegrator would not move by exactly the impulses it gets.
 	int numberOf(const Body& body);
 	/// Those that touch nothing as well, for a balance of energies that knows their flight.
+	/// They fly as they would without: loads act for O.dt.
 	void addFreeBodies();
 	/// Whether forces change the motion of a body.
 	bool isFree(const Body& body) const;
@@ -38,10 +39,12 @@ public:
 
 private:
 	struct Load {
+		Real kick;                                                    ///< s
 		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero(); ///< N, N m
 	};
 
 	const Body& moverOf(const Body& body) const;
+	int numberOfMover(const Body& mover, Real kick);
 	softgrain::RigidMotionDescription motionOf(const Body& body, Load& load) const;
 
 	Scene* scene_ = nullptr;

@@ -31,6 +31,11 @@ constexpr double timeStepRounding = 1e-6;
 /// changes seldom, since each change costs a little of the integrator's conservation of energy.
 constexpr double lowestTimeStep = 0.7;
 
+/// Steps in a row in which O.dt must have been shorter than that before it is raised, once it has
+/// been lowered: some periods of a grain. Raised and lowered with each swing of a vibration, it
+/// would feed that (doc/decisions/0003-time-step.md).
+constexpr int stepsBeforeRaise = 1000;
+
 /// Where O.dt is put anew, over that fraction. The nearer, the sooner the critical step falls below
 /// it, and grains have to be measured: the first as long as that takes at most `worthMeasuring` of
 /// the computations of forces that steps take, else the second (doc/decisions/0003-time-step.md,
@@ -40,6 +45,29 @@ constexpr double nearTimeStep = 0.99, roomyTimeStep = 0.9, worthMeasuring = 0.05
 /// Relative difference up to which O.dt is the value that sg set before the first step, which is
 /// computed anew here.
 constexpr double sameTimeStep = 1e-9;
+
+/// Steps from one look at pressures to the next.
+constexpr long pressureInterval = 100;
+
+/// Mean pressure of a grain over its young up to which forces were found right within some per cent
+/// (doc/user_guide.md, "High pressure"); without a limit where nothing was found.
+double knownPressure(const SoftGrain& grain)
+{
+	if (grain.basis != "splines" || grain.nodeSpacing >= 2)
+		return std::numeric_limits<double>::infinity();
+	return grain.nodeSpacing < 1.5 ? 1 : 2;
+}
+
+/// In 2D of the stresses in the plane, Pa.
+double meanPressure(const softgrain::PointFields& points, int dim)
+{
+	double sum = 0, volume = 0;
+	for (std::size_t p = 0; p < points.volume.size(); ++p) {
+		sum -= points.volume[p] * points.cauchy[p].diagonal().head(dim).sum() / dim;
+		volume += points.volume[p];
+	}
+	return sum / volume;
+}
 
 } // namespace
 
@@ -69,7 +97,9 @@ void SoftGrainIntegrator::action()
 		if (e.point >= 0) message << ", material point " << e.point;
 		message << ": " << e.what()
 			<< ". Hint: load more slowly, reduce timeStepFraction (now "
-			<< timeStepFraction << "), or refine the grain (smaller zeta).";
+			<< timeStepFraction
+			<< "), refine the grain (smaller zeta), or, under pressures above young, "
+			   "make it with nodeSpacing = 2.";
 		lastError = message.str();
 		throw std::runtime_error(lastError);
 	} catch (const std::exception& e) {
@@ -145,6 +175,7 @@ void SoftGrainIntegrator::advance()
 	if (bodies.needCollider(threads())) scene->doSort = true;
 	clock_.end("callColliderIfNeeded");
 	keepBooks(report);
+	warnOfPressure();
 	// last, for the shortest way from its threads to those of NewtonIntegrator: on a long one
 	// they would fall asleep
 	interactions.publish(partners_, threads());
@@ -210,9 +241,14 @@ void SoftGrainIntegrator::followDeformation(Real undeformed, bool hasStepper)
 	if (dtSet == 0 || (dtSet != scene->dt && !hasStepper))
 		dtSet = std::min(timeStepFraction * undeformed, criticalDt);
 	const bool tooShort = dtSet < lowestTimeStep * timeStepFraction * criticalDt;
-	if (tooShort) measureCriticalStep(std::numeric_limits<Real>::infinity());
+	const bool isRaised = tooShort && stepsToRaise == 0;
+	if (isRaised)
+		measureCriticalStep(std::numeric_limits<Real>::infinity());
+	else if (stepsToRaise > 0)
+		stepsToRaise = tooShort ? stepsToRaise - 1 : stepsBeforeRaise;
 	const Real limit = timeStepFraction * criticalDt;
-	if (!tooShort && dtSet <= limit * (1 + timeStepRounding)) return;
+	if (!isRaised && dtSet <= limit * (1 + timeStepRounding)) return;
+	if (!isRaised) stepsToRaise = stepsBeforeRaise;
 	const bool near = pointsMeasured <= worthMeasuring * pointsUpdated;
 	dtSet = (near ? nearTimeStep : roomyTimeStep) * limit;
 }
@@ -236,6 +272,38 @@ void SoftGrainIntegrator::warnOfStiffSpheres() const
 			   << " s, as utils.PWaveTimeStep() has it: where it touches another rigid "
 			      "body both may fly apart. Assign O.dt, give it a lower young, or use "
 			      "sg.engines(rigid='nonsmooth')");
+}
+
+/// Where the pressure in a grain, the one that holds most elastic energy for its young and volume,
+/// is higher than what is known to go well: once.
+void SoftGrainIntegrator::warnOfPressure()
+{
+	if (warnedOfPressure_ || assemblySteps % pressureInterval != 0) return;
+	int densest = -1;
+	double highest = 0;
+	for (int g = 0; g < assembly_->grains(); ++g) {
+		if (assembly_->isRigid(g) || assembly_->isAsleep(g)) continue;
+		const double young = materialOf(*scene, assembly_->idOf(g)).young;
+		const double density =
+			assembly_->energy(g).elastic / (young * assembly_->undeformedVolume(g));
+		if (density <= highest) continue;
+		highest = density;
+		densest = g;
+	}
+	if (densest < 0) return;
+	const int id = assembly_->idOf(densest);
+	const SoftGrain& grain = grainOf(*scene, id);
+	const double pressure =
+		meanPressure(assembly_->points(densest), grain.dim) / materialOf(*scene, id).young;
+	if (pressure <= knownPressure(grain)) return;
+	warnedOfPressure_ = true;
+	LOG_WARN("step "
+		 << scene->iter << ": soft grain #" << id << " bears a mean pressure of "
+		 << pressure << " young. With nodeSpacing = " << grain.nodeSpacing
+		 << " grains under more than " << knownPressure(grain)
+		 << " young may be too soft by some per cent, and fold at several times that; "
+		    "grains made with nodeSpacing = 2 were right to 8 young (user guide, "
+		    "'High pressure')");
 }
 
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg

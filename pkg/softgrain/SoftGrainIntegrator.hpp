@@ -59,6 +59,7 @@ public:
 		((Real, lostBonds, 0, Attr::readonly, "Bonds that were whole when their contact point vanished, so far: whether the surfaces went apart in one step or slid off each other. |yupdate|"))
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
+		((int, stepsToRaise, 0, Attr::hidden, "Steps in a row with a too short O.dt before it may be raised."))
 		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
 		((long, assemblySteps, 0, Attr::hidden, "Steps of the assembly so far."))
 		((Real, bondRate, 0, Attr::hidden, "Largest squared frequency of bonds in the last step [1/s²]."))
@@ -84,6 +85,7 @@ private:
 	void followDeformation(Real undeformed, bool hasStepper);
 	void measureCriticalStep(Real enough);
 	void warnOfStiffSpheres() const;
+	void warnOfPressure();
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();
 	void keepBooks(const softgrain::StepReport& report);
@@ -99,6 +101,7 @@ private:
 	RigidContacts rigidContacts_;
 	EnergyBooks energyBooks_;
 	softgrain::PhaseClock clock_;
+	bool warnedOfPressure_ = false;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);

@@ -56,6 +56,7 @@ private:
 				softgrain::PairContacts& pair) const;
 };
 
+/// The same, knowing the class of its shape: shapes may be exchanged while functors are kept.
 template <class Rigid> class SearchOn : public SearchOnRigid {
 	bool isFor(const Shape& shape) const override
 	{

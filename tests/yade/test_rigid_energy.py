@@ -137,3 +137,24 @@ def test_sums_go_on_as_kinds_of_bodies_change():
     run(5)
     assert sg.integrator().energy()["rigidImpact"] == before
     assert sg.integrator().steps == steps + 10
+
+
+@pytest.mark.parametrize("steps", ([(1e-3, 5), (1e-6, 20)], [(1e-6, 20), (1e-3, 5)]))
+def test_tracking_changes_no_flight(steps):
+    """Neither where O.dt changes; and the balance knows how the bodies flew."""
+    velocities = []
+    for track in (False, True):
+        O.reset()
+        body = add_sphere((0, 0, 50 * R))
+        add_sphere((0, 0, 0), blocked="xyzXYZ")
+        O.trackEnergy = track
+        start(steps[0][0])
+        run(1)
+        before = balance()[0] if track else 0
+        for dt, count in steps:
+            O.dt = dt
+            run(count)
+        if track:
+            assert balance()[0] == pytest.approx(before, abs=1e-12 * balance()[1]["rigidLoads"])
+        velocities.append(body.state.vel[2])
+    assert velocities[0] == velocities[1] < 0

@@ -2,8 +2,9 @@
 
 import re
 
+import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
+from scenes import RADIUS, YOUNG, add_disk, add_wall, ready, run, soft_material
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -73,6 +74,22 @@ def test_follows_the_deformation():
             seen.append(O.dt)
     assert seen[-1] < 0.8 * dt
     assert len(seen) < 25
+
+
+def test_raised_once_it_has_been_too_short_for_long():
+    """Not with each swing of the vibration that a wall leaves when it is taken away."""
+    add_disk(material=soft_material(massDamping=2000))
+    add_wall(-RADIUS, 1)
+    wall = add_wall(RADIUS, 1, velocity=(0, -2, 0))
+    dt = ready()
+    run(220)
+    O.bodies.erase(wall.id)
+    lowest = O.dt
+    assert lowest < 0.6 * dt
+    run(1000)
+    assert O.dt == lowest
+    run(600)
+    assert O.dt > 0.85 * dt
 
 
 def test_users_step_is_left_alone():
@@ -208,3 +225,68 @@ def test_how_near_the_critical_step(speed, share):
     assert jumps[-1] == pytest.approx(share, rel=1e-9)
     measured = engine.pointsMeasured / engine.pointsUpdated
     assert (measured <= 0.05) == (share == 0.99)
+
+
+def total_energy():
+    """What stays constant, before the last step [J/m]."""
+    energy = sg.integrator().energy()
+    lost = energy["friction"] + energy["impact"]
+    return energy["kinetic"] + energy["elastic"] + lost - energy["walls"] - energy["loads"]
+
+
+def test_vibrations_are_not_fed():
+    """Three grains part after a hard impact and swing so wide that the critical step of one changes
+    by more than a third in each period: O.dt, raised and lowered with it, would double the energy.
+    """
+    O.trackEnergy = True
+    weak = soft_material(young=0.1 * YOUNG, poisson=0.4, frictionAngle=0.5)
+    stiff = soft_material(poisson=0.4, frictionAngle=0.5)
+    for place, velocity, material in (
+        ((0, 0, 0), (4, 0, 0), stiff),
+        ((2.1 * RADIUS, 0.3 * RADIUS, 0), (-3, 1, 0), weak),
+        ((RADIUS, 2 * RADIUS, 0), (0, -5, 0), stiff),
+    ):
+        state = add_disk(place, material=material, zeta=0.2).state
+        state.vel, state.angVel = velocity, (0, 0, 60)
+    O.engines = sg.engines()
+    sg.set_time_step(0.9)
+    run(3)
+    before, steps = total_energy(), set()
+    for _ in range(4000):
+        run(1)
+        steps.add(O.dt)
+    assert sg.integrator().activeContacts == 0
+    assert min(steps) < 0.6 * max(steps)
+    assert len(steps) < 40
+    assert total_energy() == pytest.approx(before, rel=0.02)
+
+
+def squeeze_all_round(**shape):
+    """Four walls about a disk until its mean pressure is 1.3 times its young."""
+    disk = add_disk(material=soft_material(massDamping=3000), zeta=0.2, **shape)
+    walls = []
+    for axis, side in ((0, -1), (0, 1), (1, -1), (1, 1)):
+        velocity = [0, 0, 0]
+        velocity[axis] = -side
+        walls.append(add_wall(side * RADIUS, axis, velocity=velocity))
+    ready()
+    pressure = 0
+    while pressure < 1.3 * YOUNG:
+        run(50)
+        points = disk.shape.points()
+        stress = np.average(points["cauchy"], axis=0, weights=points["volume"])
+        pressure = -(stress[0, 0] + stress[1, 1]) / 2
+    for wall in walls:
+        wall.state.vel = (0, 0, 0)
+    run(200)
+
+
+@pytest.mark.parametrize(
+    "shape, warnings",
+    [({}, 1), ({"nodeSpacing": 1.5}, 0), ({"nodeSpacing": 2}, 0), ({"basis": "triangles"}, 0)],
+)
+def test_warning_of_high_pressure(shape, warnings, capfd):
+    """Logged once, where it is more than the background grid was found to bear."""
+    squeeze_all_round(**shape)
+    logged = capfd.readouterr().err
+    assert logged.count("soft grain #0 bears a mean pressure of ") == warnings
