@@ -51,7 +51,8 @@ study has it; overlap: largest so far; capped: share of the steps whose sweeps h
 growth of kinetic and elastic energy over the elastic energy; ripple: what the von Mises stress of a
 point alternates in time against the points about it, over E, in the middle one of the grains and in
 the one that has most. What rest means, and rest from
-equilibrium: [decisions/0010](decisions/0010-grains-at-rest.md).
+equilibrium: [decisions/0010](decisions/0010-grains-at-rest.md). What grains bear whose
+mean pressure exceeds their Young's modulus: [decisions/0008](decisions/0008-node-spacing.md#consequences).
 """
 
 
