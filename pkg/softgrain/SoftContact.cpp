@@ -68,6 +68,8 @@ py::object column(const std::vector<Record>& records, const Get& get)
 
 } // namespace
 
+int SoftGeom::firstBody() const { return pair ? assembly->idOf(pair->firstGrain()) : -1; }
+
 py::dict SoftGeom::contactArrays() const
 {
 	using softgrain::ContactPressure;

@@ -19,6 +19,8 @@ public:
 	/// from the last assembly or the saved ones.
 	void bind(const std::shared_ptr<softgrain::GrainAssembly>& present, int first);
 	void preSave(SoftGeom&);
+	/// Id of the body that contact points of side 0 belong to; -1 before a search.
+	int firstBody() const;
 	py::dict contactArrays() const;
 	int bondTouching();
 
@@ -30,7 +32,8 @@ public:
 		((vector<Real>, savedRest, , Attr::hidden, "What a sleeping pair goes on from when saved; else empty."))
 		((vector<Real>, savedInterface, , Attr::hidden, "What an interface law remembers when saved; else empty.")),
 		createIndex();,
-		.def("contacts", &SoftGeom::contactArrays, "Contact points within reach, a dict of arrays: point (n, 3), in a periodic cell on the side of the grain with the lower index [m], normal (n, 3) on the grain that owns the node, gap (n,) [m], impulse (n, 3) of the last step on that grain, reaction and tractions of :yref:`SoftInterface` together [N s], force (n, 3) the same over the time it acted [N, 2D N/m], area (n,) share of the node in the outline [m², 2D m], pressure (n,) and shear (n, 3), the tangential traction, on that grain at the node, from all impulses of the pair averaged over about one spacing of background nodes [Pa] (all three 0 unless the geometry is 'surface'; forces of single nodes scatter, see doc/theory.md), side (n,) 0 if the node belongs to the grain with the lower index, 1 otherwise, node (n,), bond (n,) 0 if there never was one, 1 while it holds, 2 once it is broken, damage (n,) of the bond in [0, 1].")
+		.def("contacts", &SoftGeom::contactArrays, "Contact points within reach, a dict of arrays: point (n, 3), in a periodic cell beside the grain *first* [m], normal (n, 3) on the grain that owns the node, gap (n,) [m], impulse (n, 3) of the last step on that grain, reaction and tractions of :yref:`SoftInterface` together [N s], force (n, 3) the same over the time it acted [N, 2D N/m], area (n,) share of the node in the outline [m², 2D m], pressure (n,) and shear (n, 3), the tangential traction, on that grain at the node, from all impulses of the pair averaged over about one spacing of background nodes [Pa] (all three 0 unless the geometry is 'surface'; forces of single nodes scatter, see doc/theory.md), side (n,) 0 if the node belongs to the grain *first*, 1 otherwise, node (n,), bond (n,) 0 if there never was one, 1 while it holds, 2 once it is broken, damage (n,) of the bond in [0, 1].")
+		.add_property("first", &SoftGeom::firstBody, "Id of the grain that contact points of side 0 belong to; -1 before a search.")
 		.def("bond", &SoftGeom::bondTouching, "Bond the contact points that touch now (gap below a hundredth of the spacing of material points, or a force in the last step), whatever they were before; returns their number. 0 unless :yref:`SoftPhys.interface` has a bondStrength and a step has been made with it.")
 	);
 	// clang-format on

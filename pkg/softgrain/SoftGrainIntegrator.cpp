@@ -1,5 +1,6 @@
 #include "SoftGrainIntegrator.hpp"
 #include "Engines.hpp"
+#include "HighPressure.hpp"
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
 #include "PythonContactProblem.hpp"
@@ -48,26 +49,6 @@ constexpr double sameTimeStep = 1e-9;
 
 /// Steps from one look at pressures to the next.
 constexpr long pressureInterval = 100;
-
-/// Mean pressure of a grain over its young up to which forces were found right within some per cent
-/// (doc/user_guide.md, "High pressure"); without a limit where nothing was found.
-double knownPressure(const SoftGrain& grain)
-{
-	if (grain.basis != "splines" || grain.nodeSpacing >= 2)
-		return std::numeric_limits<double>::infinity();
-	return grain.nodeSpacing < 1.5 ? 1 : 2;
-}
-
-/// In 2D of the stresses in the plane, Pa.
-double meanPressure(const softgrain::PointFields& points, int dim)
-{
-	double sum = 0, volume = 0;
-	for (std::size_t p = 0; p < points.volume.size(); ++p) {
-		sum -= points.volume[p] * points.cauchy[p].diagonal().head(dim).sum() / dim;
-		volume += points.volume[p];
-	}
-	return sum / volume;
-}
 
 } // namespace
 
@@ -274,36 +255,14 @@ void SoftGrainIntegrator::warnOfStiffSpheres() const
 			      "sg.engines(rigid='nonsmooth')");
 }
 
-/// Where the pressure in a grain, the one that holds most elastic energy for its young and volume,
-/// is higher than what is known to go well: once.
+/// Once: grains stay pressed.
 void SoftGrainIntegrator::warnOfPressure()
 {
 	if (warnedOfPressure_ || assemblySteps % pressureInterval != 0) return;
-	int densest = -1;
-	double highest = 0;
-	for (int g = 0; g < assembly_->grains(); ++g) {
-		if (assembly_->isRigid(g) || assembly_->isAsleep(g)) continue;
-		const double young = materialOf(*scene, assembly_->idOf(g)).young;
-		const double density =
-			assembly_->energy(g).elastic / (young * assembly_->undeformedVolume(g));
-		if (density <= highest) continue;
-		highest = density;
-		densest = g;
-	}
-	if (densest < 0) return;
-	const int id = assembly_->idOf(densest);
-	const SoftGrain& grain = grainOf(*scene, id);
-	const double pressure =
-		meanPressure(assembly_->points(densest), grain.dim) / materialOf(*scene, id).young;
-	if (pressure <= knownPressure(grain)) return;
+	const std::string message = highPressure(*scene, *assembly_);
+	if (message.empty()) return;
 	warnedOfPressure_ = true;
-	LOG_WARN("step "
-		 << scene->iter << ": soft grain #" << id << " bears a mean pressure of "
-		 << pressure << " young. With nodeSpacing = " << grain.nodeSpacing
-		 << " grains under more than " << knownPressure(grain)
-		 << " young may be too soft by some per cent, and fold at several times that; "
-		    "grains made with nodeSpacing = 2 were right to 8 young (user guide, "
-		    "'High pressure')");
+	LOG_WARN("step " << scene->iter << ": " << message);
 }
 
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg

@@ -45,8 +45,8 @@ def pair_forces():
         dict of arrays, in the order of the ids: id1, id2 (n,); point (n, 3), mean of the contact
         points by the size of their normal forces [m]; normal_force (n, 3) and shear_force (n, 3),
         sums of the normal and of the tangential forces of all contact points on #2 [N, 2D N/m];
-        area (n,) of contact [m², 2D m]; pressure (n,) and traction (n,), magnitudes of these sums
-        over the area [Pa].
+        area (n,) of contact, of what presses and what pulls [m², 2D m]; pressure (n,) and traction
+        (n,), magnitudes of these sums over the area, whichever way they point [Pa].
     """
     rows = [_pair(i) for i in _soft_interactions() if i.phys.activeContacts > 0]
     names = ("id1", "id2", "point", *_SUMS, "area", "pressure", "traction")
@@ -108,17 +108,15 @@ def _soft_interactions():
 
 def _sides(interaction):
     """Ids of the bodies that own contact points of side 0 and of side 1."""
-    low, high = sorted((interaction.id1, interaction.id2))
-    if isinstance(O.bodies[low].shape, wrapper.SoftGrain):
-        return low, high
-    return high, low
+    first = interaction.geom.first
+    return first, interaction.id1 + interaction.id2 - first
 
 
 def _pair(interaction):
     """A row of :func:`pair_forces`."""
     arrays = interaction.geom.contacts()
     normal, shear = np.array(interaction.phys.normalForce), np.array(interaction.phys.shearForce)
-    carries = arrays["pressure"] > 0
+    carries = arrays["pressure"] != 0  # cohesion and bonds pull
     both = [arrays["area"][carries & (arrays["side"] == side)].sum() for side in (0, 1)]
     seen = [area for area in both if area > 0]  # both outlines, or that of the grain
     area = sum(seen) / len(seen) if seen else 0.0

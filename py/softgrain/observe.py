@@ -183,7 +183,8 @@ def _contact_moments():
             continue
         force = np.array(i.phys.normalForce + i.phys.shearForce)
         image = np.array(O.cell.hSize) @ np.array(i.cellDist)
-        branch = np.array(O.bodies[i.id1].state.pos - O.bodies[i.id2].state.pos) - image
+        ends = [O.bodies[_whole_of(body)].state.pos for body in (i.id1, i.id2)]
+        branch = np.array(ends[0] - ends[1]) - image
         moments.append(np.outer(force, branch))
     return np.apply_along_axis(math.fsum, 0, np.array(moments))
 

@@ -31,10 +31,11 @@ import softgrain as sg
 
 @pytest.fixture
 def packing():
-    """Four soft disks about a rigid one pressed in a box, at rest; ids of the walls."""
+    """Four soft disks, of two resolutions in turn, about a rigid one pressed in a box, at rest; ids
+    of the walls."""
     material = soft_material(massDamping=400, frictionAngle=0.3)
     for x, y in ((1, 1), (3, 1), (1, 3), (3, 3)):
-        add_disk((x * RADIUS, y * RADIUS, 0), RADIUS, material)
+        add_disk((x * RADIUS, y * RADIUS, 0), RADIUS, material, zeta=0.25 if x == 1 else 0.3)
     rigid = utils.sphere(
         (2 * RADIUS, 2 * RADIUS, 0), 0.41 * RADIUS, material=FrictMat(frictionAngle=0.3)
     )

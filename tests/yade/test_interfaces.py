@@ -93,6 +93,9 @@ def test_force_momentum_and_energy_of_two_blocks(law, friction):
     assert (contacts["bond"] == (1 if "bondEnergy" in law else 0)).all()
     mean = (contacts["pressure"] * contacts["area"]).sum() / contacts["area"].sum()
     assert mean == pytest.approx(-1.7e3, rel=0.05)
+    pairs = sg.pair_forces()
+    assert pairs["area"] == pytest.approx([SIDE], rel=0.05)
+    assert pairs["pressure"] == pytest.approx([1.7e3], rel=0.05)
     for body, sign in ((upper, 1), (lower, -1)):
         O.forces.setPermF(body.id, (0, 1.5 * sign * force, 0))
     while any(i.isReal for i in O.interactions):

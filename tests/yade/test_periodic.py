@@ -18,6 +18,7 @@ from scenes import (
     ready,
     run,
     run_python,
+    soft_material,
 )
 from yade import FrictMat, O, utils
 
@@ -217,6 +218,35 @@ def test_rigid_disks_flow_with_the_cell():
     assert np.array(utils.getStress())[0, 0] < -0.01 * YOUNG
     with pytest.raises(ValueError, match="is rigid"):
         sg.cell_stress("grains")
+
+
+def test_stress_with_clumps():
+    """Between centres of clumps, not of their members, as utils.getStress has it: at rest without
+    a torque."""
+    set_cell(4 * DIAMETER, 4 * DIAMETER)
+    rigid = FrictMat(density=1000, frictionAngle=0.3)
+    soft = soft_material(massDamping=2000, frictionAngle=0.3)
+    for i in range(4):
+        for j in range(4):
+            x, y = (i + 0.5) * DIAMETER, (j + 0.5) * DIAMETER
+            if (i + j) % 2 == 0:
+                add_disk((x, y, 0), 1.1 * RADIUS, soft)
+                continue
+            ends = [(x + k * 0.4 * RADIUS, y + k * 0.1 * i * RADIUS, 0) for k in (-1, 1)]
+            members = [utils.sphere(end, 0.5 * RADIUS, material=rigid) for end in ends]
+            clump, _ = O.bodies.appendClumped(members)
+            O.bodies[clump].state.blockedDOFs = "zXY"
+    ready(rigid="nonsmooth", tolerance=1e-4, maxSweeps=1000)
+    run(1)
+    flow(xx=-2, yy=-2)
+    while sg.cell_stress()[1, 1] > -0.03 * YOUNG:
+        run(20)
+    flow()
+    run(3000)
+    stress, scale = sg.cell_stress()[:2, :2], 0.01 * YOUNG
+    assert stress[0, 0] < -scale and stress[1, 1] < -scale
+    np.testing.assert_allclose(stress, np.array(utils.getStress())[:2, :2], atol=0.01 * scale)
+    assert abs(stress[0, 1] - stress[1, 0]) < 0.01 * scale
 
 
 def test_pictures_show_images(tmp_path, monkeypatch):
