@@ -19,9 +19,10 @@ def contact_forces():
 
     Returns:
         dict of arrays, pair by pair in the order of their ids: owner (n,), id of the body whose
-        node, or end, it is; other (n,), id of the body it touches; point (n, 3) [m]; normal (n, 3),
-        into the owner; force (n, 3) on the owner [N, 2D N/m]; gap (n,) [m]; area (n,), share of the
-        node in the outline [m², 2D m]; pressure (n,) and shear (n, 3), tractions on the owner [Pa].
+        node, or end, it is; other (n,), id of the body it touches; point (n, 3), in a periodic cell
+        beside the owner, or the other if the owner is rigid [m]; normal (n, 3), into the owner;
+        force (n, 3) on the owner [N, 2D N/m]; gap (n,) [m]; area (n,), share of the node in the
+        outline [m², 2D m]; pressure (n,) and shear (n, 3), tractions on the owner [Pa].
     """
     names = ("point", "normal", "force", "gap", "area", "pressure", "shear")
     columns = {name: [] for name in ("owner", "other", *names)}
@@ -29,8 +30,10 @@ def contact_forces():
         arrays = interaction.geom.contacts()
         first, second = _sides(interaction)
         on_first = arrays["side"] == 0
-        columns["owner"].append(np.where(on_first, first, second))
-        columns["other"].append(np.where(on_first, second, first))
+        owner, other = np.where(on_first, first, second), np.where(on_first, second, first)
+        columns["owner"].append(owner)
+        columns["other"].append(other)
+        arrays["point"] = _beside_owners(arrays["point"], owner, other)
         for name in names:
             columns[name].append(arrays[name])
     return {
@@ -43,10 +46,11 @@ def pair_forces():
 
     Returns:
         dict of arrays, in the order of the ids: id1, id2 (n,); point (n, 3), mean of the contact
-        points by the size of their normal forces [m]; normal_force (n, 3) and shear_force (n, 3),
-        sums of the normal and of the tangential forces of all contact points on #2 [N, 2D N/m];
-        area (n,) of contact, of what presses and what pulls [m², 2D m]; pressure (n,) and traction
-        (n,), magnitudes of these sums over the area, whichever way they point [Pa].
+        points by the size of their normal forces, in a periodic cell beside id1 [m]; normal_force
+        (n, 3) and shear_force (n, 3), sums of the normal and of the tangential forces of all
+        contact points on #2 [N, 2D N/m]; area (n,) of contact, of what presses and what pulls [m²,
+        2D m]; pressure (n,) and traction (n,), magnitudes of these sums over the area, whichever
+        way they point [Pa].
     """
     rows = [_pair(i) for i in _soft_interactions() if i.phys.activeContacts > 0]
     names = ("id1", "id2", "point", *_SUMS, "area", "pressure", "traction")
@@ -110,6 +114,18 @@ def _sides(interaction):
     """Ids of the bodies that own contact points of side 0 and of side 1."""
     first = interaction.geom.first
     return first, interaction.id1 + interaction.id2 - first
+
+
+def _beside_owners(points, owners, others):
+    """The image of each point that lies nearest to the soft grain that owns it, or touches it."""
+    if not O.periodic:
+        return points
+    cell, points = np.array(O.cell.hSize), np.array(points)
+    for k, (owner, other) in enumerate(zip(owners, others)):
+        is_soft = isinstance(O.bodies[int(owner)].shape, wrapper.SoftGrain)
+        centre = np.array(O.bodies[int(owner if is_soft else other)].state.pos)
+        points[k] -= cell @ np.round(np.linalg.solve(cell, points[k] - centre))
+    return points
 
 
 def _pair(interaction):

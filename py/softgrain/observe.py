@@ -142,8 +142,10 @@ def cell_stress(source="contacts"):
 
     Args:
         source (str): 'contacts': sum of contact forces times branch vectors between centres of
-            mass, over the volume of the cell, as ``utils.getStress`` has it; 'grains': integral of
-            the Cauchy stress over the grains, over the same volume. Less, in both, the momentum
+            mass, over the volume of the cell, as ``utils.getStress`` has it, but for branches to
+            bodies that are held, which end where these are touched; 'grains': integral of the
+            Cauchy stress over the grains, over the same volume, in plane stress per unit of
+            undeformed thickness, as forces are. Less, in both, the momentum
             that grains carry relative to the mean flow, m c c with c = v - velGrad x less the mean
             of that by mass. They agree on the mean over a time that is long beside the vibrations
             of the grains.
@@ -183,17 +185,26 @@ def _contact_moments():
             continue
         force = np.array(i.phys.normalForce + i.phys.shearForce)
         image = np.array(O.cell.hSize) @ np.array(i.cellDist)
-        ends = [O.bodies[_whole_of(body)].state.pos for body in (i.id1, i.id2)]
-        branch = np.array(ends[0] - ends[1]) - image
+        branch = _branch_end(i.id1, np.zeros(3), i) - _branch_end(i.id2, image, i)
         moments.append(np.outer(force, branch))
     return np.apply_along_axis(math.fsum, 0, np.array(moments))
+
+
+def _branch_end(body_id, image, interaction):
+    """The centre of a body, shifted to an image; on one that is held, whose centre may lie anywhere
+    (a floor), where it is touched."""
+    whole = O.bodies[_whole_of(body_id)]
+    if has_own_motion(whole):
+        return np.array(whole.state.pos) + image
+    return np.array(interaction.geom.contactPoint)
 
 
 def _integral_of_stress():
     total = np.zeros((3, 3))
     for body in soft_bodies():
         points = body.shape.points()
-        total += np.einsum("p,pij->ij", points["volume"], points["cauchy"])
+        thickness = points["F"][:, 2, 2] if body.shape.dim == 2 else np.ones(1)
+        total += np.einsum("p,pij->ij", points["volume"] * thickness, points["cauchy"])
     return total
 
 

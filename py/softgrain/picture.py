@@ -57,7 +57,9 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
     if scale is not None:
         scale = number("scale", scale, "(0, inf)", "Pa")
     dpi = number("dpi", dpi, "[10, inf)")
-    disks = [b for b in soft_bodies() if b.shape.dim == 2]
+    disks = soft_bodies()
+    if any(b.shape.dim == 3 for b in disks):
+        raise ValueError("draw_packing draws scenes in 2D; this one has soft grains in 3D")
     images = [(b, shift) for b in disks for shift in _shifts(b.state.pos, _outline(b))]
     outlines = [_outline(b) + shift for b, shift in images]
     rigid = [polygon + shift for polygon in rigid_polygons() for shift in _shifts_of(polygon)]
@@ -94,8 +96,14 @@ def _shifts(centre, polygon):
     size = np.linalg.norm(polygon - centre[:2], axis=1).max()
     flat = {}
     for shift in nearest_images(centre, size):
-        flat.setdefault(tuple(np.round(shift[:2], 12)), shift[:2])
+        if not flat or _reaches_into_cell(polygon + shift[:2]):
+            flat.setdefault(tuple(np.round(shift[:2], 12)), shift[:2])
     return list(flat.values())
+
+
+def _reaches_into_cell(polygon):
+    shares = np.linalg.solve(np.array(O.cell.hSize)[:2, :2], polygon.T)
+    return np.all((shares.max(axis=1) > 0) & (shares.min(axis=1) < 1))
 
 
 def _shifts_of(polygon):

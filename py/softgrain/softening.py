@@ -31,7 +31,7 @@ def soften(
     zeta=0.11,
     dim=None,
     overlap="relax",
-    time_step_fraction=0.9,
+    time_step_fraction=0.85,
     when="now",
     load=1e-3,
     **shape,

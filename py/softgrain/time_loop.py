@@ -338,7 +338,7 @@ def _fraction_set():
     return fraction if O.dt == dt else None
 
 
-def set_time_step(fraction=0.9):
+def set_time_step(fraction=0.85):
     """Set ``O.dt`` to a fraction of the critical step and let the integrator keep it there while
     the grains deform. The first step logs a warning if that is too long for rigid spheres that
     touch by YADE's linear law.

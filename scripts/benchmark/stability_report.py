@@ -43,7 +43,7 @@ beyond its bound (`BOUNDS` in `scripts/benchmark/stability.py`). This page is ma
 
     scripts/yade -n -x scripts/benchmark/stability.py --out DIR
 
-Disks at zeta = 0.2, nu = 0.45, plane strain, at half the critical step (the default is 0.9 of it),
+Disks at zeta = 0.2, nu = 0.45, plane strain, at half the critical step (the default is 0.85 of it),
 plates at 0.003 of the wave speed, no friction (pairs 0.5, packings 0.3), unless the study says
 otherwise. F: mean force of both
 plates over E D in the last quarter (compaction: wall stress over E at the end), as the speed of the
@@ -52,7 +52,8 @@ growth of kinetic and elastic energy over the elastic energy; ripple: what the v
 point alternates in time against the points about it, over E, in the middle one of the grains and in
 the one that has most. What rest means, and rest from
 equilibrium: [decisions/0010](decisions/0010-grains-at-rest.md). What grains bear whose
-mean pressure exceeds their Young's modulus: [decisions/0008](decisions/0008-node-spacing.md#consequences).
+mean pressure exceeds their Young's modulus:
+[decisions/0008](decisions/0008-node-spacing.md#consequences).
 """
 
 

@@ -265,6 +265,9 @@ def test_picture_errors(tmp_path):
     two_disks()
     with pytest.raises(ValueError, match="field = 'tresca' is unknown.*'von_mises', 'pressure'"):
         sg.draw_packing(tmp_path / "packing.png", field="tresca")
+    O.bodies.append(sg.soft_sphere((0, 0, 0.1), 0.01, sg.SoftMat(), zeta=0.5))
+    with pytest.raises(ValueError, match="this one has soft grains in 3D"):
+        sg.draw_packing(tmp_path / "packing.png")
     assert not (tmp_path / "packing.png").exists()
 
 

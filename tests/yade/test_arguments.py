@@ -1,6 +1,7 @@
 """Functions refuse wrong arguments by name, value and admissible range, and change nothing then."""
 
 import math
+import time
 
 import numpy as np
 import pytest
@@ -146,6 +147,8 @@ def test_bodies_are_not_changed_under_a_run(change):
     add_disk()
     O.engines = sg.engines()
     O.run()
+    while O.iter == 0:  # YADE's thread ends the process where it begins after O.reset()
+        time.sleep(1e-3)
     try:
         with pytest.raises(RuntimeError, match="background; call O.pause"):
             change()

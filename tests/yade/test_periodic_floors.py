@@ -132,6 +132,26 @@ def test_disks_lie_on_a_floor(floor):
     assert sg.integrator().largestOverlap < 0.2
 
 
+def test_stress_above_a_floor():
+    """Where the centre of the floor lies does not matter: the integral over the grains."""
+    set_tall_cell()
+    box_floor(half_width=7 * RADIUS, middle=0.7 * WIDTH)
+    for row in range(3):
+        for k in range(4):
+            x = (2 * k + 1 + row % 2) * RADIUS
+            disk = add_disk((x, (1 + 1.74 * row) * RADIUS, 0), material=damped())
+            if row == 2:
+                O.forces.setPermF(disk.id, (20, -200, 0))
+    ready()
+    run(6000)
+    points = [b.shape.points() for b in sg.soft_bodies()]
+    grains = sum(np.einsum("p,pij->ij", p["volume"], p["cauchy"]) for p in points)
+    expected = grains / sg.cell_volume()
+    plane = np.ix_([0, 1], [0, 1])
+    found, scale = sg.cell_stress()[plane], 800 / WIDTH
+    np.testing.assert_allclose(found, expected[plane], rtol=0, atol=2e-3 * scale)
+
+
 def test_a_ball_crosses_the_border_on_a_floor():
     """3D, a floor along two borders: after several periods the ball still slides on it."""
     set_cell(WIDTH, HEIGHT, WIDTH)
