@@ -1,6 +1,7 @@
 """Grains from a labelled image: one soft grain for each label."""
 
 import math
+import os
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -71,6 +72,7 @@ def grains_from_image(
         OSError: the file is not there, or no picture.
     """
     pixel = number("pixel", pixel, "(0, inf)", "m")
+    smoothing = number("smoothing", smoothing, "[0.5, 10]", "pixels")
     least_pixels = math.ceil(number("least_pixels", least_pixels, "[10, inf)"))
     if unusable not in ("refuse", "skip"):
         raise ValueError(f"unusable = {unusable!r} is unknown; known: 'refuse', 'skip'")
@@ -109,10 +111,13 @@ def read_labels(image):
     """Labels of an image as :func:`grains_from_image` takes it: integers (rows, columns).
 
     Raises:
-        ValueError: an array that is empty, not two-dimensional or not of integers.
+        ValueError: neither a name nor an array, or one that is empty, not two-dimensional or not of
+            integers.
     """
     if isinstance(image, (list, tuple)):
         image = np.array(image)
+    elif not isinstance(image, (np.ndarray, str, os.PathLike)):
+        raise ValueError(f"image = {image!r}: admissible are the name of a file and an array")
     elif not isinstance(image, np.ndarray):
         with Image.open(image) as picture:
             if picture.mode in ("RGB", "RGBA"):

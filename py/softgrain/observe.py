@@ -71,7 +71,13 @@ def integrator():
 
 
 def grain_area(body):
-    """Present area of a soft disk [m²] (volume of a soft ball [m³]), sum_p Vp0 J_p."""
+    """Present area of a soft disk [m²] (volume of a soft ball [m³]), sum_p Vp0 J_p.
+
+    Raises:
+        ValueError: the body is no soft grain.
+    """
+    if not isinstance(getattr(body, "shape", None), wrapper.SoftGrain):
+        raise ValueError(f"body = {body!r} is no soft grain")
     return body.shape.volume()
 
 

@@ -37,12 +37,12 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         limits (tuple | None): (low, high) of the colours; None: from 0 (pressure: the lowest) to
             the 99th percentile.
         title (str | None): above the picture.
-        dpi (float): resolution of bitmaps, at least 10 [dots an inch].
+        dpi (float): resolution of bitmaps, in [10, 2400] [dots an inch].
 
     Raises:
         ValueError: an unknown field, nothing to draw, or a value out of its range.
     """
-    if field not in ("von_mises", "pressure", None):
+    if not (field is None or isinstance(field, str) and field in ("von_mises", "pressure")):
         raise ValueError(f"field = {field!r} is unknown; known: 'von_mises', 'pressure', None")
     if not isinstance(path, (str, bytes, os.PathLike)) or not os.path.basename(path):
         raise ValueError(f"path = {path!r}: admissible is the name of a file")
@@ -56,7 +56,7 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
             raise ValueError(f"limits = {limits}: the first has to be below the second")
     if scale is not None:
         scale = number("scale", scale, "(0, inf)", "Pa")
-    dpi = number("dpi", dpi, "[10, inf)")
+    dpi = number("dpi", dpi, "[10, 2400]")
     disks = soft_bodies()
     if any(b.shape.dim == 3 for b in disks):
         raise ValueError("draw_packing draws scenes in 2D; this one has soft grains in 3D")

@@ -1,7 +1,7 @@
 """The contact of a pair in 2D seen along the contact: tractions and width."""
 
 import numpy as np
-from yade import O, wrapper
+from yade import Interaction, O, wrapper
 
 #: Of forces, over the largest one: normal parts of tangential impulses.
 ROUNDING = 1e-12
@@ -46,6 +46,8 @@ def contact_profile(interaction):
 
 
 def _require_soft(interaction):
+    if not isinstance(interaction, Interaction):
+        raise ValueError(f"interaction = {interaction!r}: admissible is one of O.interactions")
     shapes = [O.bodies[i].shape for i in (interaction.id1, interaction.id2)]
     if not any(isinstance(s, wrapper.SoftGrain) and s.dim == 2 for s in shapes):
         raise ValueError(
@@ -84,7 +86,7 @@ def contact_halfwidth(position, force):
         )
     if not np.isfinite(position).all():
         raise ValueError("position holds a value outside the admissible range (-inf, inf) m")
-    if not np.all(force >= -ROUNDING * np.abs(force).max(initial=0)):
+    if not np.isfinite(force).all() or np.any(force < -ROUNDING * np.abs(force).max(initial=0)):
         raise ValueError("force holds a value outside the admissible range [0, inf)")
     total = np.sum(force)
     if not total > 0:

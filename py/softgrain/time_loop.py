@@ -184,10 +184,15 @@ def _checked_interface(interface):
 
     checked = {}
     for name, value in interface.items():
-        is_ready = name == "bondAtTouch" or isinstance(value, MatchMaker)
-        if not is_ready:
+        if name == "bondAtTouch":
+            if not isinstance(value, (bool, np.bool_)):
+                raise ValueError(f"interface: bondAtTouch = {value!r}; admissible: True, False")
+            checked[name] = bool(value)
+        elif isinstance(value, MatchMaker):
+            checked[name] = value
+        else:
             value = number(f"interface: {name}", value, *_INTERFACE_RANGES[name])
-        checked[name] = value if is_ready else MatchMaker(algo="val", val=value)
+            checked[name] = MatchMaker(algo="val", val=value)
     return checked
 
 
