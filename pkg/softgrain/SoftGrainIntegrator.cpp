@@ -47,7 +47,7 @@ constexpr double nearTimeStep = 0.99, roomyTimeStep = 0.9, worthMeasuring = 0.05
 /// computed anew here.
 constexpr double sameTimeStep = 1e-9;
 
-/// Steps from one look at pressures to the next.
+/// Steps from one look at pressures to the next, so that the stresses of one grain cost nothing.
 constexpr long pressureInterval = 100;
 
 } // namespace

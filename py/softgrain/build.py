@@ -97,7 +97,6 @@ def soft_superdisk(
     Returns, raises: as :func:`soft_ellipse`.
     """
     axes = lengths("half_axes", half_axes, (2,))
-    exponent = number("exponent", exponent, "[1.25, 20]")
     angle = number("angle", angle, "(-inf, inf)", "rad")
     if axes[1] > axes[0]:  # the longer one along the grain's own x axis: one table for both
         axes.reverse()

@@ -129,18 +129,18 @@ def made(cls, attributes):
         return cls(**plain)
     except (TypeError, AttributeError):
         for name, value in plain.items():
-            _check_type(cls(), name, value)
+            _check_type(cls, name, value)
         raise
 
 
-def _check_type(example, name, value):
-    kind = type(example).__name__
-    if not hasattr(example, name):
-        raise ValueError(f"{name} is no attribute of {kind}")
+def _check_type(cls, name, value):
+    if not hasattr(cls(), name):
+        raise ValueError(f"{name} is no attribute of {cls.__name__}")
     try:
-        setattr(example, name, value)
+        cls(**{name: value})  # assigned later, it might be read-only
     except (TypeError, AttributeError):
-        raise ValueError(f"{name} = {value!r} is of no type that {kind}.{name} takes") from None
+        kind = f"{cls.__name__}.{name}"
+        raise ValueError(f"{name} = {value!r} is of no type that {kind} takes") from None
     except ValueError:
         pass  # of its type, and out of a range that may depend on others
 

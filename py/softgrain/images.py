@@ -72,7 +72,6 @@ def grains_from_image(
         OSError: the file is not there, or no picture.
     """
     pixel = number("pixel", pixel, "(0, inf)", "m")
-    smoothing = number("smoothing", smoothing, "[0.5, 10]", "pixels")
     least_pixels = math.ceil(number("least_pixels", least_pixels, "[10, inf)"))
     if unusable not in ("refuse", "skip"):
         raise ValueError(f"unusable = {unusable!r} is unknown; known: 'refuse', 'skip'")

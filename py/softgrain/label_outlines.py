@@ -6,6 +6,7 @@ import numpy as np
 from contourpy import contour_generator
 from scipy import ndimage
 
+from softgrain.checks import number
 from softgrain.outlines import area_and_inertia, signed_area
 
 #: The Gaussian that smooths masks ends at this many standard deviations.
@@ -45,15 +46,14 @@ def label_outlines(labels, background=0, smoothing=1.0, least_pixels=50):
     Raises:
         ValueError: `smoothing` is out of its range.
     """
-    if not 0.5 <= smoothing <= 10:
-        raise ValueError(f"smoothing = {smoothing} is outside the admissible range [0.5, 10]")
+    smoothing = number("smoothing", smoothing, "[0.5, 10]", "pixels")
     names, indices = np.unique(labels, return_inverse=True)
     numbers = indices.reshape(labels.shape) + 1  # from 1 on, without gaps
     found, unusable = [], {}
-    for name, place, number in zip(names, ndimage.find_objects(numbers), range(1, len(names) + 1)):
+    for name, place, value in zip(names, ndimage.find_objects(numbers), range(1, len(names) + 1)):
         if name == background:
             continue
-        mask = numbers[place] == number
+        mask = numbers[place] == value
         reason = _why_unusable(mask, place, labels.shape, least_pixels)
         lines = [] if reason else _contours(mask, smoothing)
         if reason is None and len(lines) != 1:
