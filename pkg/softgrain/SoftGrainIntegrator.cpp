@@ -96,8 +96,9 @@ bool SoftGrainIntegrator::assemble()
 {
 	rigidContacts_.list(*scene);
 	const auto last = assembly_;
+	const bool hadGrains = last && last->grains() > 0; // one more step tells that they are gone
 	assembly_ = assembleScene(*scene, threads());
-	if (!assembly_ && !rigidContacts_.hasLaw()) {
+	if (!assembly_ && !rigidContacts_.hasLaw() && !hadGrains) {
 		assembly_ = last; // sums go on from it
 		return false;
 	}
@@ -183,6 +184,7 @@ void SoftGrainIntegrator::continueSavedRun()
 {
 	loaded_ = false;
 	if (assemblySteps == 0) return; // it has not run
+	longestDt_ = scene->dt;
 	softgrain::Continuation state;
 	state.lastStep = lastStep;
 	state.steps = assemblySteps;
@@ -241,11 +243,15 @@ void SoftGrainIntegrator::measureCriticalStep(Real enough)
 	pointsMeasured += assembly_->takeMeasuredPoints();
 }
 
-/// Where rigid bodies touch by a stiffness that the step of the soft grains is too long for.
-void SoftGrainIntegrator::warnOfStiffSpheres() const
+/// Once: where rigid bodies touch by a stiffness that the step of the soft grains is too long for.
+/// (It becomes longer where stiff grains go, or the first soft ones come.)
+void SoftGrainIntegrator::warnOfStiffSpheres()
 {
+	if (warnedOfStiffness_ || scene->dt <= longestDt_) return;
+	longestDt_ = scene->dt;
 	const Real admissible = rigidTimeStep(*scene);
 	if (scene->dt <= admissible) return;
+	warnedOfStiffness_ = true;
 	LOG_WARN("O.dt = " << scene->dt
 			   << " s follows from the soft grains, but the stiffest rigid sphere asks "
 			      "for less than "
@@ -270,7 +276,7 @@ void SoftGrainIntegrator::warnOfPressure()
 void SoftGrainIntegrator::chooseTimeStep()
 {
 	if (assembly_->grains() == 0) {
-		if (scene->dt == defaultTimeStep())
+		if (rigidContacts_.hasLaw() && scene->dt == defaultTimeStep())
 			throw std::runtime_error(
 				"O.dt is not set, and contact dynamics of rigid bodies alone has "
 				"no critical time step: assign O.dt such that no body moves "
@@ -292,7 +298,7 @@ void SoftGrainIntegrator::chooseTimeStep()
 	} else if (automatic) {
 		followDeformation(undeformed, hasStepper);
 		scene->dt = dtSet;
-		if (steps == 0) warnOfStiffSpheres();
+		warnOfStiffSpheres();
 	} else if (!(scene->dt <= criticalDt * (1 + timeStepRounding) && scene->dt > 0)) {
 		std::ostringstream message;
 		message.precision(8); // tells numbers apart that differ by more than rounding

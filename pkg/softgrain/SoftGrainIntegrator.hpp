@@ -84,7 +84,7 @@ private:
 	void chooseTimeStep();
 	void followDeformation(Real undeformed, bool hasStepper);
 	void measureCriticalStep(Real enough);
-	void warnOfStiffSpheres() const;
+	void warnOfStiffSpheres();
 	void warnOfPressure();
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();
@@ -101,7 +101,8 @@ private:
 	RigidContacts rigidContacts_;
 	EnergyBooks energyBooks_;
 	softgrain::PhaseClock clock_;
-	bool warnedOfPressure_ = false;
+	Real longestDt_ = 0; ///< that the soft grains have asked for since it began to run, s
+	bool warnedOfPressure_ = false, warnedOfStiffness_ = false;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);

@@ -244,6 +244,12 @@ void SoftInteractions::renew(Interaction& I, const std::set<int>& moved) const
 {
 	const bool present = static_cast<SoftGeom&>(*I.geom).assembly == assembly_;
 	if (present && !moved.count(I.getId1()) && !moved.count(I.getId2())) return;
+	if (!I.functorCache.geom || !I.functorCache.constLaw)
+		throw std::runtime_error(
+			namesOf(I) +
+			": their contacts have to be searched anew, which takes an InteractionLoop "
+			"that has run since the scene was loaded; save between steps, where "
+			"O.subStep = -1");
 	const auto &b1 = (*scene_.bodies)[I.getId1()], &b2 = (*scene_.bodies)[I.getId2()];
 	const shared_ptr<Interaction>& shared = scene_.interactions->find(I.getId1(), I.getId2());
 	I.functorCache.geom->go(b1->shape, b2->shape, *b1->state, *b2->state, imageShift(scene_, I),

@@ -6,6 +6,9 @@ import numpy as np
 BATCH = 2_000_000
 #: Distance of samples over the gap, by dimension: in 3D the number of samples is that of a surface.
 SPACING = {2: 1, 3: 2}
+#: No ball leaves an outline by more than that of its own radius: contact dynamics refuses rigid
+#: bodies that overlap what they rest on by a tenth.
+DEEPEST = 0.05
 
 
 def samples_of(vertices, facets, spacing):
@@ -81,12 +84,36 @@ def _squares(a, b):
     return np.sum(a**2, axis=1)[:, None] + np.sum(b**2, axis=1) - 2 * (a @ b.T)
 
 
+def distance(place, corners):
+    """Of a place from the nearest of some facets.
+
+    Args:
+        place (array): shape (dim,) [m].
+        corners (array): of segments or triangles, shape (m, dim, dim) [m].
+
+    Returns:
+        float: >= 0 [m].
+    """
+    edges, ways = np.roll(corners, -1, axis=1) - corners, place - corners
+    shares = np.sum(ways * edges, axis=2) / np.sum(edges**2, axis=2)
+    off = ways - np.clip(shares, 0, 1)[:, :, None] * edges
+    nearest = np.sqrt(np.sum(off**2, axis=2).min())
+    if corners.shape[2] == 2:
+        return nearest
+    normals = np.cross(edges[:, 0], edges[:, 1])
+    sides = np.einsum("mkd,md->mk", np.cross(edges, ways), normals)
+    above = (sides >= 0).all(axis=1)
+    heights = np.abs(np.sum(ways[:, 0] * normals, axis=1)) / np.linalg.norm(normals, axis=1)
+    return min(nearest, heights[above].min(initial=np.inf))
+
+
 def fill(vertices, facets, gap, depth):
     """Few discs (balls) whose union has nearly a given outline.
 
     Greedy: of the largest balls inside that touch the outline at its samples, the one that
     covers most of what is not covered yet, until all is. A sample is covered by a ball if it is
-    not further than `gap` from it; none is deeper than `depth` inside one.
+    not further than `gap` from it. No ball leaves the outline by more than `depth`, or a twentieth
+    of its radius: between samples, too.
 
     Args:
         vertices, facets: the outline, as for :func:`samples_of`.
@@ -101,6 +128,7 @@ def fill(vertices, facets, gap, depth):
     """
     vertices = np.asarray(vertices, float)
     origin = vertices.mean(axis=0)  # near the outline: saves digits
+    corners = (vertices - origin)[np.asarray(facets)]
     places, normals, areas = samples_of(vertices - origin, facets, SPACING[len(origin)] * gap)
     bare = areas.copy()  # 0 where a ball covers the sample
     centres, radii = [], []
@@ -113,11 +141,18 @@ def fill(vertices, facets, gap, depth):
         largest_first = np.argsort(-radius, kind="stable")  # of those that cover as much
         candidates, radius = candidates[largest_first], radius[largest_first]
         centre = places[candidates] - radius[:, None] * normals[candidates]
-        covers = _squares(centre, places) <= (radius + gap)[:, None] ** 2
-        covered = covers.astype(float)
+        squares = _squares(centre, places)
+        covered = (squares <= (radius + gap)[:, None] ** 2).astype(float)
         while (gains := covered @ bare).any():
             best = int(np.argmax(gains))
+            room = distance(centre[best], corners)
+            fitting = min(room + depth, room / (1 - DEEPEST))
+            if radius[best] > fitting:  # smaller, it may not be the best one
+                radius[best] = fitting
+                covered[best] = squares[best] <= (fitting + gap) ** 2
+                covered[best, candidates[best]] = 1  # so that all are covered some time
+                continue
             centres.append(origin + centre[best])
             radii.append(radius[best])
-            bare[covers[best]] = 0
+            bare[covered[best] > 0] = 0
     return np.array(centres), np.array(radii)

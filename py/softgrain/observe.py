@@ -289,7 +289,8 @@ def _whole_of(body_id):
 
 class Balance:
     """Relative closure of the energy balance since this object was made. What a script changes by
-    hand (``vel``, ``young``, bodies erased) is no work that is booked: it counts as error.
+    hand (``vel``, ``young``, bodies erased), and what ``SoftenWhenLoaded`` turns soft, is no work
+    that is booked: it counts as error.
 
     The work of walls, loads and a periodic cell must be found again as kinetic and elastic energy
     and as what friction, impacts and damping dissipated, and grains that fell asleep lost.

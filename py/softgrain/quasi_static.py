@@ -45,8 +45,9 @@ def quasi_static():
 
 
 def unbalanced_force(largest=False):
-    """Mean magnitude of the sum of forces on all soft grains and free rigid bodies over the mean
-    magnitude of the contact forces that are not zero, after the last step.
+    """Mean magnitude of the sum of forces on all soft grains and free rigid bodies (along the axes
+    that are not blocked) over the mean magnitude of the contact forces that are not zero, after the
+    last step.
 
     Args:
         largest (bool): the largest sum of forces on a body in place of their mean.
@@ -71,8 +72,16 @@ def _net_forces(bodies):
     gravity = next(
         (e.gravity for e in O.engines if isinstance(e, NewtonIntegrator) and not e.dead), Vector3()
     )
-    sums = [O.forces.f(b.id) + gravity * _weighed_mass(b) for b in bodies]
+    sums = [_free_part(b, O.forces.f(b.id) + gravity * _weighed_mass(b)) for b in bodies]
     return [force.norm() for force in sums]
+
+
+def _free_part(body, force):
+    """Without what those who hold a body bear."""
+    if isinstance(body.shape, wrapper.SoftGrain):
+        return force
+    blocked = body.state.blockedDOFs
+    return Vector3(*(0 if axis in blocked else f for axis, f in zip("xyz", force)))
 
 
 def _weighed_mass(body):

@@ -21,6 +21,7 @@ from yade import (
     Ip2_FrictMat_FrictMat_FrictPhys,
     Law2_ScGeom_FrictPhys_CundallStrack,
     MatchMaker,
+    Matrix3,
     NewtonIntegrator,
     O,
     Sphere,
@@ -147,7 +148,7 @@ def engines(
             _laws(nonsmooth, interface),
         ),
         made(wrapper.SoftGrainIntegrator, integrator),
-        NewtonIntegrator(damping=0, gravity=gravity),
+        NewtonIntegrator(damping=0, gravity=gravity, prevVelGrad=_present_velocity_gradient()),
     ]
 
 
@@ -173,6 +174,13 @@ def insert_before_solve(*engines):
             "sg.engines() first"
         )
     O.engines = present[: places[0]] + list(engines) + present[places[0] :]
+
+
+def _present_velocity_gradient():
+    """What ``NewtonIntegrator`` has given bodies of the flow of a periodic cell: one that does not
+    know of it would give it once more."""
+    present = [e for e in O.engines if isinstance(e, NewtonIntegrator) and not e.dead]
+    return present[0].prevVelGrad if present else Matrix3.Zero
 
 
 def _checked_interface(interface):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from softgrain.filling import fill, samples_of
+from softgrain.filling import distance, fill, samples_of
 
 
 def ring(x):
@@ -61,7 +61,7 @@ def test_outline_is_met(outline, gap):
     centres, radii = fill(*outline, gap, depth=0.1 * gap)
     found = gaps(outline, centres, radii, 0.1 * gap)
     assert found.max() < 1.3 * gap
-    assert found.min() > -0.3 * gap
+    assert found.min() > -0.1001 * gap
     assert (radii > gap).all()
 
 
@@ -77,8 +77,22 @@ def test_cube():
     gap = 0.15
     centres, radii = fill(*cube(), gap, depth=0.1 * gap)
     found = gaps(cube(), centres, radii, 0.3 * gap)
-    assert -0.3 * gap < found.min() and found.max() < 1.6 * gap
+    assert found.max() < 1.6 * gap
+    out = (np.abs(centres) + radii[:, None] - 1).max(axis=1)
+    assert out.max() < 0.1001 * gap
+    assert (out / radii).max() < 0.0501
     assert len(radii) < 200
+
+
+def test_distance():
+    """Of a place above a facet, beyond an edge, beyond a corner."""
+    vertices, facets = cube()
+    corners = vertices[facets]
+    assert distance(np.array([0.2, 0.3, 0.9]), corners) == pytest.approx(0.1)
+    assert distance(np.array([4.0, 5.0, 0.5]), corners) == pytest.approx(5)
+    assert distance(np.array([3.0, 3.0, 2.0]), corners) == pytest.approx(3)
+    vertices, facets = SQUARE
+    assert distance(np.array([4.0, 5.0]), vertices[facets]) == pytest.approx(5)
 
 
 def test_samples():

@@ -188,3 +188,24 @@ def test_softened_under_load():
     for wall in (2, 3):
         assert after[wall][1] == pytest.approx(expected[wall][1], rel=0.02)
         assert 0.2 < after[wall][1] / before[wall][1] < 5  # by the stiffness of the rigid law
+
+
+@pytest.mark.parametrize("rigid", ("linear", "nonsmooth"))
+def test_what_is_reported_when_no_grain_is_left(rigid):
+    """Nothing of what was; sums stay."""
+    for x, speed in ((0, 1), (2.01 * RADIUS, -1)):
+        add_disk((x, 0, 0)).state.vel = (speed, 0, 0)
+    ready(rigid=rigid)
+    O.trackEnergy = True
+    run(40)
+    engine = sg.integrator()
+    assert engine.activeContacts > 0 and engine.energy()["elastic"] > 0
+    impact = engine.energy()["impact"]
+    sg.harden(material=rigid_material())
+    O.dt = 1e-6
+    run(3)
+    energy = engine.energy()
+    assert engine.contacts == (rigid == "nonsmooth")  # that of the spheres
+    assert engine.activeGrains == engine.templates == 0
+    assert energy["kinetic"] == energy["elastic"] == O.energy["softKinetic"] == 0
+    assert energy["impact"] == pytest.approx(impact, rel=0.2) and impact != 0

@@ -10,6 +10,7 @@ from scenes import (
     add_disk,
     add_wall,
     assert_goes_on_after_loading,
+    damped_material,
     ready,
     run,
     soft_material,
@@ -266,3 +267,18 @@ def test_fixed_in_a_periodic_cell():
     ready()
     with pytest.raises(ValueError, match="do not follow a periodic cell"):
         sg.harden(material=rigid_material(), into="fixed")
+
+
+def test_block_in_3d_rests_on_the_floor():
+    """No sphere of it is deeper in the floor than contact dynamics takes."""
+    side = 2 * RADIUS
+    block = sg.soft_block((0, 0, RADIUS), (side, side, side), damped_material(), zeta=0.3)
+    O.bodies.append(block)
+    add_wall(0, 2)
+    ready(gravity=(0, 0, -10), rigid="nonsmooth")
+    run(300)
+    (clump,) = sg.harden(material=rigid_material(), into="clumps").ids
+    O.dt = 5e-5
+    run(200)
+    assert O.bodies[clump].state.vel.norm() < 0.05
+    assert sg.integrator().largestOverlap < 0.6

@@ -3,8 +3,9 @@ from contact dynamics to it, to laws with stiffness and back."""
 
 import pytest
 import yade
+from periodic_scenes import flow, set_cell
 from rigid_scenes import GRAVITY, R, add_sphere, start
-from scenes import RADIUS, add_disk, add_wall, run
+from scenes import RADIUS, add_disk, add_wall, ready, run
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
@@ -83,6 +84,25 @@ def test_contacts_go_on_under_new_engines():
     O.engines = sg.engines(rigid="nonsmooth", gravity=(0, 0, -GRAVITY))
     run(1)  # no step without contact
     assert O.forces.f(floor.id)[2] == pytest.approx(-weight, rel=1e-9)
+
+
+@pytest.mark.parametrize("of_yade", (False, True))
+def test_flow_of_a_cell_goes_on(of_yade):
+    """Grains are not given the velocity of the flow once more, whoever gave it before."""
+    set_cell(8 * RADIUS, 8 * RADIUS)
+    grain = add_disk((2 * RADIUS, 4 * RADIUS, 0))
+    flow(xx=-5.0)
+    if of_yade:
+        O.engines = [NewtonIntegrator()]
+        O.dt = 1e-5
+    else:
+        ready()
+    run(5)
+    speed = grain.state.vel[0]
+    ready()
+    run(1)
+    assert speed < -0.05
+    assert grain.state.vel[0] == pytest.approx(speed, rel=1e-3)
 
 
 def engines_with_stiffness(sphere=Ig2_Sphere_Sphere_ScGeom):

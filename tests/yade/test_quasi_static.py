@@ -233,6 +233,21 @@ def test_indicator_counts_weight():
     assert sg.quasi_static()["unbalanced_force"] < 1e-2
 
 
+def test_what_a_wall_is_held_by_is_no_imbalance():
+    """A free wall, at rest under its stress, bears friction along itself."""
+    disk = add_disk(material=soft_material(massDamping=2000, frictionAngle=0.5))
+    walls = [add_wall(at * RADIUS, axis, friction=0.5) for axis in (0, 1) for at in (-1, 1)]
+    O.forces.setPermF(disk.id, (0, -100, 0))
+    ready(tolerance=1e-4, maxSweeps=1000)
+    sg.insert_before_solve(
+        sg.WallStressController(walls=[w.id for w in walls], goal=(-2e4, -2e4, 0))
+    )
+    run(8000)
+    along = [abs(sg.wall_force(w.id)[1]) for w in walls[:2]]
+    assert min(along) > 10
+    assert sg.unbalanced_force(largest=True) < 1e-2
+
+
 # --- speed of walls -----------------------------------------------------------------------------
 
 

@@ -250,3 +250,29 @@ def test_saved_run_goes_on(suffix, tmp_path):
 
 def test_threads_change_nothing():
     assert_threads_change_nothing(mixed_scene, 200)
+
+
+def distance_from_axis(body):
+    x, y, _ = body.state.pos
+    return math.hypot(x, y)
+
+
+def test_carried_round_by_a_turntable():
+    """What sticks to it stays at its distance from the axis: the surface goes along circles, not
+    along their tangents (which would be 1e-3 farther out after the half turn)."""
+    side, spin = 2 * RADIUS, 8.0
+    material = soft_material(massDamping=2000, frictionAngle=math.atan(0.8))
+    block = sg.soft_block((3 * RADIUS, 0, RADIUS), (side, side, side), material, zeta=0.5)
+    O.bodies.append(block)
+    plate = utils.box((0, 0, -RADIUS), (6 * RADIUS, 6 * RADIUS, RADIUS), fixed=True)
+    plate.material = rigid_material(0.8)
+    O.bodies.append(plate)
+    ready(gravity=(0, 0, -10))
+    for turning in np.linspace(0, spin, 1500):
+        plate.state.angVel = (0, 0, turning)
+        run(1)
+    run(1000)
+    distance, start = distance_from_axis(block), O.time
+    while O.time < start + math.pi / spin:
+        run(100)
+    assert distance_from_axis(block) == pytest.approx(distance, rel=2e-5)

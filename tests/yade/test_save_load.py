@@ -228,3 +228,18 @@ def test_saved_time_step_of_the_user(tmp_path):
     O.load(str(tmp_path / "scene.xml.gz"))
     run(5)
     assert O.dt == chosen
+
+
+def test_saved_in_the_middle_of_a_step(tmp_path):
+    """The next engine is the integrator, and the functors of the contacts are not there."""
+    add_disk((0, 0.99 * RADIUS, 0))
+    add_wall(0, 1)
+    ready()
+    run(10)
+    O.subStepping = True
+    while not isinstance(O.engines[O.subStep], sg.SoftGrainIntegrator):
+        O.step()
+    O.save(str(tmp_path / "half.yade.gz"))
+    O.load(str(tmp_path / "half.yade.gz"))
+    with pytest.raises(RuntimeError, match="save between steps"):
+        O.step()

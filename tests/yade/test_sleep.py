@@ -10,6 +10,7 @@ from periodic_scenes import set_cell
 from scenes import (
     RADIUS,
     add_disk,
+    add_wall,
     assert_same_bits,
     present_state,
     ready,
@@ -311,3 +312,27 @@ def test_woken_by_a_period_that_changes():
     O.cell.hSize = Matrix3(7.9 * RADIUS, 0, 0, 0, 30 * RADIUS, 0, 0, 0, 1)
     run(1)
     assert not any(asleep())
+
+
+def test_another_condition_before_saving(tmp_path):
+    """What was known of a sleeping disk in plane strain is of no use in plane stress."""
+    forces = []
+    for saved in (False, True):
+        O.reset()
+        floor = add_wall(-RADIUS, 1, friction=0.5)
+        wall = add_wall(RADIUS, 1, friction=0.5, velocity=(0, -1, 0))
+        disk = add_disk(material=soft_material(massDamping=2000, frictionAngle=0.5))
+        ready()
+        while wall.state.pos[1] > 0.9 * RADIUS:
+            run(1)
+        wall.state.vel = (0, 0, 0)
+        run(4000)
+        assert sg.integrator().sleepingGrains == 1
+        pressed = sg.wall_force(floor.id)[1]
+        disk.material.condition = "planeStress"
+        if saved:
+            O.save(str(tmp_path / "asleep.yade.gz"))
+            O.load(str(tmp_path / "asleep.yade.gz"))
+        run(300)
+        forces.append(sg.wall_force(floor.id)[1])
+    assert forces[0] == forces[1] != pressed

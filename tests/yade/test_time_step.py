@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import RADIUS, YOUNG, add_disk, add_wall, ready, run, soft_material
+from scenes import RADIUS, YOUNG, ZETA, add_disk, add_wall, ready, run, soft_material
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -123,6 +123,23 @@ def test_warning_of_stiff_spheres(rigid, young, warnings, asked, capfd):
         sg.set_time_step()
     run(3)
     assert capfd.readouterr().err.count("the stiffest rigid sphere asks") == warnings
+
+
+def test_warning_of_stiff_spheres_once_they_are(capfd):
+    """The step becomes too long for them when the first grain turns soft."""
+    young, soft = FrictMat(young=1e9, density=1000), soft_material()
+    for x in (3, 5, 9):
+        sphere = utils.sphere((x * RADIUS, 0, 0), RADIUS, material=young)
+        sphere.state.blockedDOFs = "zXY"
+        O.bodies.append(sphere)
+    stiff = add_disk(material=soft_material(young=1e9))
+    O.engines = sg.engines()
+    run(3)
+    assert "the stiffest rigid sphere asks" not in capfd.readouterr().err
+    sg.soften([2], material=soft, zeta=ZETA)
+    O.bodies.erase(stiff.id)
+    run(1200)
+    assert capfd.readouterr().err.count("the stiffest rigid sphere asks") == 1
 
 
 def test_no_warning_of_stiff_spheres_where_the_step_is_chosen_for_them(capfd):

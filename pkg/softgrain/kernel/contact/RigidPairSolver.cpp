@@ -63,6 +63,9 @@ void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 	c.arm = -imageCentre();
 	for (int i = 0; i < c.partners; ++i)
 		c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
+	// what turns as prescribed carries its points along circles: half a step later their
+	// velocity leads to where they will be, not outwards along the tangent
+	c.arm += 0.5 * dt * turned<dim>(partner_->heldSpin(), c.arm);
 	const double w = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
 	c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
 }

@@ -61,12 +61,17 @@ template <int dim> struct RigidPartner {
 		velocity += inverseMass.cwiseProduct(J);
 		spin += inverseInertia * moment<dim>(arm, J);
 	}
+	/// What is prescribed of a spin of the body.
+	Spin<dim> heldOf(const Spin<dim>& omega) const
+	{
+		return (inverseInertia.diagonal().array() == 0).select(omega, 0);
+	}
+	Spin<dim> heldSpin() const { return heldOf(spin); }
 	/// What is prescribed of the velocity of its point, where that of the body is v, omega.
 	Vec<dim> heldAt(const Vec<dim>& arm, const Vec<dim>& v, const Spin<dim>& omega) const
 	{
 		const Vec<dim> held = (inverseMass.array() == 0).select(v, 0);
-		const Spin<dim> turning = (inverseInertia.diagonal().array() == 0).select(omega, 0);
-		return held + turned<dim>(turning, arm);
+		return held + turned<dim>(heldOf(omega), arm);
 	}
 	/// Sum of mass times the product of two velocities of the body, where it is free, J.
 	double massProduct(const Vec<dim>& v, const Spin<dim>& omega, const Vec<dim>& v2,

@@ -8,28 +8,35 @@ namespace softgrain {
 
 namespace {
 
-template <int dim> std::array<double, 5> materialNumbers(const GrainParameters<dim>& grain)
+template <int dim> std::array<double, 7> materialNumbers(const Batch<dim>& batch, int g)
 {
+	const GrainParameters<dim>& grain = batch.grain[g];
 	const ElasticConstants& c = grain.constants;
-	return { c.young, c.poisson, c.density, grain.damping.mass, grain.damping.stiffness };
+	return { c.young,
+		 c.poisson,
+		 c.density,
+		 grain.damping.mass,
+		 grain.damping.stiffness,
+		 static_cast<double>(batch.law),
+		 static_cast<double>(batch.condition) };
 }
 
 /// What was found with the material of a grain, and is of no use with another one. Nothing stays
 /// nothing.
 template <int dim>
-std::vector<double> withMaterial(const GrainParameters<dim>& grain, std::vector<double> numbers)
+std::vector<double> withMaterial(const Batch<dim>& batch, int g, std::vector<double> numbers)
 {
 	if (numbers.empty()) return numbers;
-	const auto material = materialNumbers(grain);
+	const auto material = materialNumbers(batch, g);
 	numbers.insert(numbers.begin(), material.begin(), material.end());
 	return numbers;
 }
 
 /// The same back; nothing if the material is another one now.
 template <int dim>
-std::vector<double> ofSameMaterial(const GrainParameters<dim>& grain, std::vector<double> numbers)
+std::vector<double> ofSameMaterial(const Batch<dim>& batch, int g, std::vector<double> numbers)
 {
-	const auto material = materialNumbers(grain);
+	const auto material = materialNumbers(batch, g);
 	const bool same = numbers.size() > material.size() &&
 			  std::equal(material.begin(), material.end(), numbers.begin());
 	if (!same) return {};
@@ -48,7 +55,7 @@ template <int dim> std::vector<double> TotalLagrangian<dim>::restNumbers(int g) 
 	std::vector<double> numbers { rest.calmTime() };
 	if (!rest.isAsleep()) return numbers;
 	const BulkReport& report = batch_.report[g];
-	for (double number : materialNumbers(batch_.grain[g]))
+	for (double number : materialNumbers(batch_, g))
 		numbers.push_back(number);
 	numbers.insert(numbers.end(),
 		       { report.elasticEnergy, report.stiffening, rateStiffening(g) });
@@ -64,7 +71,7 @@ template <int dim> void TotalLagrangian<dim>::restoreRest(int g, const std::vect
 	rest_[g].wake();
 	if (numbers.empty()) return;
 	if (numbers.size() == 1) return rest_[g].restore(numbers[0], false);
-	const auto material = materialNumbers(batch_.grain[g]);
+	const auto material = materialNumbers(batch_, g);
 	const int figures = 1 + static_cast<int>(material.size()), forces = figures + 3;
 	requireSize("figures at rest", numbers, forces + nodes() * dim);
 	if (!std::equal(material.begin(), material.end(), numbers.begin() + 1)) return;
@@ -154,10 +161,10 @@ template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
 	writeNodes(g);
 	GrainState s;
 	if (isRigid_[g]) s.rigid = rigid_[g].numbers();
-	s.held = withMaterial(batch_.grain[g], heldForces(g));
+	s.held = withMaterial(batch_, g, heldForces(g));
 	s.rest = restNumbers(g);
 	if (stiffening_[g].isMeasured())
-		s.stiffening = withMaterial(batch_.grain[g], stiffening_[g].numbers());
+		s.stiffening = withMaterial(batch_, g, stiffening_[g].numbers());
 	auto append = [](std::vector<double>& list, const Vec<dim>& value) {
 		list.insert(list.end(), value.data(), value.data() + dim);
 	};
@@ -185,7 +192,7 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 	isRigid_[g] = !s.rigid.empty();
 	restoreRest(g, s.rest);
 	stiffening_[g] = {};
-	const std::vector<double> stiffening = ofSameMaterial(batch_.grain[g], s.stiffening);
+	const std::vector<double> stiffening = ofSameMaterial(batch_, g, s.stiffening);
 	if (!stiffening.empty()) {
 		requireSize("stiffening", stiffening, Stiffening::numberCount);
 		stiffening_[g] = Stiffening::fromNumbers(stiffening);
@@ -202,7 +209,7 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 			batch_.v.set(g, k, v);
 	}
 	if (pointVelocities_) pointVelocities_->mapToNodes(batch_, g);
-	setHeldForces(g, ofSameMaterial(batch_.grain[g], s.held));
+	setHeldForces(g, ofSameMaterial(batch_, g, s.held));
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
