@@ -83,12 +83,21 @@ template <int dim> struct Mixture {
 		solver.prepare(body, 1, settings);
 		return solver.solve();
 	}
+	/// From the centre of the rigid body; of one that is held, half a step later along the
+	/// surface.
+	Vec<dim> armOf(const ContactList<dim>& list) const
+	{
+		const RigidPartner<dim>& p = partner[list.rigid->partner];
+		const Vec<dim> arm = body[list.first].position[0] - p.centre;
+		if (p.moves()) return arm;
+		const Vec<dim>& n = list.contacts[0].normal;
+		return arm + 0.5 * turned<dim>(p.spin, arm - arm.dot(n) * n);
+	}
 	/// Relative velocity at the contact of a list.
 	Vec<dim> velocityAt(const ContactList<dim>& list) const
 	{
-		const RigidPartner<dim>& p = partner[list.rigid->partner];
 		return body[list.first].velocity[0] -
-		       p.velocityAt(body[list.first].position[0] - p.centre);
+		       partner[list.rigid->partner].velocityAt(armOf(list));
 	}
 };
 
@@ -111,7 +120,7 @@ TEMPLATE_TEST_CASE_SIG("contact with rigid bodies holds all conditions, one by o
 				ContactBody<dim>& b = anew.body[list.first];
 				RigidPartner<dim>& p = anew.partner[list.rigid->partner];
 				b.velocity[0] += b.delassusScale * r;
-				p.push(b.position[0] - p.centre, -r);
+				p.push(anew.armOf(list), -r);
 			}
 			for (const ContactList<dim>& list : mixture.lists) {
 				const Vec<dim>&n = list.contacts[0].normal,

@@ -63,9 +63,11 @@ void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 	c.arm = -imageCentre();
 	for (int i = 0; i < c.partners; ++i)
 		c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
-	// what turns as prescribed carries its points along circles: half a step later their
-	// velocity leads to where they will be, not outwards along the tangent
-	c.arm += 0.5 * dt * turned<dim>(partner_->heldSpin(), c.arm);
+	// What turns as prescribed carries what sticks to it along circles: half a step later the
+	// velocity of a place leads to where it will be, not outwards along the tangent. Across the
+	// surface it is no place of the body that matters: a roller turns under its contacts.
+	const Vec<dim> along = c.arm - c.arm.dot(c.normal) * c.normal;
+	c.arm += 0.5 * dt * turned<dim>(partner_->heldSpin(), along);
 	const double w = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
 	c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
 }
