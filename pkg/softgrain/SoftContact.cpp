@@ -98,6 +98,17 @@ py::dict SoftGeom::contactArrays() const
 
 int SoftGeom::bondTouching() { return pair ? pair->bondTouching() : 0; }
 
+namespace {
+
+/// The step refuses what is no number.
+Real tangentOf(Real angle)
+{
+	const bool admissible = angle >= 0 && angle < Mathr::PI / 2;
+	return admissible ? std::tan(angle) : std::numeric_limits<Real>::quiet_NaN();
+}
+
+} // namespace
+
 void Ip2_SoftPhys::makePhys(const shared_ptr<Interaction>& I, const Material& m1,
 			    const Material& m2, Real frictionAngle1, Real frictionAngle2,
 			    Real stiffness) const
@@ -115,7 +126,7 @@ void Ip2_SoftPhys::makePhys(const shared_ptr<Interaction>& I, const Material& m1
 	const auto phys = shared_ptr<SoftPhys>(new SoftPhys);
 	const Real angle = frictAngle ? found(*frictAngle, frictionAngle1, frictionAngle2)
 				      : std::min(frictionAngle1, frictionAngle2);
-	phys->tangensOfFrictionAngle = std::tan(angle);
+	phys->tangensOfFrictionAngle = tangentOf(angle);
 	phys->kn = phys->ks = stiffness;
 	I->phys = phys;
 
@@ -123,7 +134,7 @@ void Ip2_SoftPhys::makePhys(const shared_ptr<Interaction>& I, const Material& m1
 	const softgrain::InterfaceLaw none = interface->law();
 	const Real slidingAngle = matched(dynamicFrictAngle, angle);
 	if (slidingAngle != angle)
-		interface->tangensOfDynamicFrictionAngle = std::tan(slidingAngle);
+		interface->tangensOfDynamicFrictionAngle = tangentOf(slidingAngle);
 	interface->cohesion = matched(cohesion, 0);
 	if (interface->cohesion != 0) interface->cohesionRange = matched(cohesionRange, 0);
 	interface->bondStrength = matched(bondStrength, 0);

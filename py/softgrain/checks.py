@@ -105,9 +105,16 @@ def index(name, value):
         ValueError: something else.
     """
     try:
-        return operator.index(value)
+        return _whole(value)
     except TypeError:
         raise ValueError(f"{name} = {value!r}: admissible is a whole number") from None
+
+
+def _whole(value):
+    """TypeError for what is no whole number: a bool of Python would be taken for one."""
+    if isinstance(value, bool):
+        raise TypeError("a bool")
+    return operator.index(value)
 
 
 def made(cls, attributes):
@@ -156,6 +163,6 @@ def indices(name, values):
         ValueError: not iterable, or something else in it.
     """
     try:
-        return [operator.index(value) for value in values]
+        return [_whole(value) for value in values]
     except TypeError:
         raise ValueError(f"{name} = {values}: admissible are whole numbers") from None

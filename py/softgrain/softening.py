@@ -65,8 +65,8 @@ def soften(
     at once (:func:`as_disks`). Overlaps are those of the rigid law at the load: they are relaxed.
 
     Args:
-        ids (iterable of int | None): spheres and clumps to convert; None: all spheres that are not
-            in clumps.
+        ids (iterable of int | None): spheres and clumps to convert; None: all spheres that are
+            neither in clumps nor held.
         material (SoftMat | int | str): material of the soft grains, as in :func:`soft_disk`.
         zeta (float): relative resolution 2 dr/D, in [0.001, 0.5] [-].
         dim (int | None): 2 or 3; None: by the scene.
@@ -81,9 +81,10 @@ def soften(
         list of int: ids of the soft grains, or of the bodies that are to become such.
 
     Raises:
-        ValueError: a body is neither sphere nor clump, a clump is in 3D, falls into parts or
-            encloses a hole, the scene's dimension is not clear, an overlap is refused,
-            or a parameter is out of its range. Nothing has been changed then.
+        ValueError: a body is neither sphere nor clump, is held (``x`` or ``y`` among its
+            ``blockedDOFs``, as by ``fixed=True``: a soft grain cannot be), a clump is in 3D, falls
+            into parts or encloses a hole, the scene's dimension is not clear, an overlap is
+            refused, or a parameter is out of its range. Nothing has been changed then.
         RuntimeError: a run is going on in the background. Nothing has been changed then.
     """
     refuse_background_run("soften")
@@ -212,7 +213,7 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
 
 def _rigid_grains(ids):
     if ids is None:
-        bodies = [b for b in O.bodies if b and _is_single_sphere(b)]
+        bodies = [b for b in O.bodies if b and _is_single_sphere(b) and not _is_held(b)]
     else:
         bodies = bodies_of(ids)
         for body in bodies:
@@ -222,11 +223,20 @@ def _rigid_grains(ids):
                     f"ids: body #{body.id} is neither a sphere outside clumps nor a clump; only "
                     f"these can be softened{part}"
                 )
+            if _is_held(body):
+                raise ValueError(
+                    f"ids: body #{body.id} is held, blockedDOFs = {body.state.blockedDOFs!r}, and "
+                    "would be free as a soft grain; admissible: neither 'x' nor 'y' among them"
+                )
             if not all(isinstance(part.shape, Sphere) for part in _spheres_of(body)):
                 raise ValueError(f"ids: clump #{body.id} has a member that is no sphere")
     if not bodies:
         raise ValueError("ids: there is no sphere to soften")
     return bodies
+
+
+def _is_held(body):
+    return bool(set("xy") & set(body.state.blockedDOFs))
 
 
 def _spheres_of(body):

@@ -59,6 +59,8 @@ THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
         (lambda: sg.grain_area(None), "body = None is no soft grain"),
         (lambda: sg.soft_superdisk((0, 0, 0), (1, 1), "a"), "exponent = 'a' is of no type"),
         (lambda: sg.engines(1e-4, interface={"bondAtTouch": 2}), "bondAtTouch = 2; .*True, False"),
+        (lambda: sg.wall_force(True), "body_id = True: admissible is a whole number"),
+        (lambda: sg.soften([True]), "ids = .True.: admissible are whole numbers"),
         (lambda: sg.grains_from_image(None, 1e-3), "image = None: .*name of a file"),
         (lambda: sg.grains_from_image([[1]], 1e-3, smoothing="a"), r"smoothing = a .*\[0.5, 10\]"),
         (lambda: sg.draw_packing("p.png", dpi=1e9), r"dpi = 1000000000.0 .*\[10, 2400\]"),

@@ -266,7 +266,8 @@ def test_refused_geometry_stays_readable():
 
 
 def test_bad_input():
-    def stops(message, law, pair="wall", **shape):
+    def stops(message, law, late={}, pair="wall", **shape):
+        """`late`: attributes that functors are given after sg.engines has checked its own."""
         O.reset()
         O.bodies.append(sg.soft_disk((0, RADIUS, 0), RADIUS, damped(frictionAngle=0.3), **shape))
         if pair == "wall":
@@ -274,20 +275,20 @@ def test_bad_input():
         else:
             O.bodies.append(sg.soft_disk((0, -RADIUS, 0), RADIUS, damped(), **shape))
         ready(interface=law)
-        if pair != "wall":
-            for functor in O.engines[2].physDispatcher.functors:
-                if hasattr(functor, "restitution"):
-                    functor.restitution = of_all(0.5)
+        for functor in O.engines[2].physDispatcher.functors:
+            for name, value in late.items():
+                if hasattr(functor, name):
+                    setattr(functor, name, of_all(value))
         with pytest.raises(RuntimeError, match=message):
             run(2)
 
     stops("#1 and #0: dynamicFriction = .* outside", {"dynamicFrictAngle": 0.5})
-    stops("cohesion = -1 ", {"cohesion": of_all(-1.0)})
+    stops("cohesion = -1 ", {}, {"cohesion": -1.0})
     stops("cohesionRange = 0 ", {"cohesion": 1e3})
     stops("bondEnergy = 0 ", {"bondStrength": 1e3})
     stops("bondStiffness = 1000 ", {"bondStiffness": 1e3, **BOND})
-    stops("restitution = 2 ", {"restitution": of_all(2.0)})
-    stops("restitution = 0.5 .*two soft grains", {}, pair="soft")
+    stops("restitution = 2 ", {}, {"restitution": 2.0})
+    stops("restitution = 0.5 .*two soft grains", {}, {"restitution": 0.5}, pair="soft")
     stops("contact = 'surface'", {"restitution": 0.5}, contact="points")
     with pytest.raises(ValueError, match="unknown .'stickiness'"):
         sg.engines(interface={"stickiness": 1})
@@ -375,3 +376,21 @@ def test_bonds_stay_where_grains_change_places(changed):
     run(1)
     assert sg.integrator().lostBonds == 0
     np.testing.assert_allclose(bonds(), before, rtol=0, atol=1e-3 * RADIUS)
+
+
+@pytest.mark.parametrize("angle", (22, -3, math.pi / 2))
+def test_angles_of_pairs_are_checked(angle):
+    """Degrees, or what else has a tangent above 0."""
+    match = MatchMaker(algo="val", val=angle)
+    for name in ("frictAngle", "dynamicFrictAngle"):
+        with pytest.raises(ValueError, match=f"interface: {name} = .*\\[0, 1.57"):
+            sg.engines(interface={name: match}, verlet_distance=0.1 * RADIUS)
+
+
+def test_angle_of_a_material_is_checked():
+    add_disk((0, 0.99 * RADIUS, 0), material=soft_material(frictionAngle=0.5))
+    wall = add_wall(0, 1)
+    wall.material.frictionAngle = -3
+    ready()
+    with pytest.raises(RuntimeError, match="friction = nan"):
+        run(2)

@@ -338,3 +338,20 @@ def test_what_does_not_fit_with_other_soft_grains_is_left_as_it_is(clump):
     assert len([b for b in O.bodies if b]) == count
     O.engines = sg.engines()
     run(2)
+
+
+@pytest.mark.parametrize("when", ("now", "loaded"))
+def test_held_spheres_stay_rigid(when):
+    """A soft grain cannot be held: those of a floor are left out, and refused by name."""
+    material = FrictMat(density=1000)
+    floor = utils.sphere((0, 0, 0), RADIUS, fixed=True, material=material)
+    ball = utils.sphere((0, 2.01 * RADIUS, 0), RADIUS, material=material)
+    ball.state.blockedDOFs = "zXY"
+    O.bodies.append([floor, ball])
+    O.engines = sg.engines()
+    options = {"material": soft_material(), "zeta": ZETA, "when": when}
+    with pytest.raises(ValueError, match="#0 is held, blockedDOFs = 'xyzXYZ'"):
+        sg.soften([0], dim=2, **options)
+    assert sg.soften(**options) == [1]
+    run(5)
+    assert isinstance(floor.shape, Sphere) and floor.state.vel.norm() == 0
