@@ -213,7 +213,10 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
 
 def _rigid_grains(ids):
     if ids is None:
-        bodies = [b for b in O.bodies if b and _is_single_sphere(b) and not _is_held(b)]
+        spheres = [b for b in O.bodies if b and _is_single_sphere(b)]
+        bodies = [b for b in spheres if not _is_held(b)]
+        if spheres and not bodies:
+            _refuse_held(spheres[0])
     else:
         bodies = bodies_of(ids)
         for body in bodies:
@@ -224,10 +227,7 @@ def _rigid_grains(ids):
                     f"these can be softened{part}"
                 )
             if _is_held(body):
-                raise ValueError(
-                    f"ids: body #{body.id} is held, blockedDOFs = {body.state.blockedDOFs!r}, and "
-                    "would be free as a soft grain; admissible: neither 'x' nor 'y' among them"
-                )
+                _refuse_held(body)
             if not all(isinstance(part.shape, Sphere) for part in _spheres_of(body)):
                 raise ValueError(f"ids: clump #{body.id} has a member that is no sphere")
     if not bodies:
@@ -237,6 +237,14 @@ def _rigid_grains(ids):
 
 def _is_held(body):
     return bool(set("xy") & set(body.state.blockedDOFs))
+
+
+def _refuse_held(body):
+    raise ValueError(
+        f"ids: body #{body.id} is held, blockedDOFs = {body.state.blockedDOFs!r}, and would be "
+        "free as a soft grain; admissible: neither 'x' nor 'y' among them (a layer lies in a plane "
+        "z = const)"
+    )
 
 
 def _spheres_of(body):

@@ -156,7 +156,9 @@ def test_by_pair_of_materials():
 def test_refused(value):
     add_wall(0, 2)
     add_sphere((0, 0, R))
-    start(1e-4, interface={"restitution": MatchMaker(algo="val", val=value)})
+    match = MatchMaker(algo="val", val=0.5)
+    start(1e-4, interface={"restitution": match})
+    match.val = value  # sg.engines has looked at it
     with pytest.raises(
         RuntimeError, match=r"#0 and #1.*restitution = .* outside the admissible range \[0, 1\]"
     ):
