@@ -6,8 +6,8 @@ import numpy as np
 BATCH = 2_000_000
 #: Distance of samples over the gap, by dimension: in 3D the number of samples is that of a surface.
 SPACING = {2: 1, 3: 2}
-#: No ball leaves an outline by more than that of its own radius: contact dynamics refuses rigid
-#: bodies that overlap what they rest on by a tenth.
+#: No ball leaves an outline by more than that of its own radius: half of what contact dynamics lets
+#: rigid bodies overlap what they rest on (``maxOverlap``).
 DEEPEST = 0.05
 
 
@@ -112,8 +112,8 @@ def fill(vertices, facets, gap, depth):
 
     Greedy: of the largest balls inside that touch the outline at its samples, the one that
     covers most of what is not covered yet, until all is. A sample is covered by a ball if it is
-    not further than `gap` from it. No ball leaves the outline by more than `depth`, or a twentieth
-    of its radius: between samples, too.
+    not further than `gap` from it. No ball leaves the outline, between samples either, by more than
+    `depth` and a twentieth of its radius, whichever is less.
 
     Args:
         vertices, facets: the outline, as for :func:`samples_of`.

@@ -120,12 +120,14 @@ def _beside_owners(points, owners, others):
     """The image of each point that lies nearest to the soft grain that owns it, or touches it."""
     if not O.periodic:
         return points
-    cell, points = np.array(O.cell.hSize), np.array(points)
-    for k, (owner, other) in enumerate(zip(owners, others)):
-        is_soft = isinstance(O.bodies[int(owner)].shape, wrapper.SoftGrain)
-        centre = np.array(O.bodies[int(owner if is_soft else other)].state.pos)
-        points[k] -= cell @ np.round(np.linalg.solve(cell, points[k] - centre))
-    return points
+    grains = [
+        int(owner if isinstance(O.bodies[int(owner)].shape, wrapper.SoftGrain) else other)
+        for owner, other in zip(owners, others)
+    ]
+    centres = np.array([O.bodies[grain].state.pos for grain in grains]).reshape(-1, 3)
+    cell = np.array(O.cell.hSize)
+    periods = np.round(np.linalg.solve(cell, (points - centres).T))
+    return points - (cell @ periods).T
 
 
 def _pair(interaction):

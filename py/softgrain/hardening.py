@@ -58,8 +58,8 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
       contacts overlap; see `overlap`.
     * ``into='clumps'``: each is erased, and a clump of overlapping spheres with its *deformed*
       outline is appended. The spheres are the largest that fit inside, as many as it takes to come
-      within `error` of the outline everywhere; none leaves it by more than a tenth of that, or
-      0.05 of its own radius.
+      within `error` of the outline everywhere; none leaves it by more than a tenth of that and
+      0.05 of its own radius, whichever is less.
     * ``into='fixed'``: each is erased, and facets along its deformed outline are appended, which
       do not move any more. In 2D they stand upright in the plane of the grains.
 

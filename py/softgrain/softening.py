@@ -236,6 +236,7 @@ def _rigid_grains(ids):
 
 
 def _is_held(body):
+    """Within the plane of 2D, whose spheres are kept in it by ``z``."""
     return bool(set("xy") & set(body.state.blockedDOFs))
 
 

@@ -197,8 +197,8 @@ def _checked_interface(interface):
                 raise ValueError(f"interface: bondAtTouch = {value!r}; admissible: True, False")
             checked[name] = bool(value)
         elif isinstance(value, MatchMaker):
-            for number_of_a_pair in _values(value):
-                number(f"interface: {name}", number_of_a_pair, *_INTERFACE_RANGES[name])
+            for of_pair in _values(value):
+                number(f"interface: {name}", of_pair, *_INTERFACE_RANGES[name])
             checked[name] = value
         else:
             value = number(f"interface: {name}", value, *_INTERFACE_RANGES[name])

@@ -33,6 +33,7 @@ from stability_scenes import (  # noqa: E402
     press_pair,
     rest,
     ripple,
+    tremble,
     wave_speed,
 )
 
@@ -157,6 +158,12 @@ def at_rest(quick):
         yield steps, lambda: rest(steps)
 
 
+def trembling(quick):
+    """overlapSpeed; nine damped disks between frictionless walls that stand still, 15 000 steps"""
+    for speed in (1e-6,) if quick else (1e-3, 1e-4, 1e-5, 1e-6):
+        yield speed, lambda: tremble(speed)
+
+
 def distance(quick):
     """Distance from the origin over the diameter; the force against that at the origin"""
     at_origin = None
@@ -210,6 +217,7 @@ STUDIES = {
         density_impact,
         packing,
         at_rest,
+        trembling,
         distance,
         units,
     )

@@ -17,6 +17,7 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 	side_ = BodySide<dim>(*grain_);
 	partner_ = &partners[list.rigid->partner];
 	moves_ = partner_->moves();
+	heldSpin_ = partner_->heldSpin();
 	drift_ = list.image.velocity;
 	friction_ = list.friction;
 	interface_ = list.interface ? &*list.interface : nullptr;
@@ -63,13 +64,19 @@ void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 	c.arm = -imageCentre();
 	for (int i = 0; i < c.partners; ++i)
 		c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
-	// What turns as prescribed carries what sticks to it along circles: half a step later the
-	// velocity of a place leads to where it will be, not outwards along the tangent. Across the
-	// surface it is no place of the body that matters: a roller turns under its contacts.
-	const Vec<dim> along = c.arm - c.arm.dot(c.normal) * c.normal;
-	c.arm += 0.5 * dt * turned<dim>(partner_->heldSpin(), along);
+	if (!heldSpin_.isZero(0)) c.arm += halfStepAlongSurface(c, dt);
 	const double w = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
 	c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
+}
+
+/// What turns as prescribed carries what sticks to it along circles: half a step later the velocity
+/// of a place leads to where it will be, not outwards along the tangent. Across the surface it is
+/// no place of the body that matters: a roller turns under its contacts.
+template <int dim>
+Vec<dim> RigidPairSolver<dim>::halfStepAlongSurface(const Constraint& c, double dt) const
+{
+	const Vec<dim> along = c.arm - c.arm.dot(c.normal) * c.normal;
+	return 0.5 * dt * turned<dim>(heldSpin_, along);
 }
 
 template <int dim>

@@ -58,6 +58,8 @@ public:
 
 private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
+	/// Of the place of a contact that turns as prescribed, m.
+	Vec<dim> halfStepAlongSurface(const Constraint& c, double dt) const;
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	void describe(const Contact<dim>& contact, double dt, const SolverSettings& settings,
@@ -73,6 +75,7 @@ private:
 	ContactList<dim>* list_ = nullptr;        ///< valid for the step
 	PairInterface<dim>* interface_ = nullptr; ///< of the list; null if there is none
 	bool moves_ = false;                      ///< the rigid body
+	Spin<dim> heldSpin_;                      ///< of it, as prescribed, 1/s
 	Vec<dim> drift_; ///< of the image of the rigid body beyond its own velocity, m/s
 	double friction_ = 0;
 	std::vector<double> frictions_; ///< contact by contact, where there is an interface
