@@ -62,7 +62,7 @@ def soft_block(center, size, material=-1, color=None, mask=1, **shape):
         color,
         mask,
         shape,
-        {"form": "block", "aspect": _aspect(sides)},
+        {"form": "block", "aspect": _aspect("size", sides)},
     )
 
 
@@ -101,7 +101,7 @@ def soft_superdisk(
     if axes[1] > axes[0]:  # the longer one along the grain's own x axis: one table for both
         axes.reverse()
         angle += math.pi / 2
-    outline = {"form": "superdisk", "aspect": _aspect(axes), "exponent": exponent}
+    outline = {"form": "superdisk", "aspect": _aspect("half_axes", axes), "exponent": exponent}
     turned = _turned(angle)
     body = _soft_body(center, min(axes), 2, material, color, mask, shape, outline)
     body.state.ori = turned
@@ -147,8 +147,10 @@ def soft_sphere(center, radius, material=-1, color=None, mask=1, **shape):
     return _soft_body(center, radius, 3, material, color, mask, shape)
 
 
-def _aspect(sides):
-    """Over the shortest one, to 12 digits: equal for congruent grains."""
+def _aspect(name, sides):
+    """Over the shortest one, to 12 digits: equal for congruent grains; `name`: for a message."""
+    if max(sides) > 100 * min(sides):
+        raise ValueError(f"{name} = {sides}: admissible is up to 100 times the shortest")
     return [round(side / min(sides), 12) for side in sides] + [1.0] * (3 - len(sides))
 
 

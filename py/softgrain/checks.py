@@ -102,19 +102,25 @@ def index(name, value):
         value (int): a whole number, numpy's among them.
 
     Raises:
-        ValueError: something else.
+        ValueError: something else, or of more than 32 bits.
     """
     try:
         return _whole(value)
     except TypeError:
-        raise ValueError(f"{name} = {value!r}: admissible is a whole number") from None
+        raise ValueError(
+            f"{name} = {value!r}: admissible is a whole number in [-2^31, 2^31 - 1]"
+        ) from None
 
 
 def _whole(value):
-    """TypeError for what is no whole number: a bool of Python would be taken for one."""
+    """TypeError for what is no whole number that YADE takes: a bool of Python would be taken for
+    one."""
     if isinstance(value, bool):
         raise TypeError("a bool")
-    return operator.index(value)
+    whole = operator.index(value)
+    if not -(2**31) <= whole < 2**31:
+        raise TypeError("more than 32 bits")
+    return whole
 
 
 def made(cls, attributes):
@@ -160,9 +166,11 @@ def indices(name, values):
         values (iterable of int): whole numbers.
 
     Raises:
-        ValueError: not iterable, or something else in it.
+        ValueError: not iterable, or something else, or more than 32 bits, in it.
     """
     try:
         return [_whole(value) for value in values]
     except TypeError:
-        raise ValueError(f"{name} = {values}: admissible are whole numbers") from None
+        raise ValueError(
+            f"{name} = {values}: admissible are whole numbers in [-2^31, 2^31 - 1]"
+        ) from None

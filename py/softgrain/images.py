@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 
 from softgrain.build import soft_polygon
-from softgrain.checks import finite_vector, number
+from softgrain.checks import finite_vector, index, number
 from softgrain.label_outlines import label_outlines
 
 
@@ -55,7 +55,7 @@ def grains_from_image(
         pixel (float): its side, > 0 [m].
         material (int | str | SoftMat): as for :func:`soft_disk`.
         origin (tuple): of the lower left corner of the image [m].
-        background (int): label that is no grain.
+        background (int): label that is no grain, below 2^31.
         smoothing (float): standard deviation of the Gaussian on the mask of a label, in [0.5, 10]
             [pixels].
         least_pixels (int): labels of fewer pixels are unusable, >= 10.
@@ -76,6 +76,10 @@ def grains_from_image(
     if unusable not in ("refuse", "skip"):
         raise ValueError(f"unusable = {unusable!r} is unknown; known: 'refuse', 'skip'")
     origin = finite_vector("origin", origin, 3, "m")
+    background = index("background", background)
+    for name in ("corners", "z"):
+        if name in shape:
+            raise ValueError(f"{name} = {shape[name]!r}: set by the image and its origin")
     labels = read_labels(image)
     outlines, left_out = label_outlines(labels, background, smoothing, least_pixels)
     if left_out and unusable == "refuse":
@@ -129,4 +133,6 @@ def read_labels(image):
         )
     if image.size == 0:
         raise ValueError(f"image: no pixels, its shape is {image.shape}")
+    if image.max() >= 2**63:
+        raise ValueError(f"image: label {image.max()}; admissible: below 2^63")
     return image.astype(np.int64)

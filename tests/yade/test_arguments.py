@@ -12,6 +12,7 @@ import softgrain as sg
 
 NAN = math.nan
 DISK = dict(center=(0, 0, 0), radius=RADIUS)
+IMAGE = np.ones((20, 20), dtype=int)
 THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
 
 
@@ -77,6 +78,17 @@ THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
         (lambda: sg.soft_polygon([(0, 0), (1, 0), (1,)]), r"vertices: .*shape \(n, 2\)"),
         (lambda: sg.soft_block((0, 0, 0), 5), "size = 5: admissible are 2 or 3 numbers"),
         (lambda: sg.soft_ellipse((0, 0, 0), 0.01), "half_axes = 0.01: admissible are 2 numbers"),
+        (lambda: sg.soften([10**20]), r"ids = \[10+\]: admissible are whole numbers in"),
+        (lambda: sg.wall_force(10**20), "body_id = 10+: admissible is a whole number in"),
+        (lambda: sg.soft_disk(**DISK, mask=2**40), "mask = 10995.*: admissible is a whole number"),
+        (lambda: sg.soft_block((0, 0, 0), (1, 0.001)), "size = .*up to 100 times the shortest"),
+        (lambda: sg.soft_ellipse((0, 0, 0), (1, 101)), "half_axes = .*up to 100 times the sh"),
+        (lambda: sg.grains_from_image(IMAGE, 1.0, background="a"), "background = 'a': admissible"),
+        (lambda: sg.grains_from_image(IMAGE, 1.0, corners=()), "corners = .*: set by the image"),
+        (
+            lambda: sg.grains_from_image(np.full((3, 3), 2**63, dtype=np.uint64), 1.0),
+            "image: label 9223372036854775808; admissible",
+        ),
         (lambda: sg.soften(0), "ids = 0: admissible are whole numbers"),
         (lambda: sg.soften([0.0]), "ids = .*: admissible are whole numbers"),
         (lambda: sg.soften([1], color=(1, 0, 0)), "color = .*keep that of their spheres"),

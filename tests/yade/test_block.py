@@ -34,7 +34,7 @@ def add_block(center=(0, 0, 0), size=SIZE, **shape):
         ((0.02, -0.01), "size = (0.02, -0.01): admissible are 2 or 3 numbers in the range (0"),
         ((0.02, float("nan")), "size = (0.02, nan): admissible are 2 or 3 numbers in the range (0"),
         (0.02, "size = 0.02: admissible are 2 or 3 numbers in the range (0, inf) m"),
-        ((0.02, 1e-5), "aspect (component) = 2000 is outside the admissible range [1, 100]"),
+        ((0.02, 1e-5), "size = [0.02, 1e-05]: admissible is up to 100 times the shortest"),
     ],
 )
 def test_wrong_size(size, message):

@@ -65,7 +65,10 @@ def superdisk(half_axes, exponent=4.0, angle=0.0, center=(0, 0, 0), material=Non
     [
         (lambda: sg.soft_ellipse((0, 0, 0), (1, 0)), "half_axes = (1, 0): admissible are 2"),
         (lambda: sg.soft_ellipse((0, 0, 0), (1, 1, 1)), "half_axes = (1, 1, 1)"),
-        (lambda: sg.soft_superdisk((0, 0, 0), (200, 1)), "aspect (component) = 200"),
+        (
+            lambda: sg.soft_superdisk((0, 0, 0), (200, 1)),
+            "half_axes = [200.0, 1.0]: admissible is up to 100 times",
+        ),
         (lambda: sg.soft_superdisk((0, 0, 0), (2, 1), 1.0), "exponent = 1 is outside"),
         (lambda: sg.soft_polygon([(0, 0), (2, 2), (2, 0), (0, 3)]), "crosses or touches itself"),
         (lambda: sg.SoftGrain(dim=2, form="polygon"), "a polygon has at least three"),
