@@ -18,10 +18,13 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present, in
 	if (pair && assembly->idOf(pair->firstGrain()) != present->idOf(first)) pair->swapGrains();
 	const auto records = pair ? pair->records() : savedRecords();
 	const std::vector<double> history = pair ? pair->interfaceHistory() : savedInterface;
+	const softgrain::OverlapAccount account =
+		pair ? pair->account() : softgrain::OverlapAccount { savedAccount, savedGrace };
 	const std::vector<double> rest = pair ? pair->rest() : savedRest;
 	assembly = present;
 	pair = present->newPair();
 	pair->restore(records);
+	pair->restoreAccount(account);
 	pair->restoreInterface(history);
 	pair->restoreRest(rest);
 }
@@ -42,6 +45,8 @@ void SoftGeom::preSave(SoftGeom&)
 	if (!pair) return;
 	savedKeys.clear();
 	savedImpulses.clear();
+	savedAccount = pair->account().taken;
+	savedGrace = pair->account().grace;
 	savedRest = pair->rest();
 	savedInterface = pair->interfaceHistory();
 	for (const ContactRecord& c : pair->records()) {

@@ -30,6 +30,7 @@ SHOWN = {
     "force_difference": "difference of F",
     "drift_over_D": "drift/D",
     "kinetic_over_elastic": "kinetic/elastic",
+    "tremor": "kinetic/elastic at the end",
     "energy_growth": "heating",
     "usual_ripple": "usual ripple",
     "ripple": "largest ripple",

@@ -16,7 +16,7 @@ STOPS = {
     "poisson_plane_stress": dict.fromkeys((-0.5, -0.4, -0.3), "no thickness"),
     "distance": dict.fromkeys((1e9, 1e12), "radii from the origin"),
 }
-FAST = ("ripples", "poisson_plane_stress", "friction", "distance")
+FAST = ("ripples", "trembling", "poisson_plane_stress", "friction", "distance")
 SLOW = (
     "time_step",
     "ripples",
@@ -27,6 +27,7 @@ SLOW = (
     "wall_speed",
     "impact_speed",
     "friction",
+    "trembling",
     "poisson_plane_strain",
     "poisson_projected",
     "stiffness_ratio",

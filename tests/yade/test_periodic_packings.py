@@ -70,14 +70,15 @@ def test_dense_periodic_pack_to_soft_balls():
     assert any(i.isReal and i.cellDist[0] != 0 for i in O.interactions)
 
 
-@pytest.mark.parametrize("fraction, overlap", ((0.8, 0.1), (0.9, 0.15)))
-def test_pores_that_have_closed(fraction, overlap, tmp_path):
+@pytest.mark.parametrize("seed, fraction", ((1, 0.85), (2, 0.85), (3, 0.7)))
+def test_pores_that_have_closed(seed, fraction, tmp_path):
     """Pressed to phi > 1.035 outlines have folds about what is left of the pores: no node before a
-    fold is taken for one inside, and a loaded run goes on with the same bits."""
+    fold is taken for one inside, and a loaded run goes on with the same bits. (Beyond that tips of
+    folds pass nodes, at phi = 1.04 in one packing of five, and overlap by up to 1 dr.)"""
     set_cell(0.12, 0.12)
     cloud = pack.SpherePack()
     cloud.makeCloud(
-        (0, 0, 0), (0.12, 0.12, 0), rMean=0.01, rRelFuzz=0.2, num=25, seed=3, periodic=True
+        (0, 0, 0), (0.12, 0.12, 0), rMean=0.01, rRelFuzz=0.2, num=25, seed=seed, periodic=True
     )
     for i in cloud.toSimulation(material=FrictMat(frictionAngle=0)):
         O.bodies[i].state.blockedDOFs = "zXY"
@@ -86,9 +87,9 @@ def test_pores_that_have_closed(fraction, overlap, tmp_path):
     O.engines = sg.engines()
     sg.set_time_step(fraction)
     flow(xx=-3, yy=-3)
-    while sg.packing_fraction() < 1.03:
+    while sg.packing_fraction() < 1.0325:
         run(100)
         assert O.iter < 6000
     assert_goes_on_after_loading(tmp_path / "scene.xml.gz", 400)
     assert sg.packing_fraction() > 1.035
-    assert sg.integrator().largestOverlap < overlap  # where the tip of a fold passes a node
+    assert sg.integrator().largestOverlap < 0.05

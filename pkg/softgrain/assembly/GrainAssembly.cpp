@@ -116,7 +116,7 @@ public:
 			return;
 		}
 		describe(*list.rigid, *found.surface, body, list.image.shift);
-		if (others) list.rigid->others = [&] { return surfacesOf(others()); };
+		if (others) list.rigid->others = [&] { return surfacesBeside(body.id, others()); };
 		search(list, dt);
 		list.rigid->others = nullptr;
 	}
@@ -381,14 +381,15 @@ private:
 		}
 	}
 
-	/// Of the bodies that are not refused; searches on those that are will tell.
-	std::vector<RigidSurface<dim>>
-	surfacesOf(const std::vector<RigidBodyDescription>& bodies) const
+	/// Of the bodies that are not refused; searches on those that are will tell. On seams those
+	/// with lower ids come first.
+	std::vector<SurfaceBeside<dim>>
+	surfacesBeside(int id, const std::vector<RigidBodyDescription>& bodies) const
 	{
-		std::vector<RigidSurface<dim>> surfaces;
+		std::vector<SurfaceBeside<dim>> surfaces;
 		for (const RigidBodyDescription& body : bodies)
 			if (const FoundSurface found = find(body); found.surface)
-				surfaces.push_back(*found.surface);
+				surfaces.push_back({ *found.surface, body.id < id });
 		return surfaces;
 	}
 

@@ -37,7 +37,7 @@ struct SumOfImpulses {
 class PairContacts {
 public:
 	virtual ~PairContacts() = default;
-	static constexpr int size2D = 384; ///< bytes of one in 2D, for those who ask for its memory
+	static constexpr int size2D = 448; ///< bytes of one in 2D, for those who ask for its memory
 	/// Whether there is a contact point within reach, or an overlap too deep for one.
 	virtual bool hasContact() const = 0;
 	/// The pair is asleep, and its impulses in the last step were those of the step before.
@@ -71,6 +71,8 @@ public:
 	virtual double kick() const = 0; ///< time over which the impulses acted, s
 	/// Puts saved impulses back; the next search carries them over to the contacts it finds.
 	virtual void restore(const std::vector<ContactRecord>& saved) = 0;
+	virtual OverlapAccount account() const = 0;
+	virtual void restoreAccount(const OverlapAccount& saved) = 0;
 	/// What a sleeping pair has to be saved with besides its records; empty if awake.
 	virtual std::vector<double> rest() const = 0;
 	/// After `restore`: the pair sleeps on.

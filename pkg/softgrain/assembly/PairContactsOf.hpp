@@ -190,6 +190,9 @@ public:
 		}
 	}
 
+	OverlapAccount account() const override { return list.account; }
+	void restoreAccount(const OverlapAccount& saved) override { list.account = saved; }
+
 	std::vector<double> rest() const override
 	{
 		if (!list.isAsleep()) return {};

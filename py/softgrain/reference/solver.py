@@ -39,13 +39,48 @@ MOST_CONTACTS_ALONE = 128
 #: Overlaps up to this share of dr are left as they are.
 RESTING_OVERLAP = 1e-3
 
+#: Overlaps from this share of dr on are worked off at full speed in any case.
+URGENT_OVERLAP = 0.05
 
-def closing_bias(gap, point_spacing, dt, settings):
-    """b [m/s]: a gap may close within the step; an overlap opens at a capped speed."""
+#: Steps after which an entry into the account of a pair is forgotten, and in which overlaps that
+#: were there from the start are worked off whatever that gives.
+STEPS_OF_ACCOUNT = 10_000
+
+
+@dataclass
+class OverlapAccount:
+    """What the overlaps of a pair lately took from its bodies and gave to them."""
+
+    taken: float = 0.0  #: less what was given, J
+    grace: int = STEPS_OF_ACCOUNT  #: steps left while overlaps that the pair began with are there
+
+    def is_good(self):
+        """Whether overlaps are to be worked off at full speed."""
+        return self.grace > 0 or self.taken > 0
+
+    def enter(self, given):
+        """Enter what each overlap that is to be worked off gave in a step [J]."""
+        if self.grace > 0:
+            self.grace = self.grace - 1 if given else 0
+        else:
+            self.taken = (1 - 1 / STEPS_OF_ACCOUNT) * self.taken - sum(given)
+
+
+def excess_overlap(gap, point_spacing):
+    """What is to be worked off of an overlap [m]."""
+    return max(-gap - RESTING_OVERLAP * point_spacing, 0.0)
+
+
+def closing_bias(gap, point_spacing, dt, settings, account):
+    """b [m/s]: a gap may close within the step; an overlap opens at a capped speed, and slower if
+    it is small and came about against no force, so that the account of the pair is not good."""
     if gap >= 0:
         return gap / dt
-    excess = min(gap + RESTING_OVERLAP * point_spacing, 0.0)
-    return max(settings.overlap_relaxation * excess / dt, -settings.overlap_speed)
+    excess = excess_overlap(gap, point_spacing)
+    if excess == 0:
+        return 0.0
+    share = 1.0 if account.is_good() else min(excess / (URGENT_OVERLAP * point_spacing), 1.0) ** 3
+    return -min(settings.overlap_relaxation * excess / dt, share * settings.overlap_speed)
 
 
 def project_on_cone(r, normal, friction):

@@ -7,7 +7,14 @@ import numpy as np
 from .cell import Cell
 from .interface import Interface, has_slid, node_areas
 from .search import contacts_of_grains, contacts_with_plane
-from .solver import SolverSettings, closing_bias, project_on_cone, solve
+from .solver import (
+    OverlapAccount,
+    SolverSettings,
+    closing_bias,
+    excess_overlap,
+    project_on_cone,
+    solve,
+)
 
 #: Bodies in a cluster at most.
 BODIES_PER_CLUSTER = 16
@@ -43,6 +50,7 @@ class System:
     cell: Cell | None = None  #: periodic; without walls
     interface: Interface = field(default_factory=Interface)  #: of all pairs
     contacts: list = field(default_factory=list)  #: of the last step, as (pair, Contact), in order
+    account: dict = field(default_factory=dict)  #: OverlapAccount by pair
     steps: int = 0  #: so far
 
     def step(self, dt):
@@ -140,10 +148,11 @@ class System:
             for pair, contact in self.contacts
         ]
         impulse = np.array(start).reshape(-1, 2)
+        drift = np.array([contact.drift for contact in contacts]).reshape(-1, 2)
         friction = [self.interface.friction(c, self.friction(pair)) for pair, c in self.contacts]
         report = solve(
             delassus=H / mass @ H.T,
-            free_velocity=H @ v - np.array([contact.drift for contact in contacts]).reshape(-1, 2),
+            free_velocity=H @ v - drift,
             normal=np.array([contact.normal for contact in contacts]),
             bias=np.array([self.bias(pair, contact, dt) for pair, contact in self.contacts]),
             friction=np.array(friction),
@@ -155,6 +164,7 @@ class System:
             contact.impulse = r
             contact.slid = has_slid(contact, mu)
         v = v + H.T @ impulse / mass[:, None]
+        self.keep_accounts(H @ v - drift)
         ends = np.cumsum([len(grain.mass) for grain in self.grains])
         for grain, part in zip(self.grains, np.split(v, ends[:-1])):
             grain.v_next = part
@@ -189,7 +199,23 @@ class System:
     def bias(self, pair, contact, dt):
         """b of a contact [m/s], with the dr of the node's grain."""
         spacing = self.grains[pair[contact.side]].point_spacing
-        return closing_bias(contact.gap, spacing, dt, self.settings)
+        account = self.account.get(pair) or OverlapAccount()
+        return closing_bias(contact.gap, spacing, dt, self.settings, account)
+
+    def keep_accounts(self, velocity):
+        """Enter what overlaps give in this step.
+
+        Args:
+            velocity (ndarray): u of all contacts with their impulses [m/s], shape (contacts, 2).
+        """
+        given = {pair: [] for pair, _ in self.contacts}
+        for (pair, contact), u in zip(self.contacts, velocity):
+            spacing = self.grains[pair[contact.side]].point_spacing
+            if excess_overlap(contact.gap, spacing) > 0:
+                given[pair].append((contact.impulse @ contact.normal) * (u @ contact.normal))
+        self.account = {pair: self.account.get(pair) or OverlapAccount() for pair in given}
+        for pair, account in self.account.items():
+            account.enter(given[pair])
 
     def friction(self, pair):
         """Coefficient of a pair, mu = tan of the smaller one of both angles."""

@@ -1,8 +1,11 @@
 #include "Problems.hpp"
+#include "contact/Bias.hpp"
 #include "contact/TwoBodies.hpp"
 
+#include <array>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 
 using namespace softgrain;
 using namespace softgrain::testing;
@@ -243,6 +246,7 @@ TEMPLATE_TEST_CASE_SIG("Solver: momentum, velocities and work follow from the im
 	constexpr int nodes = Problem<dim>::nodes;
 	for (unsigned seed = 1; seed <= 5; ++seed) {
 		Problem<dim> problem(seed, 0.3);
+		problem.pair.account.grace = problem.plane.account.grace = 0;
 		ContactSolver<dim> solver;
 		problem.solve(solver);
 		Vec<dim> sum = Vec<dim>::Zero(), fromPlane = Vec<dim>::Zero();
@@ -273,6 +277,22 @@ TEMPLATE_TEST_CASE_SIG("Solver: momentum, velocities and work follow from the im
 		CHECK(std::abs(total(work.planes) - total(work.impact) - total(work.friction) -
 			       gained) < 1e-11);
 		CHECK(work.friction.after > -1e-12); // sliding opposite to the force takes energy
+
+		std::array<double, 2> given { 0, 0 }; // by overlaps: of the pair, of the plane
+		const auto all = problem.contacts();
+		for (int c = 0; c < static_cast<int>(all.size()); ++c) {
+			if (all[c]->gap >= 0) continue;
+			Vec<dim> u = Vec<dim>::Zero();
+			for (int b = 0; b < 2; ++b)
+				for (int i = 0; i < nodes; ++i)
+					u += problem.shares(c, b)[i] * problem.body[b].velocity[i];
+			if (problem.onPlane(c)) u -= problem.plane.plane.velocity;
+			const Vec<dim>& n = all[c]->normal;
+			given[problem.onPlane(c)] += all[c]->impulse.dot(n) * u.dot(n);
+		}
+		CHECK(std::abs(problem.pair.account.taken + given[0]) < 1e-12);
+		CHECK(std::abs(problem.plane.account.taken + given[1]) < 1e-12);
+		CHECK(std::abs(given[0]) + std::abs(given[1]) > 1e-3);
 	}
 }
 
@@ -334,6 +354,43 @@ TEST_CASE("Solver: one ball on a plane, by hand", "[contact]")
 		excess.body[0].pointSpacing = 30;
 		excess.solve(0.1, settings);
 		CHECK((excess.body[0].velocity[0] - Vec<2>(0, 0.04)).norm() < 1e-14);
+	}
+	SECTION("a small overlap without an account is worked off by its cube")
+	{
+		SolverSettings settings;
+		settings.overlapRelaxation = 1;
+		settings.overlapSpeed = 0.08;
+		const double account = GENERATE(0., -1., 1.);
+		Ball ball({ 0, -2 }, -0.026, 0); // half of what is urgent, and what rests
+		ball.body[0].pointSpacing = 1;
+		ball.list.account = { account, 0 };
+		ball.solve(0.1, settings);
+		const double speed = account > 0 ? 0.08 : 0.01;
+		CHECK((ball.body[0].velocity[0] - Vec<2>(0, speed)).norm() < 1e-14);
+		// what it gave, with the impulse that stops and turns it, is entered
+		const double r = ball.list.contacts[0].impulse[1];
+		CHECK(std::abs(r - 2 * (2 + speed)) < 1e-13); // m = 2
+		const double kept = (1 - 1. / stepsOfAccount) * account;
+		CHECK(std::abs(ball.list.account.taken - (kept - r * speed)) < 1e-14);
+	}
+	SECTION("an overlap that was there from the start is worked off at full speed")
+	{
+		SolverSettings settings;
+		settings.overlapRelaxation = 1;
+		settings.overlapSpeed = 0.08;
+		Ball ball({ 0, -2 }, -0.026, 0);
+		ball.body[0].pointSpacing = 1;
+		ball.solve(0.1, settings);
+		CHECK((ball.body[0].velocity[0] - Vec<2>(0, 0.08)).norm() < 1e-14);
+		CHECK(ball.list.account.taken == 0);
+		CHECK(ball.list.account.grace == stepsOfAccount - 1);
+		ball.list.contacts[0].gap = -1e-4;
+		ball.solve(0.1, settings);
+		CHECK(ball.list.account.grace == 0); // for good
+		ball.list.contacts[0].gap = -0.026;
+		ball.body[0].velocity[0] = Vec<2>(0, -2);
+		ball.solve(0.1, settings);
+		CHECK(ball.list.account.taken < 0);
 	}
 	SECTION("a moving plane takes it along and works on it")
 	{

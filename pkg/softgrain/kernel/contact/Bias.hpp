@@ -1,6 +1,7 @@
 // What a contact asks of its normal velocity.
 #pragma once
 
+#include "contact/OverlapAccount.hpp"
 #include "contact/SolverSettings.hpp"
 
 #include <algorithm>
@@ -15,15 +16,28 @@ inline constexpr double restingOverlap = 1e-3;
 /// here, now there: worked off by turns, that would heat for ever (0.12 dr for balls as large as
 /// dr).
 inline constexpr double restingOverlapOfBall = 0.2;
+/// Overlaps from this share of dr on are worked off at full speed in any case.
+inline constexpr double urgentOverlap = 0.05;
 
-/// b: the speed at which a gap may close, or minus that at which an overlap is worked off but for
-/// what may rest, in dr.
+/// What is to be worked off of an overlap: all but what may rest, in dr. m
+inline double excessOverlap(double gap, double pointSpacing, double resting = restingOverlap)
+{
+	return std::max(-gap - resting * pointSpacing, 0.);
+}
+
+/// b: the speed at which a gap may close, or minus that at which an overlap is worked off. Where it
+/// came about against no force, so that the account of the pair is not good, as where contacts
+/// wander over the outline, the speed falls with its cube: the work would make grains tremble for
+/// ever.
 inline double biasOf(double gap, double pointSpacing, double dt, const SolverSettings& settings,
-		     double resting = restingOverlap)
+		     const OverlapAccount& account, double resting = restingOverlap)
 {
 	if (gap >= 0) return gap / dt;
-	const double excess = std::min(gap + resting * pointSpacing, 0.);
-	return std::max(settings.overlapRelaxation * excess / dt, -settings.overlapSpeed);
+	const double excess = excessOverlap(gap, pointSpacing, resting);
+	if (excess == 0) return 0;
+	const double urgency = std::min(excess / (urgentOverlap * pointSpacing), 1.);
+	const double share = account.isGood() ? 1 : urgency * urgency * urgency;
+	return -std::min(settings.overlapRelaxation * excess / dt, share * settings.overlapSpeed);
 }
 
 } // namespace softgrain

@@ -4,6 +4,7 @@
 #include "Rare.hpp"
 #include "Vector.hpp"
 #include "contact/Interface.hpp"
+#include "contact/OverlapAccount.hpp"
 #include "contact/RigidPartner.hpp"
 #include "contact/RigidSurface.hpp"
 #include "reference/Outline.hpp"
@@ -52,6 +53,12 @@ template <int dim> struct Plane {
 	Vec<dim> velocity = Vec<dim>::Zero(); ///< m/s
 };
 
+/// A surface beside a rigid one.
+template <int dim> struct SurfaceBeside {
+	RigidSurface<dim> surface;
+	bool comesFirst = false; ///< a place on the seam of both touches this one only
+};
+
 /// A rigid body in place of the second grain. Contacts of side 1 are those of its own ends
 /// (tipsOf).
 template <int dim> struct RigidSide {
@@ -64,7 +71,7 @@ template <int dim> struct RigidSide {
 	bool moves = false, hasVelocity = false;
 	/// Other surfaces about the grain, during a search: asked for where it meets an edge. May
 	/// be empty.
-	std::function<std::vector<RigidSurface<dim>>()> others;
+	std::function<std::vector<SurfaceBeside<dim>>()> others;
 };
 
 /// How the first body of a pair sees the second one in a periodic space: displaced by a period, and
@@ -142,6 +149,7 @@ template <int dim> struct ContactList {
 		0; ///< largest overlap met by the search, in dr; infinite for nested grains
 	std::vector<Contact<dim>> contacts;
 	PairImpulse<dim> impulse; ///< of the last step, if there are contacts
+	OverlapAccount account;
 	PairRest rest;
 	ContactCandidates<dim> candidates;
 	int tested = 0; ///< nodes that the last search measured against the other body

@@ -72,7 +72,7 @@ void PairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 	c.partners = static_cast<signed char>(contact.partners);
 	c.partner = contact.partner;
 	c.weight = contact.weight;
-	c.bias = biasOf(contact.gap, own(c)->pointSpacing, dt, settings);
+	c.bias = biasOf(contact.gap, own(c)->pointSpacing, dt, settings, list_->account);
 	c.W = ownSide(c).mobilityOf(c.node);
 	if (c.partners > 0) c.W += otherSide(c).mobilityOf(c);
 	c.inverseW = 1 / c.W;
@@ -298,9 +298,15 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairSolver<dim>::solveAlone(double violat
 template <int dim> void PairSolver<dim>::finish()
 {
 	PairSum<dim> sum;
+	bool overlaps = false;
+	double given = 0; // by them
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
 		const Constraint& c = constraints_[k];
 		list_->contacts[k].impulse = c.impulse;
+		if (excessOverlap(list_->contacts[k].gap, own(c)->pointSpacing) > 0) {
+			overlaps = true;
+			given += c.impulse.dot(c.normal) * velocity(c).dot(c.normal);
+		}
 		const Vec<dim> r =
 			interface_ ? interface_->remember(k,
 							  { c.normal, c.impulse, velocity(c),
@@ -316,6 +322,7 @@ template <int dim> void PairSolver<dim>::finish()
 	}
 	list_->impulse =
 		sum.total(constraints_, [this](const Constraint& c) { return placeOf(c); });
+	list_->account.enter(overlaps, given);
 }
 
 template <int dim> Vec<dim> PairSolver<dim>::placeOf(const Constraint& c) const

@@ -46,13 +46,12 @@ template <int dim>
 void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 				    const SolverSettings& settings, Constraint& c) const
 {
-	const bool isBall = std::holds_alternative<BallSurface<dim>>(list_->rigid->surface);
 	c.ofNode = contact.key.side == 0;
 	c.normal = c.ofNode ? contact.normal : Vec<dim>(-contact.normal);
 	c.impulse = onCone<dim>(c.ofNode ? contact.impulse : Vec<dim>(-contact.impulse), c.normal,
 				friction_);
-	c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings,
-			isBall && !c.ofNode ? restingOverlapOfBall : restingOverlap);
+	c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings, list_->account,
+			restingOverlapOf(c));
 	c.facet = contact.facet;
 	c.partners = c.ofNode ? 1 : contact.partners;
 	c.partner = contact.partner;
@@ -67,6 +66,12 @@ void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 	if (!heldSpin_.isZero(0)) c.arm += halfStepAlongSurface(c, dt);
 	const double w = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
 	c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
+}
+
+template <int dim> double RigidPairSolver<dim>::restingOverlapOf(const Constraint& c) const
+{
+	const bool isBall = std::holds_alternative<BallSurface<dim>>(list_->rigid->surface);
+	return isBall && !c.ofNode ? restingOverlapOfBall : restingOverlap;
 }
 
 /// What turns as prescribed carries what sticks to it along circles: half a step later the velocity
@@ -126,6 +131,8 @@ template <int dim> void RigidPairSolver<dim>::finish()
 {
 	PairSum<dim> sum;
 	Spin<dim> turning = Spin<dim>::Zero();
+	bool overlaps = false;
+	double given = 0; // by them
 	const auto placeOf = [this](const Constraint& c) -> Vec<dim> {
 		return imageCentre() + c.arm;
 	};
@@ -133,6 +140,11 @@ template <int dim> void RigidPairSolver<dim>::finish()
 		const Constraint& c = constraints_[k];
 		list_->contacts[k].impulse =
 			list_->contacts[k].key.side == 0 ? c.impulse : Vec<dim>(-c.impulse);
+		if (excessOverlap(list_->contacts[k].gap, grain_->pointSpacing,
+				  restingOverlapOf(c)) > 0) {
+			overlaps = true;
+			given += c.impulse.dot(c.normal) * velocity(c).dot(c.normal);
+		}
 		const Vec<dim> r =
 			interface_ ? interface_->remember(k,
 							  { c.normal, c.impulse, velocity(c),
@@ -150,6 +162,7 @@ template <int dim> void RigidPairSolver<dim>::finish()
 	}
 	list_->impulse = sum.total(constraints_, placeOf);
 	list_->impulse.moment = turning;
+	list_->account.enter(overlaps, given);
 }
 
 template <> double RigidPairSolver<3>::spinOfPartner(const Vec<3>& normal) const

@@ -64,6 +64,7 @@ private:
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	void describe(const Contact<dim>& contact, double dt, const SolverSettings& settings,
 		      Constraint& c) const;
+	double restingOverlapOf(const Constraint& c) const; ///< in dr
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	double spinOfPartner(const Vec<dim>& normal) const; ///< ContactOutcome::spin
 

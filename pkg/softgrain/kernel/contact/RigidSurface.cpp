@@ -20,7 +20,8 @@ template <int dim> using Place = std::optional<SurfacePlace<dim>>;
 constexpr double farFromEdges = std::numeric_limits<double>::infinity();
 
 template <int dim>
-Place<dim> placeOnSurface(const BallSurface<dim>& ball, const Vec<dim>& x, const Faces<dim>&)
+Place<dim> placeOnSurface(const BallSurface<dim>& ball, const Vec<dim>& x, const Faces<dim>&,
+			  const GoesOn<dim>&)
 {
 	const Vec<dim> apart = x - ball.centre;
 	const double distance = apart.norm();
@@ -39,9 +40,21 @@ Place<dim> placeBeyondEdge(const Vec<dim>& foot, const Vec<dim>& x, const Faces<
 	return SurfacePlace<dim> { normal, distance, 0 };
 }
 
-/// Plates that share an edge leave no slit between them: that much of a plate is added, over its
-/// size.
+/// Whether a point beneath the plane of a side, at such a depth, and beyond its edge is one of that
+/// side all the same: it has sunk into what rises from the edge, as in the inside corner of a box.
+template <int dim>
+bool isBesideEdge(const Vec<dim>& edge, const Vec<dim>& beyond, const Vec<dim>& normal,
+		  double depth, const GoesOn<dim>& goesOn)
+{
+	constexpr double farthest = 4; // over the depth
+	return beyond.norm() < farthest * depth && goesOn(edge, beyond.normalized(), normal);
+}
+
+/// Plates and blocks that share an edge leave no slit between them: that much of one is added, over
+/// its size.
 constexpr double plateMargin = 1e-9;
+/// Over the height of a plate: what is nearer to an edge asks who else bears it.
+constexpr double nearEnd = 0.01;
 
 Vec<2> plateNormal(const PlateSurface<2>& plate)
 {
@@ -79,71 +92,99 @@ Vec<3> awayFrom(const PlateSurface<3>& plate, int i)
 /// Whether a point at such a depth beneath the plate is out of it sooner over an edge that the
 /// outline faces: the plate pokes into the outline then, and has no side there but its edge.
 template <int dim>
-bool pokesIn(const PlateSurface<dim>& plate, const std::array<double, dim>& weight, double depth,
-	     const Faces<dim>& faces)
+bool pokesIn(const PlateSurface<dim>& plate, const std::array<double, dim>& weight,
+	     const Vec<dim>& normal, double depth, const Faces<dim>& faces,
+	     const GoesOn<dim>& goesOn)
 {
 	for (int i = 0; depth > 0 && i < dim; ++i) {
-		const Vec<dim> away = awayFrom(plate, i);
-		if (weight[i] * away.norm() < depth && faces(away.normalized(), alongSide))
-			return true;
+		const Vec<dim> away = awayFrom(plate, i), over = away.normalized();
+		if (weight[i] * away.norm() >= depth || !faces(over, alongSide)) continue;
+		const Vec<dim> edge = placeAt<dim>(plate, weight) + weight[i] * away;
+		if (!goesOn(edge, over, normal)) return true;
 	}
 	return false;
 }
 
 template <int dim>
 Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
-			  const Faces<dim>& faces)
+			  const Faces<dim>& faces, const GoesOn<dim>& goesOn)
 {
 	const auto weight = nearestOnFacet(x, plate.corner);
 	const Vec<dim> foot = placeAt<dim>(plate, weight);
 	const Vec<dim> normal = plateNormal(plate);
 	const double height = (x - foot).dot(normal);
 	const double size = (plate.corner[1] - plate.corner[0]).norm();
-	if (((x - foot) - height * normal).norm() > plateMargin * size)
-		return placeBeyondEdge<dim>(foot, x, faces);
+	const Vec<dim> beyond = (x - foot) - height * normal;
+	const bool isBeyond = beyond.norm() > plateMargin * size;
+	if (isBeyond)
+		if (const auto edge = placeBeyondEdge<dim>(foot, x, faces)) return edge;
 	for (const double side : { 1., -1. }) {
-		if (!faces(side * normal, alongSide)) continue;
-		if (pokesIn<dim>(plate, weight, -side * height, faces)) return std::nullopt;
-		return SurfacePlace<dim> { side * normal, side * height, farFromEdges,
-					   side * height < 0 };
+		const double depth = -side * height;
+		const Vec<dim> out = side * normal;
+		if (!faces(out, alongSide)) continue;
+		if (isBeyond ? !isBesideEdge<dim>(foot, beyond, out, depth, goesOn)
+			     : pokesIn<dim>(plate, weight, out, depth, faces, goesOn))
+			return std::nullopt;
+		const bool isNearEnd = *std::min_element(weight.begin(), weight.end()) < nearEnd;
+		return SurfacePlace<dim> { out, -depth, farFromEdges, isNearEnd, depth > 0 };
 	}
 	return std::nullopt;
 }
 
 /// The same of a point `y`, in the axes of a block, beneath its side across axis `a`.
 template <int dim>
-bool pokesIn(const BlockSurface<dim>& block, int a, const Vec<dim>& y, double depth,
-	     const Faces<dim>& faces)
+bool pokesIn(const BlockSurface<dim>& block, int a, const Vec<dim>& y, const Vec<dim>& normal,
+	     double depth, const Faces<dim>& faces, const GoesOn<dim>& goesOn)
 {
 	for (int b = 0; b < dim; ++b) {
-		if (b == a || block.halfSides[b] - std::abs(y[b]) >= depth) continue;
-		if (faces(std::copysign(1., y[b]) * block.axes.col(b), alongSide)) return true;
+		const double toEdge = block.halfSides[b] - std::abs(y[b]);
+		if (b == a || toEdge >= depth) continue;
+		const Vec<dim> over = std::copysign(1., y[b]) * block.axes.col(b);
+		if (!faces(over, alongSide)) continue;
+		Vec<dim> foot = y;
+		foot[a] = std::copysign(block.halfSides[a], -y[a]);
+		const Vec<dim> edge = block.centre + block.axes * foot + toEdge * over;
+		if (!goesOn(edge, over, normal)) return true;
 	}
 	return false;
 }
 
 template <int dim>
 Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
-			  const Faces<dim>& faces)
+			  const Faces<dim>& faces, const GoesOn<dim>& goesOn)
 {
 	const Vec<dim> y = block.axes.transpose() * (x - block.centre);
-	const Vec<dim> foot = y.cwiseMax(-block.halfSides).cwiseMin(block.halfSides);
-	if (((y - foot).array() != 0).count() > 1)
-		return placeBeyondEdge<dim>(block.centre + block.axes * foot, x, faces);
+	Vec<dim> foot = y.cwiseMax(-block.halfSides).cwiseMin(block.halfSides);
+	if ((y - foot).norm() <= plateMargin * block.halfSides.maxCoeff()) foot = y;
+	const bool isBeyondEdge = ((y - foot).array() != 0).count() > 1;
+	if (isBeyondEdge)
+		if (const auto edge =
+			    placeBeyondEdge<dim>(block.centre + block.axes * foot, x, faces))
+			return edge;
 	const Vec<dim> depth = block.halfSides - foot.cwiseAbs();
 	Place<dim> best;
 	for (int a = 0; a < dim; ++a) {
-		if (foot != y && foot[a] == y[a]) continue; // outside another side
+		const bool isBeside = foot != y && foot[a] == y[a]; // of this side
+		if (isBeyondEdge && !isBeside) continue;
 		for (const double side : { 1., -1. }) {
 			const double gap = side * y[a] - block.halfSides[a];
 			const Vec<dim> normal = side * block.axes.col(a);
-			const bool isBehind = foot != y && gap < 0;
+			const bool isBehind = !isBeside && foot != y && gap < 0;
 			if ((best && gap <= best->gap) || !faces(normal, alongSide)) continue;
-			if (isBehind && pokesIn<dim>(block, a, y, -gap, faces)) continue;
-			double toEdge = farFromEdges;
-			for (int b = 0; b < dim; ++b)
-				if (b != a) toEdge = std::min(toEdge, depth[b]);
-			best = SurfacePlace<dim> { normal, gap, toEdge, isBehind };
+			Vec<dim> end = foot;
+			end[a] = side * block.halfSides[a];
+			if (isBeside &&
+			    !isBesideEdge<dim>(block.centre + block.axes * end,
+					       block.axes * (y - foot), normal, -gap, goesOn))
+				continue;
+			if (isBehind && pokesIn<dim>(block, a, y, normal, -gap, faces, goesOn))
+				continue;
+			best = SurfacePlace<dim> { normal, gap, farFromEdges, false, isBehind };
+			for (int b = 0; b < dim; ++b) {
+				if (b == a) continue;
+				best->toEdge = std::min(best->toEdge, depth[b]);
+				best->inwards -= std::copysign(1., y[b]) * block.axes.col(b);
+			}
 		}
 	}
 	return best;
@@ -344,9 +385,10 @@ bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const 
 
 template <int dim>
 std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const Vec<dim>& x,
-					 const Faces<dim>& faces)
+					 const Faces<dim>& faces, const GoesOn<dim>& goesOn)
 {
-	return std::visit([&](const auto& s) { return placeOnSurface<dim>(s, x, faces); }, surface);
+	return std::visit([&](const auto& s) { return placeOnSurface<dim>(s, x, faces, goesOn); },
+			  surface);
 }
 
 template <int dim> double distanceTo(const RigidSurface<dim>& surface, const Vec<dim>& x)
@@ -367,7 +409,7 @@ std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& b
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template std::optional<SurfacePlace<dim>> placeOn<dim>(                                    \
-		const RigidSurface<dim>&, const Vec<dim>&, const Faces<dim>&);                     \
+		const RigidSurface<dim>&, const Vec<dim>&, const Faces<dim>&, const GoesOn<dim>&); \
 	template std::vector<double> placeNumbers<dim>(const RigidSurface<dim>&);                  \
 	template bool liesAlongSide<dim>(const RigidSurface<dim>&, const Tip<dim>&,                \
 					 const Vec<dim>&, double, double);                         \

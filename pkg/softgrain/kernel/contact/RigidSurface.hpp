@@ -39,21 +39,30 @@ template <int dim> struct SurfacePlace {
 	/// From the place to the nearest edge of its side, m: 0 on an edge or a corner; on the
 	/// sides of plates and on balls infinite, wherever it is.
 	double toEdge;
+	bool isNearEnd = false; ///< so near to an edge of a plate that it may lie on a seam
 	/// Whether the grain lies on the other side of a plate or a block: the place has come
 	/// through it, or it is one of the side that the grain turns away.
 	bool isBehind = false;
+	/// On a side of a block: along each of its edges by 1 towards the middle.
+	Vec<dim> inwards = Vec<dim>::Zero();
 };
 
 /// Whether an outline faces against a direction (unit), within the angle of a cosine.
 template <int dim> using Faces = std::function<bool(const Vec<dim>&, double)>;
 
+/// Whether another surface goes on beyond an edge: at a place of it, in the direction over it, or
+/// rising to the side of this normal (both unit).
+template <int dim>
+using GoesOn = std::function<bool(const Vec<dim>&, const Vec<dim>&, const Vec<dim>&)>;
+
 /// The place of the surface that a point `x` of an outline touches. `faces` is asked of the outline
 /// there: it tells the two sides of a plate apart, and the sides of a block about an edge; a point
 /// that faces none of them touches nothing. What a point slides past, as the edge of the next plate
-/// of a floor, it does not face closely enough.
+/// of a floor, it does not face closely enough. `goesOn` is asked of edges that may poke into it.
 template <int dim>
-std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const Vec<dim>& x,
-					 const Faces<dim>& faces);
+std::optional<SurfacePlace<dim>> placeOn(
+	const RigidSurface<dim>& surface, const Vec<dim>& x, const Faces<dim>& faces,
+	const GoesOn<dim>& goesOn = [](const auto&, const auto&, const auto&) { return false; });
 
 /// Of a point from the surface; 0 inside of a ball or a block.
 template <int dim> double distanceTo(const RigidSurface<dim>& surface, const Vec<dim>& x);
