@@ -89,7 +89,7 @@ def test_free_rigid_bodies_keep_grains_awake():
     ready(gravity=(0, -GRAVITY, 0))
     newton().damping = 0
     run(6000)
-    assert abs(sphere.state.vel[1]) < 1e-7  # the last of its overlap is worked off
+    assert abs(sphere.state.vel[1]) < 1e-9
     assert asleep() == [False]
 
 

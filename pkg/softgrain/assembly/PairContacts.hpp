@@ -71,7 +71,7 @@ public:
 	virtual double kick() const = 0; ///< time over which the impulses acted, s
 	/// Puts saved impulses back; the next search carries them over to the contacts it finds.
 	virtual void restore(const std::vector<ContactRecord>& saved) = 0;
-	virtual OverlapAccount account() const = 0;
+	virtual OverlapAccount account() const = 0; ///< for a save
 	virtual void restoreAccount(const OverlapAccount& saved) = 0;
 	/// What a sleeping pair has to be saved with besides its records; empty if awake.
 	virtual std::vector<double> rest() const = 0;

@@ -100,6 +100,8 @@ class System:
         for pair, contact in self.contacts:
             before = last.get((pair, contact.key), contact)
             contact.impulse, contact.slid = before.impulse, before.slid
+        present = {pair: OverlapAccount() for pair, _ in self.contacts}
+        self.account = {pair: self.account.get(pair, new) for pair, new in present.items()}
 
     def _list(self, pair, contacts):
         self.contacts += [(pair, contact) for contact in contacts]
@@ -199,8 +201,7 @@ class System:
     def bias(self, pair, contact, dt):
         """b of a contact [m/s], with the dr of the node's grain."""
         spacing = self.grains[pair[contact.side]].point_spacing
-        account = self.account.get(pair) or OverlapAccount()
-        return closing_bias(contact.gap, spacing, dt, self.settings, account)
+        return closing_bias(contact.gap, spacing, dt, self.settings, self.account[pair])
 
     def keep_accounts(self, velocity):
         """Enter what overlaps give in this step.
@@ -208,12 +209,11 @@ class System:
         Args:
             velocity (ndarray): u of all contacts with their impulses [m/s], shape (contacts, 2).
         """
-        given = {pair: [] for pair, _ in self.contacts}
+        given = {pair: [] for pair in self.account}
         for (pair, contact), u in zip(self.contacts, velocity):
             spacing = self.grains[pair[contact.side]].point_spacing
             if excess_overlap(contact.gap, spacing) > 0:
                 given[pair].append((contact.impulse @ contact.normal) * (u @ contact.normal))
-        self.account = {pair: self.account.get(pair) or OverlapAccount() for pair in given}
         for pair, account in self.account.items():
             account.enter(given[pair])
 

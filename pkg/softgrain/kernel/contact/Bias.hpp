@@ -16,7 +16,9 @@ inline constexpr double restingOverlap = 1e-3;
 /// here, now there: worked off by turns, that would heat for ever (0.12 dr for balls as large as
 /// dr).
 inline constexpr double restingOverlapOfBall = 0.2;
-/// Overlaps from this share of dr on are worked off at full speed in any case.
+/// Overlaps from this share of dr on are worked off at full speed in any case. Contacts that
+/// wander leave 1e-2 dr, which are worked off at less than a hundredth of it
+/// (doc/decisions/0010-grains-at-rest.md).
 inline constexpr double urgentOverlap = 0.05;
 
 /// What is to be worked off of an overlap: all but what may rest, in dr. m

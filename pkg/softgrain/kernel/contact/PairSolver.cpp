@@ -298,15 +298,12 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairSolver<dim>::solveAlone(double violat
 template <int dim> void PairSolver<dim>::finish()
 {
 	PairSum<dim> sum;
-	bool overlaps = false;
-	double given = 0; // by them
+	WorkOfOverlaps overlaps;
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
 		const Constraint& c = constraints_[k];
 		list_->contacts[k].impulse = c.impulse;
-		if (excessOverlap(list_->contacts[k].gap, own(c)->pointSpacing) > 0) {
-			overlaps = true;
-			given += c.impulse.dot(c.normal) * velocity(c).dot(c.normal);
-		}
+		if (excessOverlap(list_->contacts[k].gap, own(c)->pointSpacing) > 0)
+			overlaps.add(c.impulse.dot(c.normal), velocity(c).dot(c.normal));
 		const Vec<dim> r =
 			interface_ ? interface_->remember(k,
 							  { c.normal, c.impulse, velocity(c),
@@ -322,7 +319,7 @@ template <int dim> void PairSolver<dim>::finish()
 	}
 	list_->impulse =
 		sum.total(constraints_, [this](const Constraint& c) { return placeOf(c); });
-	list_->account.enter(overlaps, given);
+	list_->account.enter(overlaps);
 }
 
 template <int dim> Vec<dim> PairSolver<dim>::placeOf(const Constraint& c) const

@@ -131,8 +131,7 @@ template <int dim> void RigidPairSolver<dim>::finish()
 {
 	PairSum<dim> sum;
 	Spin<dim> turning = Spin<dim>::Zero();
-	bool overlaps = false;
-	double given = 0; // by them
+	WorkOfOverlaps overlaps;
 	const auto placeOf = [this](const Constraint& c) -> Vec<dim> {
 		return imageCentre() + c.arm;
 	};
@@ -141,10 +140,8 @@ template <int dim> void RigidPairSolver<dim>::finish()
 		list_->contacts[k].impulse =
 			list_->contacts[k].key.side == 0 ? c.impulse : Vec<dim>(-c.impulse);
 		if (excessOverlap(list_->contacts[k].gap, grain_->pointSpacing,
-				  restingOverlapOf(c)) > 0) {
-			overlaps = true;
-			given += c.impulse.dot(c.normal) * velocity(c).dot(c.normal);
-		}
+				  restingOverlapOf(c)) > 0)
+			overlaps.add(c.impulse.dot(c.normal), velocity(c).dot(c.normal));
 		const Vec<dim> r =
 			interface_ ? interface_->remember(k,
 							  { c.normal, c.impulse, velocity(c),
@@ -162,7 +159,7 @@ template <int dim> void RigidPairSolver<dim>::finish()
 	}
 	list_->impulse = sum.total(constraints_, placeOf);
 	list_->impulse.moment = turning;
-	list_->account.enter(overlaps, given);
+	list_->account.enter(overlaps);
 }
 
 template <> double RigidPairSolver<3>::spinOfPartner(const Vec<3>& normal) const

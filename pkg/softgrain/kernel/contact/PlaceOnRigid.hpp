@@ -1,0 +1,76 @@
+// Where a point of the outline of a grain touches the surface of a rigid body.
+#pragma once
+
+#include "contact/RigidSurface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <optional>
+
+namespace softgrain {
+
+/// Where a place of a grain touches a rigid surface.
+template <int dim> struct SurfacePlace {
+	Vec<dim> normal; ///< unit, out of the rigid body
+	double gap;      ///< m, negative for an overlap
+	/// From the place to the nearest edge of its side, m: 0 on an edge or a corner; on the
+	/// sides of plates and on balls infinite, wherever it is.
+	double toEdge;
+	bool isNearEnd = false; ///< so near to an edge of a plate that it may lie on a seam
+	/// Whether the grain lies on the other side of a plate or a block: the place has come
+	/// through it, or it is one of the side that the grain turns away.
+	bool isBehind = false;
+	double beside = 0; ///< how far it lies beyond the end of its side, m
+	/// On a side of a block: along each of its edges by 1 towards the middle.
+	Vec<dim> inwards = Vec<dim>::Zero();
+};
+
+/// Whether an outline faces against a direction (unit), within the angle of a cosine.
+template <int dim> using Faces = std::function<bool(const Vec<dim>&, double)>;
+
+/// Whether another surface goes on beyond an edge: at a place of it, in the direction over it, or
+/// rising to the side of this normal (both unit).
+template <int dim>
+using GoesOn = std::function<bool(const Vec<dim>&, const Vec<dim>&, const Vec<dim>&)>;
+
+/// The place of the surface that a point `x` of an outline touches. `faces` is asked of the outline
+/// there: it tells the two sides of a plate apart, and the sides of a block about an edge; a point
+/// that faces none of them touches nothing. What a point slides past, as the edge of the next plate
+/// of a floor, it does not face closely enough. `goesOn` is asked of edges that may poke into it,
+/// and of those that it has sunk beside.
+template <int dim>
+std::optional<SurfacePlace<dim>> placeOn(
+	const RigidSurface<dim>& surface, const Vec<dim>& x, const Faces<dim>& faces,
+	const GoesOn<dim>& goesOn = [](const auto&, const auto&, const auto&) { return false; });
+
+/// The same, and where `take` does not take it the place on the next side that the point faces, if
+/// the sides meet at an edge as those of a block, or are those of a plate. take(place, from): the
+/// point where it is looked from, no longer beyond the sides that were not taken.
+template <int dim, class Take>
+void tryPlaces(const RigidSurface<dim>& surface, const Vec<dim>& x, const Faces<dim>& faces,
+	       const GoesOn<dim>& goesOn, Take&& take)
+{
+	std::array<Vec<dim>, dim> passed; // their normals
+	Vec<dim> from = x;
+	int sides = 0;
+	const Faces<dim> facesAnother = [&](const Vec<dim>& n, double leastCosine) {
+		// the same side: those of a block are at right angles
+		constexpr double alike = 0.99;
+		return std::none_of(passed.begin(), passed.begin() + sides,
+				    [&](const Vec<dim>& side) { return n.dot(side) >= alike; }) &&
+		       faces(n, leastCosine);
+	};
+	for (; sides < dim; ++sides) {
+		auto place = placeOn<dim>(surface, from, facesAnother, goesOn);
+		if (!place) return;
+		place->beside += (x - from).norm();
+		if (take(*place, from)) return;
+		const bool meetsAnother = !place->inwards.isZero(0) || place->isBehind;
+		if (!meetsAnother) return;
+		passed[sides] = place->normal;
+		from -= std::max(place->gap, 0.) * place->normal;
+	}
+}
+
+} // namespace softgrain

@@ -1,0 +1,159 @@
+#include "contact/RigidSeams.hpp"
+#include "contact/OutlineSearch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+#include <variant>
+
+namespace softgrain {
+
+namespace {
+
+/// Over dr: how far before an edge it is asked what is nearest. Steps of the floor below that are
+/// none; pieces of a floor need not join to rounding, and what is felt of 0.05 dr is below the
+/// error of the outline.
+constexpr double beforeEdge = 0.05;
+
+/// Equally near counts as not nearer. (So what leans by up to 1.4e-3 beyond an edge is still
+/// equally near to both.)
+constexpr double rounding = 1e-6;
+
+} // namespace
+
+template <int dim>
+RigidSeams<dim>::RigidSeams(const ContactOutline<dim>& body, const RigidSide<dim>& rigid)
+	: rigid_(rigid)
+	, spacing_(body.pointSpacing)
+	, distance_(beforeEdge * body.pointSpacing)
+	, depth_(contactDepth(body, body))
+	, alike_(rounding * body.pointSpacing)
+{
+}
+
+/// (Before a side near its edge a plate is that goes on. A block may as well rise from the edge:
+/// there a place a little further in lies before both, and not in the block, or but for what the
+/// node has sunk into it.)
+template <int dim> bool RigidSeams<dim>::hides(const Vec<dim>& x, const SurfacePlace<dim>& place)
+{
+	if (place.beside > distance_) return true;
+	if (place.toEdge >= depth_) return false;
+	const Vec<dim> before = this->before(x, place);
+	if (place.inwards.isZero(0)) return goesOnBefore(before);
+	const Vec<dim> further = before + distance_ * place.inwards;
+	return anyOther([&](const SurfaceBeside<dim>& other) {
+		if (std::holds_alternative<BlockSurface<dim>>(other.surface))
+			return distanceTo<dim>(other.surface, further) < 0.5 * distance_;
+		return isNearer(other.surface, before);
+	});
+}
+
+template <int dim>
+bool RigidSeams<dim>::isAnothers(const Vec<dim>& x, const SurfacePlace<dim>& place,
+				 const Faces<dim>& faces)
+{
+	if (place.toEdge >= depth_ && !place.isNearEnd) return false;
+	return anyOther([&](const SurfaceBeside<dim>& other) {
+		return (other.comesFirst || place.beside > alike_) &&
+		       bearsToo(other.surface, x, place, faces);
+	});
+}
+
+template <int dim>
+bool RigidSeams<dim>::hides(const Tip<dim>& tip, const Vec<dim>& normal, double turn)
+{
+	const Vec<dim> before = tip.ball.centre - distance_ * normal;
+	return goesOnBefore(before) || anyOther([&](const SurfaceBeside<dim>& other) {
+		       return other.comesFirst && hasTip(other.surface, tip.ball.centre) &&
+			      !liesAlongSide<dim>(other.surface, tip, normal, turn, spacing_) &&
+			      !isNearerBefore(other.surface, before);
+	       });
+}
+
+template <int dim>
+bool RigidSeams<dim>::goesOnBeyond(const Vec<dim>& edge, const Vec<dim>& over,
+				   const Vec<dim>& normal)
+{
+	return anyOther([&](const SurfaceBeside<dim>& other) {
+		return isBeyond(other.surface, edge, over, normal);
+	});
+}
+
+/// (A surface from the edge is nearer to a place than half of that one's distance if it leaves the
+/// edge within 30 degrees of it: those at 45 degrees from each other miss none in between.)
+template <int dim>
+bool RigidSeams<dim>::isBeyond(const RigidSurface<dim>& surface, const Vec<dim>& edge,
+			       const Vec<dim>& over, const Vec<dim>& normal) const
+{
+	constexpr double rises[] { 0, M_PI / 4, M_PI / 2, 3 * M_PI / 4 };
+	return std::any_of(std::begin(rises), std::end(rises), [&](double rise) {
+		const Vec<dim> way = std::cos(rise) * over + std::sin(rise) * normal;
+		return distanceTo<dim>(surface, edge + distance_ * way) < 0.5 * distance_;
+	});
+}
+
+template <int dim> bool RigidSeams<dim>::goesOnBefore(const Vec<dim>& before)
+{
+	// A direction that leans along the edge by the angle between nodes of a coarse grain, 0.3,
+	// stays above 0.95.
+	constexpr double lean = 0.5;
+	return distanceTo<dim>(rigid_.surface, before) < lean * distance_ ||
+	       anyOther([&](const SurfaceBeside<dim>& other) {
+		       return isNearer(other.surface, before);
+	       });
+}
+
+template <int dim>
+bool RigidSeams<dim>::bearsToo(const RigidSurface<dim>& surface, const Vec<dim>& x,
+			       const SurfacePlace<dim>& place, const Faces<dim>& faces) const
+{
+	const auto goesOn = [this](const auto& edge, const auto& over, const auto& normal) {
+		return isBeyond(rigid_.surface, edge, over, normal);
+	};
+	const double alike = rounding * std::max(distance_, std::abs(place.gap));
+	bool bears = false;
+	auto take = [&](const SurfacePlace<dim>& other, const Vec<dim>& from) {
+		if (other.normal.dot(place.normal) <= 1 - rounding) return false;
+		bears = std::abs(other.gap - place.gap) < alike && other.beside < alike_ &&
+			!isNearerBefore(surface, before(from, other));
+		return true;
+	};
+	tryPlaces<dim>(surface, x, faces, goesOn, take);
+	return bears;
+}
+
+template <int dim>
+bool RigidSeams<dim>::isNearer(const RigidSurface<dim>& surface, const Vec<dim>& place) const
+{
+	return distanceTo<dim>(surface, place) <
+	       (1 - rounding) * distanceTo<dim>(rigid_.surface, place);
+}
+
+template <int dim>
+bool RigidSeams<dim>::isNearerBefore(const RigidSurface<dim>& surface, const Vec<dim>& before) const
+{
+	return distanceTo<dim>(rigid_.surface, before) <
+	       (1 - rounding) * distanceTo<dim>(surface, before);
+}
+
+template <int dim>
+bool RigidSeams<dim>::hasTip(const RigidSurface<dim>& surface, const Vec<dim>& place) const
+{
+	const auto tips = tipsOf<dim>(surface, Box<dim> { place, place }.grown(alike_), spacing_);
+	return std::any_of(tips.begin(), tips.end(), [&](const Tip<dim>& tip) {
+		return (tip.ball.centre - place).norm() < alike_;
+	});
+}
+
+template <int dim> template <class Is> bool RigidSeams<dim>::anyOther(Is&& is)
+{
+	if (!rigid_.others) return false;
+	if (!std::exchange(hasAsked_, true)) others_ = rigid_.others();
+	return std::any_of(others_.begin(), others_.end(), is);
+}
+
+template class RigidSeams<2>;
+template class RigidSeams<3>;
+
+} // namespace softgrain

@@ -1,0 +1,62 @@
+// Where a rigid surface goes on as one beside it: floors of facets and boxes.
+#pragma once
+
+#include "contact/Contact.hpp"
+#include "contact/ContactOutline.hpp"
+#include "contact/PlaceOnRigid.hpp"
+#include "contact/RigidTips.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+/// The surfaces beside a rigid one, of which an edge may be a seam: where a floor goes on, what
+/// lies before the edge is nearer to the next side than to the edge, and must not meet it head-on;
+/// and what both bear is to count once (doc/decisions/0019-rigid-partners.md). For one search.
+template <int dim> class RigidSeams {
+public:
+	RigidSeams(const ContactOutline<dim>& body, const RigidSide<dim>& rigid);
+	/// Whether the place that `x` would touch is none: an edge, or a side of a block so near to
+	/// one that `x` may be beneath the next side, at which the surface goes on, or beyond its
+	/// end by more than a step that is felt.
+	bool hides(const Vec<dim>& x, const SurfacePlace<dim>& place);
+	/// Whether another surface bears the same place, on the seam of both: one that comes first,
+	/// or any if the place lies beside this surface.
+	bool isAnothers(const Vec<dim>& x, const SurfacePlace<dim>& place, const Faces<dim>& faces);
+	/// Both of a tip that the outline touches with this normal (unit, outwards), `turn` as in
+	/// liesAlongSide.
+	bool hides(const Tip<dim>& tip, const Vec<dim>& normal, double turn);
+	/// GoesOn of the other surfaces.
+	bool goesOnBeyond(const Vec<dim>& edge, const Vec<dim>& over, const Vec<dim>& normal);
+
+private:
+	/// Whether a surface goes on from an edge, inclined by less than 30 degrees, or rises from
+	/// it.
+	bool isBeyond(const RigidSurface<dim>& surface, const Vec<dim>& edge, const Vec<dim>& over,
+		      const Vec<dim>& normal) const;
+	/// Whether a side of its own, or another surface, is nearer than an edge to what lies
+	/// before it. In space the direction there may lean along the edge.
+	bool goesOnBefore(const Vec<dim>& before);
+	/// Whether another surface lies beneath the same place of the outline, and keeps it.
+	bool bearsToo(const RigidSurface<dim>& surface, const Vec<dim>& x,
+		      const SurfacePlace<dim>& place, const Faces<dim>& faces) const;
+	/// Whether another surface is nearer to a place than this one.
+	bool isNearer(const RigidSurface<dim>& surface, const Vec<dim>& place) const;
+	/// Whether this surface is nearer to what lies before another one.
+	bool isNearerBefore(const RigidSurface<dim>& surface, const Vec<dim>& before) const;
+	bool hasTip(const RigidSurface<dim>& surface, const Vec<dim>& place) const;
+	Vec<dim> before(const Vec<dim>& x, const SurfacePlace<dim>& place) const
+	{
+		return x + (distance_ - place.gap) * place.normal;
+	}
+	template <class Is> bool anyOther(Is&& is);
+
+	const RigidSide<dim>& rigid_;
+	double spacing_;          ///< dr of the grain, m
+	double distance_, depth_; ///< m
+	double alike_;            ///< between places that are one, m
+	std::vector<SurfaceBeside<dim>> others_;
+	bool hasAsked_ = false; ///< for them (of an optional GCC warns wrongly)
+};
+
+} // namespace softgrain

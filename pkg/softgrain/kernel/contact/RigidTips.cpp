@@ -1,0 +1,158 @@
+#include "contact/RigidTips.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace softgrain {
+
+namespace {
+
+/// Corners of a polytope, and which of them edges join.
+template <int dim> struct Skeleton {
+	std::vector<Vec<dim>> corner;
+	std::vector<std::pair<int, int>> edge;
+};
+
+template <int dim> Skeleton<dim> skeletonOf(const PlateSurface<dim>& plate)
+{
+	Skeleton<dim> skeleton;
+	skeleton.corner.assign(plate.corner.begin(), plate.corner.end());
+	for (int i = 0; i < dim; ++i)
+		for (int k = 0; k < i; ++k)
+			skeleton.edge.push_back({ k, i });
+	return skeleton;
+}
+
+template <int dim> Skeleton<dim> skeletonOf(const BlockSurface<dim>& block)
+{
+	Skeleton<dim> skeleton;
+	for (int k = 0; k < 1 << dim; ++k) {
+		Vec<dim> y = block.halfSides;
+		for (int a = 0; a < dim; ++a) {
+			if (!(k >> a & 1)) continue;
+			y[a] = -y[a];
+			skeleton.edge.push_back({ k & ~(1 << a), k });
+		}
+		skeleton.corner.push_back(block.centre + block.axes * y);
+	}
+	return skeleton;
+}
+
+/// The parts from 0 to 1 of the way from a to b that lie in a box; the first is larger where none
+/// does.
+template <int dim>
+std::pair<double, double> partIn(const Box<dim>& box, const Vec<dim>& a, const Vec<dim>& b)
+{
+	double first = 0, last = 1;
+	for (int i = 0; i < dim; ++i) {
+		const double way = b[i] - a[i];
+		if (way == 0) {
+			if (a[i] < box.low[i] || a[i] > box.high[i]) return { 1, 0 };
+			continue;
+		}
+		const auto [from, to] =
+			std::minmax({ (box.low[i] - a[i]) / way, (box.high[i] - a[i]) / way });
+		first = std::max(first, from);
+		last = std::min(last, to);
+	}
+	return { first, last };
+}
+
+template <int dim> std::vector<Tip<dim>> tips(const BallSurface<dim>& ball, const Box<dim>&, double)
+{
+	return { { ball, 0 } };
+}
+
+template <int dim, class Surface>
+std::vector<Tip<dim>> tips(const Surface& surface, const Box<dim>& box, double spacing)
+{
+	const Skeleton<dim> skeleton = skeletonOf(surface);
+	std::vector<Tip<dim>> found;
+	int number = 0; // of the corners and points before
+	for (const Vec<dim>& corner : skeleton.corner)
+		found.push_back({ { corner, 0 }, number++ });
+	if (dim == 2) return found; // edges are the sides
+	for (const auto& [from, to] : skeleton.edge) {
+		const Vec<dim>&a = skeleton.corner[from], &b = skeleton.corner[to];
+		const int parts = static_cast<int>(std::ceil((b - a).norm() / spacing));
+		const auto [first, last] = partIn<dim>(box, a, b);
+		if (first <= last) { // both within [0, 1]
+			const int begin = std::max(1, static_cast<int>(std::ceil(first * parts)));
+			const int end = std::min(parts - 1, static_cast<int>(last * parts));
+			for (int k = begin; k <= end; ++k)
+				found.push_back({ { a + (b - a) * k / parts, 0 }, number + k });
+		}
+		number += parts;
+	}
+	return found;
+}
+
+template <int dim>
+bool isAlong(const BallSurface<dim>&, const Vec<dim>&, const Vec<dim>&, double, double)
+{
+	return false;
+}
+
+template <int dim>
+bool isAlong(const PlateSurface<dim>& plate, const Vec<dim>&, const Vec<dim>& normal, double cosine,
+	     double)
+{
+	return std::abs(normal.dot(normalOf<dim>(plate))) > cosine;
+}
+
+/// Whether the side of a block across axis `a` is so narrow that no node need be on it.
+template <int dim> bool isNarrow(const BlockSurface<dim>& block, int a, double spacing)
+{
+	for (int b = 0; b < dim; ++b)
+		if (b != a && 2 * block.halfSides[b] < spacing) return true;
+	return false;
+}
+
+template <int dim>
+bool isAlong(const BlockSurface<dim>& block, const Vec<dim>& place, const Vec<dim>& normal,
+	     double cosine, double spacing)
+{
+	const Vec<dim> y = block.axes.transpose() * (place - block.centre);
+	for (int a = 0; a < dim; ++a) {
+		const double rounding = 1e-9 * block.halfSides.maxCoeff();
+		if (std::abs(y[a]) < block.halfSides[a] - rounding) continue;
+		if (isNarrow<dim>(block, a, spacing)) continue;
+		const double across = normal.dot(block.axes.col(a));
+		const bool hasBothSides = block.halfSides[a] <= rounding;
+		const double inwards =
+			hasBothSides ? std::abs(across) : -std::copysign(1., y[a]) * across;
+		if (inwards > cosine) return true;
+	}
+	return false;
+}
+
+} // namespace
+
+template <int dim>
+bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const Vec<dim>& normal,
+		   double angle, double spacing)
+{
+	return std::visit(
+		[&](const auto& s) {
+			return isAlong<dim>(s, tip.ball.centre, normal, std::cos(angle), spacing);
+		},
+		surface);
+}
+
+template <int dim>
+std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& box, double spacing)
+{
+	return std::visit([&](const auto& s) { return tips<dim>(s, box, spacing); }, surface);
+}
+
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template bool liesAlongSide<dim>(const RigidSurface<dim>&, const Tip<dim>&,                \
+					 const Vec<dim>&, double, double);                         \
+	template std::vector<Tip<dim>> tipsOf<dim>(const RigidSurface<dim>&, const Box<dim>&,      \
+						   double);
+SOFTGRAIN_INSTANTIATE(2)
+SOFTGRAIN_INSTANTIATE(3)
+#undef SOFTGRAIN_INSTANTIATE
+
+} // namespace softgrain

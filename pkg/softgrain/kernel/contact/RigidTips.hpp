@@ -1,0 +1,31 @@
+// What a rigid surface ends in: corners and edges that enter the outline of a grain between its
+// contact nodes.
+#pragma once
+
+#include "Vectors.hpp"
+#include "contact/RigidSurface.hpp"
+
+#include <vector>
+
+namespace softgrain {
+
+/// A ball (of radius 0: a point) that the surface ends in; between contact nodes it may enter the
+/// outline of a grain.
+template <int dim> struct Tip {
+	BallSurface<dim> ball;
+	int number; ///< its own among the tips of the surface, whatever the box
+};
+
+/// Whether an outline with this normal (unit, outwards) at a tip lies along a side that ends there,
+/// within an angle: the side bears it then, by the contact nodes, not the tip. A side of a block
+/// that is narrower than their spacing does not.
+template <int dim>
+bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const Vec<dim>& normal,
+		   double angle, double spacing);
+
+/// The ball itself; corners and, in 3D, points of the edges no further apart than `spacing`, those
+/// in `box`.
+template <int dim>
+std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& box, double spacing);
+
+} // namespace softgrain
