@@ -1,4 +1,7 @@
-"""Blocks in the inside corners of containers of facets and boxes, and what lies on their seams."""
+"""Corners in containers of facets and boxes, and what lies on their seams."""
+
+import math
+import random
 
 import pytest
 from scenes import RADIUS, add_wall, ready, run, soft_material
@@ -67,6 +70,54 @@ def squeezed(kind, dim, zeta):
 @pytest.mark.parametrize("dim, zeta", ((2, 0.25), (3, 0.5)))
 def test_container_of_facets_holds_a_block_as_walls_do(dim, zeta):
     assert squeezed("facets", dim, zeta) == pytest.approx(squeezed("walls", dim, zeta), rel=3e-3)
+
+
+def facets_between(start, end):
+    """Two, upright on the way between two places of the plane."""
+    corners = [(*start, -0.1), (*end, -0.1), (*end, 0.1), (*start, 0.1)]
+    return [
+        utils.facet([corners[k] for k in triangle], material=FrictMat(frictionAngle=0.1))
+        for triangle in ((0, 1, 2), (0, 2, 3))
+    ]
+
+
+def box_between(low, high):
+    center = [(a + b) / 2 for a, b in zip(low, high)]
+    half = [(b - a) / 2 for a, b in zip(low, high)]
+    return utils.box((*center, 0), (*half, 1), material=FrictMat(frictionAngle=0.1), fixed=True)
+
+
+def container(kind, width, height):
+    """Floor and sides; boxes meet at their edges alone."""
+    if kind == "facets":
+        sides = [((0, 0), (0, height)), ((width, 0), (width, height)), ((0, 0), (width, 0))]
+        return [facet for ends in sides for facet in facets_between(*ends)]
+    boxes = [((-RADIUS, 0), (0, height)), ((width, 0), (width + RADIUS, height))]
+    return [box_between(*ends) for ends in [*boxes, ((0, -RADIUS), (width, 0))]]
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", ("facets", "boxes"))
+def test_triangles_poured_into_a_container_stay_in_it(kind, seed):
+    """Their sharp corners turn on the walls and come to the inside corners."""
+    width, zeta, scatter = 6 * RADIUS, 0.3, random.Random(seed)
+    O.bodies.append(container(kind, width, 20 * RADIUS))
+    material = soft_material(poisson=0.3, frictionAngle=0.1, massDamping=500)
+    for row in range(3):
+        for column in range(2):
+            x = (1.7 + 2.6 * column + 0.3 * scatter.random()) * RADIUS
+            y, turn = (4 + 2.9 * row) * RADIUS, 3 * scatter.random()
+            corners = [
+                (x + 1.3 * RADIUS * math.cos(a), y + 1.3 * RADIUS * math.sin(a))
+                for a in (turn, turn + 2.1, turn + 4.2)
+            ]
+            O.bodies.append(sg.soft_polygon(corners, material=material, zeta=zeta))
+    ready(gravity=(0, -100, 0))
+    while O.time < 0.05:
+        run(50)
+        for body in sg.soft_bodies():
+            x, y = body.shape.outline()[:, :2].T / (zeta * RADIUS)
+            assert min(x.min(), y.min(), width / (zeta * RADIUS) - x.max()) > -0.01
 
 
 def area(kind):

@@ -167,27 +167,32 @@ TEST_CASE("the inside corner of two walls holds a corner on both", "[rigid]")
 	const auto reference = makeGrainTemplate<2>(square);
 	const double R = 0.01, dr = 0.25 * R, L = 6 * R;
 	using Walls = std::vector<RigidSurface<2>>;
+	auto box = [](double x, double y, double a, double b) {
+		return BlockSurface<2> { { x, y }, Mat<2>::Identity(), { a, b } };
+	};
 	const Vec<2> corner(0, 0);
 	const Walls plates { PlateSurface<2> { { corner, Vec<2>(L, 0) } },
 			     PlateSurface<2> { { Vec<2>(0, L), corner } } };
-	const Walls boxes { BlockSurface<2> { { L, -R }, Mat<2>::Identity(), { L, R } },
-			    BlockSurface<2> { { -R, 0 }, Mat<2>::Identity(), { R, L } } };
-	for (const Walls& walls : { plates, boxes })
-		for (const double gap : { -0.02, -0.001, 0.01 }) {
+	const Walls boxes { box(L, -R, L, R), box(-R, 0, R, L) };
+	const Walls boxesThatMeetAtTheEdge { box(L, -R, L, R), box(-R, L, R, L) };
+	const int kind = GENERATE(0, 1, 2);
+	const Walls walls = std::array { plates, boxes, boxesThatMeetAtTheEdge }[kind];
+	const double gaps[] { -0.04, -0.001, -1e-15, 0., 1e-15, 0.001, 0.01 };
+	for (const double left : gaps)
+		for (const double down : gaps) {
+			const Vec<2> place = dr * Vec<2>(left, down);
 			const ContactBody<2> body =
-				contactBody<2>(*reference, R, { R + gap * dr, R + gap * dr });
-			bool isLeft = false, isDown = false; // of the corner
+				contactBody<2>(*reference, R, Vec<2>::Constant(R) + place);
+			int onLeft = 0, onFloor = 0; // of the corner
 			for (const Contact<2>& c : contactsWith<2>(walls, body, 0.1 * dr)) {
-				if (c.key.side == 1 ||
-				    (body.position[c.key.node] - Vec<2>(gap * dr, gap * dr))
-						    .norm() > 0.1 * dr)
-					continue;
-				isLeft = isLeft || c.normal[0] > 0.99;
-				isDown = isDown || c.normal[1] > 0.99;
+				const Vec<2>& x = body.position[c.key.node];
+				if (c.key.side == 1 || (x - place).norm() > 0.1 * dr) continue;
+				onLeft += c.normal[0] > 0.99 && std::abs(c.gap - x[0]) < 1e-12;
+				onFloor += c.normal[1] > 0.99 && std::abs(c.gap - x[1]) < 1e-12;
 			}
-			CAPTURE(gap, std::holds_alternative<BlockSurface<2>>(walls[0]));
-			CHECK(isLeft);
-			CHECK(isDown);
+			CAPTURE(kind, left, down);
+			CHECK(onLeft == 1);
+			CHECK(onFloor == 1);
 		}
 }
 

@@ -14,7 +14,7 @@ using namespace softgrain::testing;
 
 namespace {
 
-constexpr auto anySide = [](const auto&, double) { return true; };
+constexpr auto anySide = [](const auto&) { return 1.; };
 
 /// Distance to the surface of a block by sampling it.
 template <int dim> double sampledDistance(const BlockSurface<dim>& block, const Vec<dim>& x)
@@ -77,8 +77,8 @@ TEMPLATE_TEST_CASE_SIG("a plate is touched on the side that the outline faces", 
 	const Vec<dim> up = Vec<dim>::Unit(dim - 1);
 	const Vec<dim> above = Vec<dim>::Constant(0.2);
 	for (const double side : { 1., -1. }) {
-		auto faces = [&](const Vec<dim>& n, double) { return side * up.dot(n) > 0.1; };
-		const auto place = placeOn<dim>(plate, above, faces);
+		auto facing = [&](const Vec<dim>& n) { return side * up.dot(n); };
+		const auto place = placeOn<dim>(plate, above, facing);
 		REQUIRE(place);
 		CHECK((place->normal - side * up).norm() < 1e-15);
 		CHECK(std::abs(place->gap - side * 0.2) < 1e-15);
@@ -90,7 +90,25 @@ TEMPLATE_TEST_CASE_SIG("a plate is touched on the side that the outline faces", 
 	const auto place = placeOn<dim>(plate, beyond, anySide);
 	REQUIRE(place);
 	CHECK(std::abs(place->gap - 0.5) < 1e-12);
-	CHECK(!placeOn<dim>(plate, beyond, [](const auto&, double) { return false; }));
+	CHECK(!placeOn<dim>(plate, beyond, [](const auto&) { return -1.; }));
+}
+
+TEST_CASE("a sharp corner that leans touches the side that it faces more", "[rigid]")
+{
+	const Vec<2> beneath = Vec<2>(0.12, -1).normalized(), above = Vec<2>(-1, 0.4).normalized();
+	auto facing = [&](const Vec<2>& n) { return -std::min(beneath.dot(n), above.dot(n)); };
+	const Vec<2> high(0, 1), low(0, -1);
+	for (const RigidSurface<2>& upright :
+	     { RigidSurface<2>(PlateSurface<2> { { low, high } }),
+	       RigidSurface<2>(PlateSurface<2> { { high, low } }),
+	       RigidSurface<2>(BlockSurface<2> { { -1, 0 }, Mat<2>::Identity(), { 1, 1 } }) })
+		for (const double gap : { 0.01, 1e-17, 0., -1e-17, -0.01 }) {
+			CAPTURE(upright.index(), gap);
+			const auto place = placeOn<2>(upright, { gap, 0 }, facing);
+			REQUIRE(place);
+			CHECK((place->normal - Vec<2>(1, 0)).norm() < 1e-15);
+			CHECK(std::abs(place->gap - gap) < 1e-15);
+		}
 }
 
 TEMPLATE_TEST_CASE_SIG("a plate that pokes into an outline has no side beneath its edge", "[rigid]",
@@ -107,15 +125,15 @@ TEMPLATE_TEST_CASE_SIG("a plate that pokes into an outline has no side beneath i
 	x[0] = -0.3; // on the left, where the outline faces down and a little to the left
 	x[dim - 1] = -0.01;
 	const Vec<dim> outward = (down - 0.13 * Vec<dim>::Unit(0)).normalized();
-	auto faces = [](const Vec<dim>& m) {
-		return [m](const Vec<dim>& n, double least) { return m.dot(n) < -least; };
+	auto facing = [](const Vec<dim>& m) {
+		return [m](const Vec<dim>& n) { return -m.dot(n); };
 	};
-	CHECK(!placeOn<dim>(plate, x, faces(outward)));
-	const auto overlap = placeOn<dim>(plate, x, faces(-Vec<dim>::Unit(0)));
+	CHECK(!placeOn<dim>(plate, x, facing(outward)));
+	const auto overlap = placeOn<dim>(plate, x, facing(-Vec<dim>::Unit(0)));
 	REQUIRE(overlap); // an outline that faces the right side has passed through
 	CHECK(std::abs(overlap->gap + 0.3) < 1e-12);
 	x[dim - 1] = -0.4; // deeper than wide
-	REQUIRE(placeOn<dim>(plate, x, faces(outward)));
+	REQUIRE(placeOn<dim>(plate, x, facing(outward)));
 }
 
 TEMPLATE_TEST_CASE_SIG("what has come through a block touches the side that it faces", "[rigid]",
@@ -126,24 +144,22 @@ TEMPLATE_TEST_CASE_SIG("what has come through a block touches the side that it f
 	block.halfSides[0] = half;
 	block.centre[dim - 1] = -1;
 	const Vec<dim> right = Vec<dim>::Unit(0), up = Vec<dim>::Unit(dim - 1);
-	auto faces = [](const Vec<dim>& outward) {
-		return [outward](const Vec<dim>& n, double least) {
-			return outward.dot(n) < -least;
-		};
+	auto facing = [](const Vec<dim>& outward) {
+		return [outward](const Vec<dim>& n) { return -outward.dot(n); };
 	};
 	const Vec<dim> x = -(half + 0.05) * right - 0.2 * up;
-	const auto place = placeOn<dim>(block, x, faces(-right));
+	const auto place = placeOn<dim>(block, x, facing(-right));
 	REQUIRE(place);
 	CHECK(place->isBehind);
 	CHECK((place->normal - right).norm() < 1e-15);
 	CHECK(std::abs(place->gap + 2 * half + 0.05) < 1e-15);
-	const auto before = placeOn<dim>(block, x, faces(right));
+	const auto before = placeOn<dim>(block, x, facing(right));
 	REQUIRE(before);
 	CHECK(!before->isBehind);
 	CHECK(std::abs(before->gap - 0.05) < 1e-15);
 	// where the upper edge pokes into the outline, it has no side
 	const Vec<dim> beneath = -(half + 0.05) * right - 0.01 * up;
-	CHECK(!placeOn<dim>(block, beneath, faces((-right - up).normalized())));
+	CHECK(!placeOn<dim>(block, beneath, facing((-right - up).normalized())));
 	// an outline that lies upon either side lies along it at a corner
 	const Tip<dim> corner { { block.centre + block.halfSides, 0 }, 0 };
 	CHECK(liesAlongSide<dim>(block, corner, -right, 0.1, 0.1));

@@ -76,17 +76,14 @@ template <int dim> Vec<dim> ContactOutline<dim>::areaOfFacet(int facet) const
 	return (dim == 2 ? 1. : 0.5) * facetNormal(position, mesh->facet[facet]);
 }
 
-template <int dim>
-bool ContactOutline<dim>::facesAgainst(int node, const Vec<dim>& direction,
-				       double leastCosine) const
+template <int dim> double ContactOutline<dim>::facing(int node, const Vec<dim>& direction) const
 {
 	const auto corner = mesh->sharp.find(node);
-	if (corner == mesh->sharp.end()) return normal[node].dot(direction) < -leastCosine;
-	for (int facet : corner->second) {
-		const Vec<dim> area = areaOfFacet(facet);
-		if (area.dot(direction) < -leastCosine * area.norm()) return true;
-	}
-	return false;
+	if (corner == mesh->sharp.end()) return -normal[node].dot(direction);
+	double most = -1;
+	for (int facet : corner->second)
+		most = std::max(most, -areaOfFacet(facet).normalized().dot(direction));
+	return most;
 }
 
 /// By the number of facets to the right.

@@ -59,9 +59,16 @@ template <int dim> struct ContactOutline {
 	{
 		return isSharp(node) ? areaOfFacet(facet).normalized() : normal[node];
 	}
-	/// Whether the outline at a node faces against `direction` (unit), within the angle of a
-	/// cosine: if nothing is said, 84 degrees.
-	bool facesAgainst(int node, const Vec<dim>& direction, double leastCosine = 0.1) const;
+	/// Cosine of the angle by which the outline at a node faces against `direction` (unit): 1
+	/// where it faces it head-on, below 0 where it turns away. At a corner of the facet that
+	/// faces it most.
+	double facing(int node, const Vec<dim>& direction) const;
+	/// Whether it does, within 84 degrees.
+	bool facesAgainst(int node, const Vec<dim>& direction) const
+	{
+		constexpr double leastCosine = 0.1;
+		return facing(node, direction) > leastCosine;
+	}
 	/// Whether a place is inside the polygon (3D: polyhedron) of the nodes; without facets
 	/// never.
 	bool encloses(const Vec<dim>& x) const;

@@ -4,7 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 namespace softgrain {
 
@@ -19,8 +21,8 @@ template <int dim> using Place = std::optional<SurfacePlace<dim>>;
 constexpr double farFromEdges = std::numeric_limits<double>::infinity();
 
 template <int dim>
-Place<dim> placeOnSurface(const BallSurface<dim>& ball, const Vec<dim>& x, const Faces<dim>&,
-			  const GoesOn<dim>&)
+Place<dim> placeOnSurface(const BallSurface<dim>& ball, const Vec<dim>& x, const Facing<dim>&,
+			  const GoesOn<dim>&, double)
 {
 	const Vec<dim> apart = x - ball.centre;
 	const double distance = apart.norm();
@@ -30,24 +32,52 @@ Place<dim> placeOnSurface(const BallSurface<dim>& ball, const Vec<dim>& x, const
 
 /// About an edge or a corner: no side lies under `x`.
 template <int dim>
-Place<dim> placeBeyondEdge(const Vec<dim>& foot, const Vec<dim>& x, const Faces<dim>& faces)
+Place<dim> placeBeyondEdge(const Vec<dim>& foot, const Vec<dim>& x, const Facing<dim>& facing)
 {
 	const double distance = (x - foot).norm();
 	if (!(distance > 0)) return std::nullopt;
 	const Vec<dim> normal = (x - foot) / distance;
-	if (!faces(normal, aboutEdge)) return std::nullopt;
+	if (facing(normal) <= aboutEdge) return std::nullopt;
 	return SurfacePlace<dim> { normal, distance, 0 };
 }
 
-/// Whether a point beneath the plane of a side, at such a depth, and beyond its edge is one of that
-/// side all the same: it has sunk into what rises from the edge, as in the inside corner of a box.
+/// Whether another surface goes on from an edge of a side, over it, inclined or rising.
 template <int dim>
-bool isBesideEdge(const Vec<dim>& edge, const Vec<dim>& beyond, const Vec<dim>& normal,
-		  double depth, const GoesOn<dim>& goesOn)
+bool goesOnFrom(const Vec<dim>& edge, const Vec<dim>& over, const Vec<dim>& normal,
+		const GoesOn<dim>& goesOn)
 {
-	// over the depth: of what a wall leaves, 1e-3 dr, it sinks a quarter before it is held
-	constexpr double farthest = 4;
-	return beyond.norm() < farthest * depth && goesOn(edge, beyond.normalized(), normal);
+	constexpr double rises[] { 0, M_PI / 4, M_PI / 2, 3 * M_PI / 4 };
+	return std::any_of(std::begin(rises), std::end(rises), [&](double rise) {
+		return goesOn(edge, std::cos(rise) * over + std::sin(rise) * normal);
+	});
+}
+
+/// Whether an outline faces against a direction, and more so than against the opposite one: a sharp
+/// corner that leans may face both.
+template <int dim> bool facesMore(const Vec<dim>& direction, const Facing<dim>& facing)
+{
+	return facing(direction) > std::max(alongSide, facing(-direction));
+}
+
+/// Whether one rises steeply, as in the inside corner of a box, and the outline faces both: it may
+/// have sunk into that beyond the edge, and is before the side all the same.
+template <int dim>
+bool risesFrom(const Vec<dim>& edge, const Vec<dim>& over, const Vec<dim>& normal,
+	       const Facing<dim>& facing, const GoesOn<dim>& goesOn)
+{
+	if (!facesMore<dim>(normal, facing) || !facesMore<dim>(-over, facing)) return false;
+	return goesOn(edge, normal) || goesOn(edge, (normal - over).normalized());
+}
+
+/// Whether a point beyond the edge of a side has sunk past that edge, to such a depth beneath the
+/// plane of the side, where another surface goes on.
+template <int dim>
+bool isPastEdge(const Vec<dim>& edge, const Vec<dim>& beyond, const Vec<dim>& normal, double depth,
+		const GoesOn<dim>& goesOn)
+{
+	constexpr double farthest = 4; // over the depth
+	return beyond.norm() < farthest * depth &&
+	       goesOnFrom<dim>(edge, beyond.normalized(), normal, goesOn);
 }
 
 /// Plates and blocks that share an edge leave no slit between them: that much of one is added, over
@@ -73,21 +103,21 @@ Vec<3> awayFrom(const PlateSurface<3>& plate, int i)
 /// outline faces: the plate pokes into the outline then, and has no side there but its edge.
 template <int dim>
 bool pokesIn(const PlateSurface<dim>& plate, const std::array<double, dim>& weight,
-	     const Vec<dim>& normal, double depth, const Faces<dim>& faces,
+	     const Vec<dim>& normal, double depth, const Facing<dim>& facing,
 	     const GoesOn<dim>& goesOn)
 {
 	for (int i = 0; depth > 0 && i < dim; ++i) {
 		const Vec<dim> away = awayFrom(plate, i), over = away.normalized();
-		if (weight[i] * away.norm() >= depth || !faces(over, alongSide)) continue;
+		if (weight[i] * away.norm() >= depth || facing(over) <= alongSide) continue;
 		const Vec<dim> edge = placeAt<dim>(plate, weight) + weight[i] * away;
-		if (!goesOn(edge, over, normal)) return true;
+		if (!goesOnFrom<dim>(edge, over, normal, goesOn)) return true;
 	}
 	return false;
 }
 
 template <int dim>
 Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
-			  const Faces<dim>& faces, const GoesOn<dim>& goesOn)
+			  const Facing<dim>& facing, const GoesOn<dim>& goesOn, double sunk)
 {
 	const auto weight = nearestOnFacet(x, plate.corner);
 	const Vec<dim> foot = placeAt<dim>(plate, weight);
@@ -96,14 +126,17 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 	const double size = (plate.corner[1] - plate.corner[0]).norm();
 	const Vec<dim> beyond = (x - foot) - height * normal;
 	const bool isBeyond = beyond.norm() > edgeMargin * size;
-	if (isBeyond)
-		if (const auto edge = placeBeyondEdge<dim>(foot, x, faces)) return edge;
-	for (const double side : { 1., -1. }) {
+	const Place<dim> edge = isBeyond ? placeBeyondEdge<dim>(foot, x, facing) : std::nullopt;
+	const double facedMore = facesMore<dim>(-normal, facing) ? -1 : 1;
+	for (const double side : { facedMore, -facedMore }) {
 		const double depth = -side * height;
 		const Vec<dim> out = side * normal;
-		if (!faces(out, alongSide)) continue;
-		if (isBeyond ? !isBesideEdge<dim>(foot, beyond, out, depth, goesOn)
-			     : pokesIn<dim>(plate, weight, out, depth, faces, goesOn))
+		if (facing(out) <= alongSide) continue;
+		const bool rises = isBeyond && beyond.norm() <= sunk &&
+				   risesFrom<dim>(foot, beyond.normalized(), out, facing, goesOn);
+		if (edge && !rises) return edge;
+		if (isBeyond ? !rises && !isPastEdge<dim>(foot, beyond, out, depth, goesOn)
+			     : pokesIn<dim>(plate, weight, out, depth, facing, goesOn))
 			return std::nullopt;
 		SurfacePlace<dim> place { out, -depth, farFromEdges };
 		place.isNearEnd = *std::min_element(weight.begin(), weight.end()) < nearEnd;
@@ -111,7 +144,7 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 		place.beside = isBeyond ? beyond.norm() : 0;
 		return place;
 	}
-	return std::nullopt;
+	return edge;
 }
 
 /// The place of a point `y`, in the axes of a block, on its side across axis `a`.
@@ -133,13 +166,34 @@ SurfacePlace<dim> placeOnSide(const BlockSurface<dim>& block, const Vec<dim>& y,
 /// As of a plate; `foot`: of the point `y`, in the axes of the block, on its side across axis `a`.
 template <int dim>
 bool pokesIn(const BlockSurface<dim>& block, int a, const Vec<dim>& y, const Vec<dim>& foot,
-	     const SurfacePlace<dim>& place, const Faces<dim>& faces, const GoesOn<dim>& goesOn)
+	     const SurfacePlace<dim>& place, const Facing<dim>& facing, const GoesOn<dim>& goesOn)
 {
 	for (int b = 0; b < dim; ++b) {
 		const double toEdge = block.halfSides[b] - std::abs(y[b]);
 		if (b == a || toEdge >= -place.gap) continue;
 		const Vec<dim> over = std::copysign(1., y[b]) * block.axes.col(b);
-		if (faces(over, alongSide) && !goesOn(foot + toEdge * over, over, place.normal))
+		if (facing(over) > alongSide &&
+		    !goesOnFrom<dim>(foot + toEdge * over, over, place.normal, goesOn))
+			return true;
+	}
+	return false;
+}
+
+/// Whether a surface rises from an edge of the side across axis `a` that the point is beyond, or
+/// nearer to than to the side: out of both it is over neither's edge. It has sunk into neither by
+/// more than `sunk`.
+template <int dim>
+bool isInCorner(const BlockSurface<dim>& block, int a, const Vec<dim>& y, const Vec<dim>& foot,
+		const SurfacePlace<dim>& place, const Facing<dim>& facing,
+		const GoesOn<dim>& goesOn, double sunk)
+{
+	if (-place.gap > sunk) return false;
+	const double rounding = edgeMargin * block.halfSides.maxCoeff();
+	for (int b = 0; b < dim; ++b) {
+		const double toEdge = block.halfSides[b] - std::abs(y[b]);
+		if (b == a || toEdge > std::max(-place.gap, rounding) || toEdge < -sunk) continue;
+		const Vec<dim> over = std::copysign(1., y[b]) * block.axes.col(b);
+		if (risesFrom<dim>(foot + toEdge * over, over, place.normal, facing, goesOn))
 			return true;
 	}
 	return false;
@@ -147,52 +201,63 @@ bool pokesIn(const BlockSurface<dim>& block, int a, const Vec<dim>& y, const Vec
 
 template <int dim>
 Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
-			  const Faces<dim>& faces, const GoesOn<dim>& goesOn)
+			  const Facing<dim>& facing, const GoesOn<dim>& goesOn, double sunk)
 {
 	const Vec<dim> y = block.axes.transpose() * (x - block.centre);
 	Vec<dim> nearest = y.cwiseMax(-block.halfSides).cwiseMin(block.halfSides);
 	if ((y - nearest).norm() <= edgeMargin * block.halfSides.maxCoeff()) nearest = y;
 	const Vec<dim> beyond = y - nearest;
 	const auto sidesBeyond = (beyond.array() != 0).count();
-	if (sidesBeyond > 1)
-		if (const auto edge =
-			    placeBeyondEdge<dim>(block.centre + block.axes * nearest, x, faces))
-			return edge;
+	const Place<dim> edge =
+		sidesBeyond > 1
+			? placeBeyondEdge<dim>(block.centre + block.axes * nearest, x, facing)
+			: std::nullopt;
 	Place<dim> best;
+	bool bestInCorner = false;
 	for (int a = 0; a < dim; ++a) {
-		const bool isBeside = sidesBeyond > 0 && beyond[a] == 0; // of this side
-		if (sidesBeyond > 1 && !isBeside) continue;
+		Vec<dim> beside = beyond; // of this side
+		beside[a] = 0;
+		const bool isBeside = !beside.isZero(0);
 		for (const double side : { 1., -1. }) {
 			auto place = placeOnSide<dim>(block, y, a, side);
-			if ((best && place.gap <= best->gap) || !faces(place.normal, alongSide))
-				continue;
+			if (facing(place.normal) <= alongSide) continue;
 			const Vec<dim> foot = x - place.gap * place.normal;
-			const Vec<dim> out = block.axes * beyond;
-			if (isBeside &&
-			    !isBesideEdge<dim>(foot - out, out, place.normal, -place.gap, goesOn))
+			const Vec<dim> out = block.axes * beside;
+			const bool inCorner =
+				isInCorner<dim>(block, a, y, foot, place, facing, goesOn, sunk);
+			if (best &&
+			    std::pair(inCorner, place.gap) <= std::pair(bestInCorner, best->gap))
+				continue;
+			if (edge && !inCorner) continue;
+			if (isBeside && !inCorner &&
+			    !isPastEdge<dim>(foot - out, out, place.normal, -place.gap, goesOn))
 				continue;
 			place.isBehind = !isBeside && sidesBeyond > 0 && place.gap < 0;
-			if (place.isBehind && pokesIn<dim>(block, a, y, foot, place, faces, goesOn))
+			if (place.isBehind &&
+			    pokesIn<dim>(block, a, y, foot, place, facing, goesOn))
 				continue;
 			best = place;
+			bestInCorner = inCorner;
 		}
 	}
-	return best;
+	return best ? best : edge;
 }
 
 } // namespace
 
 template <int dim>
 std::optional<SurfacePlace<dim>> placeOn(const RigidSurface<dim>& surface, const Vec<dim>& x,
-					 const Faces<dim>& faces, const GoesOn<dim>& goesOn)
+					 const Facing<dim>& facing, const GoesOn<dim>& goesOn,
+					 double sunk)
 {
-	return std::visit([&](const auto& s) { return placeOnSurface<dim>(s, x, faces, goesOn); },
-			  surface);
+	return std::visit(
+		[&](const auto& s) { return placeOnSurface<dim>(s, x, facing, goesOn, sunk); },
+		surface);
 }
 
 template std::optional<SurfacePlace<2>> placeOn<2>(const RigidSurface<2>&, const Vec<2>&,
-						   const Faces<2>&, const GoesOn<2>&);
+						   const Facing<2>&, const GoesOn<2>&, double);
 template std::optional<SurfacePlace<3>> placeOn<3>(const RigidSurface<3>&, const Vec<3>&,
-						   const Faces<3>&, const GoesOn<3>&);
+						   const Facing<3>&, const GoesOn<3>&, double);
 
 } // namespace softgrain

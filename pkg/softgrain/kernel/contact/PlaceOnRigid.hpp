@@ -26,43 +26,45 @@ template <int dim> struct SurfacePlace {
 	Vec<dim> inwards = Vec<dim>::Zero();
 };
 
-/// Whether an outline faces against a direction (unit), within the angle of a cosine.
-template <int dim> using Faces = std::function<bool(const Vec<dim>&, double)>;
+/// Cosine of the angle by which an outline faces against a direction (unit): 1 where head-on.
+template <int dim> using Facing = std::function<double(const Vec<dim>&)>;
 
-/// Whether another surface goes on beyond an edge: at a place of it, in the direction over it, or
-/// rising to the side of this normal (both unit).
-template <int dim>
-using GoesOn = std::function<bool(const Vec<dim>&, const Vec<dim>&, const Vec<dim>&)>;
+/// Whether another surface goes on from an edge: from a place of it, within 30 degrees of a
+/// direction (unit).
+template <int dim> using GoesOn = std::function<bool(const Vec<dim>&, const Vec<dim>&)>;
 
-/// The place of the surface that a point `x` of an outline touches. `faces` is asked of the outline
-/// there: it tells the two sides of a plate apart, and the sides of a block about an edge; a point
-/// that faces none of them touches nothing. What a point slides past, as the edge of the next plate
-/// of a floor, it does not face closely enough. `goesOn` is asked of edges that may poke into it,
-/// and of those that it has sunk beside.
+/// The place of the surface that a point `x` of an outline touches. `facing` is asked of the
+/// outline there: it tells the two sides of a plate apart, and the sides of a block about an edge;
+/// a point that faces none of them touches nothing. What a point slides past, as the edge of the
+/// next plate of a floor, it does not face closely enough. `goesOn` is asked of edges that may poke
+/// into it, and of those that it has sunk beside; what rises from one it may have sunk into by
+/// `sunk`, m.
 template <int dim>
 std::optional<SurfacePlace<dim>> placeOn(
-	const RigidSurface<dim>& surface, const Vec<dim>& x, const Faces<dim>& faces,
-	const GoesOn<dim>& goesOn = [](const auto&, const auto&, const auto&) { return false; });
+	const RigidSurface<dim>& surface, const Vec<dim>& x, const Facing<dim>& facing,
+	const GoesOn<dim>& goesOn = [](const auto&, const auto&) { return false; },
+	double sunk = 0);
 
 /// The same, and where `take` does not take it the place on the next side that the point faces, if
 /// the sides meet at an edge as those of a block, or are those of a plate. take(place, from): the
 /// point where it is looked from, no longer beyond the sides that were not taken.
 template <int dim, class Take>
-void tryPlaces(const RigidSurface<dim>& surface, const Vec<dim>& x, const Faces<dim>& faces,
-	       const GoesOn<dim>& goesOn, Take&& take)
+void tryPlaces(const RigidSurface<dim>& surface, const Vec<dim>& x, const Facing<dim>& facing,
+	       const GoesOn<dim>& goesOn, double sunk, Take&& take)
 {
 	std::array<Vec<dim>, dim> passed; // their normals
 	Vec<dim> from = x;
 	int sides = 0;
-	const Faces<dim> facesAnother = [&](const Vec<dim>& n, double leastCosine) {
+	const Facing<dim> facingAnother = [&](const Vec<dim>& n) {
 		// the same side: those of a block are at right angles
 		constexpr double alike = 0.99;
-		return std::none_of(passed.begin(), passed.begin() + sides,
-				    [&](const Vec<dim>& side) { return n.dot(side) >= alike; }) &&
-		       faces(n, leastCosine);
+		const bool hasPassed =
+			std::any_of(passed.begin(), passed.begin() + sides,
+				    [&](const Vec<dim>& side) { return n.dot(side) >= alike; });
+		return hasPassed ? -1 : facing(n);
 	};
 	for (; sides < dim; ++sides) {
-		auto place = placeOn<dim>(surface, from, facesAnother, goesOn);
+		auto place = placeOn<dim>(surface, from, facingAnother, goesOn, sunk);
 		if (!place) return;
 		place->beside += (x - from).norm();
 		if (take(*place, from)) return;

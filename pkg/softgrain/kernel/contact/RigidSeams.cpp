@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -41,7 +40,7 @@ template <int dim> bool RigidSeams<dim>::hides(const Vec<dim>& x, const SurfaceP
 	if (place.toEdge >= depth_) return false;
 	const Vec<dim> before = this->before(x, place);
 	if (place.inwards.isZero(0)) return goesOnBefore(before);
-	const Vec<dim> further = before + distance_ * place.inwards;
+	const Vec<dim> further = before + (place.beside + distance_) * place.inwards;
 	return anyOther([&](const SurfaceBeside<dim>& other) {
 		if (std::holds_alternative<BlockSurface<dim>>(other.surface))
 			return distanceTo<dim>(other.surface, further) < 0.5 * distance_;
@@ -51,12 +50,12 @@ template <int dim> bool RigidSeams<dim>::hides(const Vec<dim>& x, const SurfaceP
 
 template <int dim>
 bool RigidSeams<dim>::isAnothers(const Vec<dim>& x, const SurfacePlace<dim>& place,
-				 const Faces<dim>& faces)
+				 const Facing<dim>& facing)
 {
 	if (place.toEdge >= depth_ && !place.isNearEnd) return false;
 	return anyOther([&](const SurfaceBeside<dim>& other) {
 		return (other.comesFirst || place.beside > alike_) &&
-		       bearsToo(other.surface, x, place, faces);
+		       bearsToo(other.surface, x, place, facing);
 	});
 }
 
@@ -71,26 +70,19 @@ bool RigidSeams<dim>::hides(const Tip<dim>& tip, const Vec<dim>& normal, double 
 	       });
 }
 
-template <int dim>
-bool RigidSeams<dim>::goesOnBeyond(const Vec<dim>& edge, const Vec<dim>& over,
-				   const Vec<dim>& normal)
+template <int dim> bool RigidSeams<dim>::goesOnFrom(const Vec<dim>& edge, const Vec<dim>& way)
 {
-	return anyOther([&](const SurfaceBeside<dim>& other) {
-		return isBeyond(other.surface, edge, over, normal);
-	});
+	return anyOther(
+		[&](const SurfaceBeside<dim>& other) { return leaves(other.surface, edge, way); });
 }
 
 /// (A surface from the edge is nearer to a place than half of that one's distance if it leaves the
 /// edge within 30 degrees of it: those at 45 degrees from each other miss none in between.)
 template <int dim>
-bool RigidSeams<dim>::isBeyond(const RigidSurface<dim>& surface, const Vec<dim>& edge,
-			       const Vec<dim>& over, const Vec<dim>& normal) const
+bool RigidSeams<dim>::leaves(const RigidSurface<dim>& surface, const Vec<dim>& edge,
+			     const Vec<dim>& way) const
 {
-	constexpr double rises[] { 0, M_PI / 4, M_PI / 2, 3 * M_PI / 4 };
-	return std::any_of(std::begin(rises), std::end(rises), [&](double rise) {
-		const Vec<dim> way = std::cos(rise) * over + std::sin(rise) * normal;
-		return distanceTo<dim>(surface, edge + distance_ * way) < 0.5 * distance_;
-	});
+	return distanceTo<dim>(surface, edge + distance_ * way) < 0.5 * distance_;
 }
 
 template <int dim> bool RigidSeams<dim>::goesOnBefore(const Vec<dim>& before)
@@ -106,10 +98,10 @@ template <int dim> bool RigidSeams<dim>::goesOnBefore(const Vec<dim>& before)
 
 template <int dim>
 bool RigidSeams<dim>::bearsToo(const RigidSurface<dim>& surface, const Vec<dim>& x,
-			       const SurfacePlace<dim>& place, const Faces<dim>& faces) const
+			       const SurfacePlace<dim>& place, const Facing<dim>& facing) const
 {
-	const auto goesOn = [this](const auto& edge, const auto& over, const auto& normal) {
-		return isBeyond(rigid_.surface, edge, over, normal);
+	const auto goesOn = [this](const auto& edge, const auto& way) {
+		return leaves(rigid_.surface, edge, way);
 	};
 	const double alike = rounding * std::max(distance_, std::abs(place.gap));
 	bool bears = false;
@@ -119,7 +111,7 @@ bool RigidSeams<dim>::bearsToo(const RigidSurface<dim>& surface, const Vec<dim>&
 			!isNearerBefore(surface, before(from, other));
 		return true;
 	};
-	tryPlaces<dim>(surface, x, faces, goesOn, take);
+	tryPlaces<dim>(surface, x, facing, goesOn, distance_, take);
 	return bears;
 }
 

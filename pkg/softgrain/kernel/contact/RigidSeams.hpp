@@ -22,24 +22,26 @@ public:
 	bool hides(const Vec<dim>& x, const SurfacePlace<dim>& place);
 	/// Whether another surface bears the same place, on the seam of both: one that comes first,
 	/// or any if the place lies beside this surface.
-	bool isAnothers(const Vec<dim>& x, const SurfacePlace<dim>& place, const Faces<dim>& faces);
+	bool isAnothers(const Vec<dim>& x, const SurfacePlace<dim>& place,
+			const Facing<dim>& facing);
 	/// Both of a tip that the outline touches with this normal (unit, outwards), `turn` as in
 	/// liesAlongSide.
 	bool hides(const Tip<dim>& tip, const Vec<dim>& normal, double turn);
+	/// Steps from surface to surface that are lower are not felt, m.
+	double tolerance() const { return distance_; }
 	/// GoesOn of the other surfaces.
-	bool goesOnBeyond(const Vec<dim>& edge, const Vec<dim>& over, const Vec<dim>& normal);
+	bool goesOnFrom(const Vec<dim>& edge, const Vec<dim>& way);
 
 private:
-	/// Whether a surface goes on from an edge, inclined by less than 30 degrees, or rises from
-	/// it.
-	bool isBeyond(const RigidSurface<dim>& surface, const Vec<dim>& edge, const Vec<dim>& over,
-		      const Vec<dim>& normal) const;
+	/// Whether a surface does.
+	bool leaves(const RigidSurface<dim>& surface, const Vec<dim>& edge,
+		    const Vec<dim>& way) const;
 	/// Whether a side of its own, or another surface, is nearer than an edge to what lies
 	/// before it. In space the direction there may lean along the edge.
 	bool goesOnBefore(const Vec<dim>& before);
 	/// Whether another surface lies beneath the same place of the outline, and keeps it.
 	bool bearsToo(const RigidSurface<dim>& surface, const Vec<dim>& x,
-		      const SurfacePlace<dim>& place, const Faces<dim>& faces) const;
+		      const SurfacePlace<dim>& place, const Facing<dim>& facing) const;
 	/// Whether another surface is nearer to a place than this one.
 	bool isNearer(const RigidSurface<dim>& surface, const Vec<dim>& place) const;
 	/// Whether this surface is nearer to what lies before another one.

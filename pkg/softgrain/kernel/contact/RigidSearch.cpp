@@ -14,14 +14,13 @@ namespace softgrain {
 
 namespace {
 
-/// Whether a contact node faces against a direction; disks have no normal of their own, and face
-/// away from the middle of their grain.
+/// Facing of a contact node; disks have no normal of their own, and face whatever is not on the
+/// side of the middle of their grain.
 template <int dim>
-bool nodeFaces(const ContactOutline<dim>& body, int node, const Vec<dim>& direction,
-	       double leastCosine)
+double facingOf(const ContactOutline<dim>& body, int node, const Vec<dim>& direction)
 {
-	if (body.hasFacets()) return body.facesAgainst(node, direction, leastCosine);
-	return (body.position[node] - body.box.centre()).dot(direction) < 0;
+	if (body.hasFacets()) return body.facing(node, direction);
+	return (body.position[node] - body.box.centre()).dot(direction) < 0 ? 1 : -1;
 }
 
 /// What lies deeper than a contact is none, but is known by its depth. Behind a plate or a block
@@ -63,11 +62,9 @@ std::optional<SurfacePlace<dim>> placeOfNode(const ContactOutline<dim>& body, in
 					     RigidSeams<dim>& seams)
 {
 	const Vec<dim>& x = body.position[s];
-	const Faces<dim> faces = [&](const Vec<dim>& n, double leastCosine) {
-		return nodeFaces<dim>(body, s, n, leastCosine);
-	};
-	const auto goesOn = [&](const auto& edge, const auto& over, const auto& normal) {
-		return seams.goesOnBeyond(edge, over, normal);
+	const Facing<dim> facing = [&](const Vec<dim>& n) { return facingOf<dim>(body, s, n); };
+	const auto goesOn = [&](const auto& edge, const auto& way) {
+		return seams.goesOnFrom(edge, way);
 	};
 	std::optional<SurfacePlace<dim>> touched;
 	bool isFirst = true;
@@ -80,10 +77,10 @@ std::optional<SurfacePlace<dim>> placeOfNode(const ContactOutline<dim>& body, in
 		if (place.gap - body.nodeRadius >= reach) return true;
 		if (place.isBehind && !hasComeThrough(body, s, place)) return false;
 		if (seams.hides(from, place)) return false;
-		if (!seams.isAnothers(x, place, faces)) touched = place;
+		if (!seams.isAnothers(x, place, facing)) touched = place;
 		return true;
 	};
-	tryPlaces<dim>(surface, x, faces, goesOn, take);
+	tryPlaces<dim>(surface, x, facing, goesOn, seams.tolerance(), take);
 	return touched;
 }
 
