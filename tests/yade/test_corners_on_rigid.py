@@ -111,3 +111,21 @@ def test_place_of_a_pair_is_where_it_is_pressed():
     weights = (contacts["force"] * contacts["normal"]).sum(axis=1)
     expected = weights @ contacts["point"] / weights.sum()
     assert list(interaction.geom.contactPoint) == pytest.approx(list(expected), abs=1e-4 * RADIUS)
+
+
+@pytest.mark.parametrize("zeta", (0.11, 0.25))
+def test_disk_rolls_off_a_table(zeta):
+    """Top and upright end of it are facets: what is above one is not behind the other."""
+    material = FrictMat(frictionAngle=0.4)
+    for start, end in (((-8 * RADIUS, 0), (0, 0)), ((0, -2 * RADIUS), (0, 0))):
+        corners = [(*start, -WIDE), (*end, -WIDE), (*end, WIDE), (*start, WIDE)]
+        for triangle in ((0, 1, 2), (0, 2, 3)):
+            O.bodies.append(utils.facet([corners[k] for k in triangle], material=material))
+    soft = soft_material(young=1e5, massDamping=1000, frictionAngle=0.4)
+    grain = add_disk((-0.5 * RADIUS, RADIUS, 0), material=soft, zeta=zeta)
+    grain.state.vel = (0.1, 0, 0)
+    ready(gravity=(0, -9.81, 0))
+    while grain.state.pos[1] > -RADIUS:
+        run(10)
+    assert sg.integrator().largestOverlap < 0.05
+    assert grain.state.vel[0] > 0.1

@@ -41,14 +41,17 @@ Place<dim> placeBeyondEdge(const Vec<dim>& foot, const Vec<dim>& x, const Facing
 	return SurfacePlace<dim> { normal, distance, 0 };
 }
 
-/// Whether another surface goes on from an edge of a side, over it, inclined or rising.
+/// Whether another surface, which the outline faces as well, goes on from an edge of a side: over
+/// it, inclined or rising.
 template <int dim>
 bool goesOnFrom(const Vec<dim>& edge, const Vec<dim>& over, const Vec<dim>& normal,
-		const GoesOn<dim>& goesOn)
+		const Facing<dim>& facing, const GoesOn<dim>& goesOn)
 {
 	constexpr double rises[] { 0, M_PI / 4, M_PI / 2, 3 * M_PI / 4 };
 	return std::any_of(std::begin(rises), std::end(rises), [&](double rise) {
-		return goesOn(edge, std::cos(rise) * over + std::sin(rise) * normal);
+		const double along = std::cos(rise), up = std::sin(rise);
+		return facing(along * normal - up * over) > alongSide &&
+		       goesOn(edge, along * over + up * normal);
 	});
 }
 
@@ -73,11 +76,11 @@ bool risesFrom(const Vec<dim>& edge, const Vec<dim>& over, const Vec<dim>& norma
 /// plane of the side, where another surface goes on.
 template <int dim>
 bool isPastEdge(const Vec<dim>& edge, const Vec<dim>& beyond, const Vec<dim>& normal, double depth,
-		const GoesOn<dim>& goesOn)
+		const Facing<dim>& facing, const GoesOn<dim>& goesOn)
 {
 	constexpr double farthest = 4; // over the depth
 	return beyond.norm() < farthest * depth &&
-	       goesOnFrom<dim>(edge, beyond.normalized(), normal, goesOn);
+	       goesOnFrom<dim>(edge, beyond.normalized(), normal, facing, goesOn);
 }
 
 /// Plates and blocks that share an edge leave no slit between them: that much of one is added, over
@@ -110,7 +113,7 @@ bool pokesIn(const PlateSurface<dim>& plate, const std::array<double, dim>& weig
 		const Vec<dim> away = awayFrom(plate, i), over = away.normalized();
 		if (weight[i] * away.norm() >= depth || facing(over) <= alongSide) continue;
 		const Vec<dim> edge = placeAt<dim>(plate, weight) + weight[i] * away;
-		if (!goesOnFrom<dim>(edge, over, normal, goesOn)) return true;
+		if (!goesOnFrom<dim>(edge, over, normal, facing, goesOn)) return true;
 	}
 	return false;
 }
@@ -135,7 +138,7 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 		const bool rises = isBeyond && beyond.norm() <= sunk &&
 				   risesFrom<dim>(foot, beyond.normalized(), out, facing, goesOn);
 		if (edge && !rises) return edge;
-		if (isBeyond ? !rises && !isPastEdge<dim>(foot, beyond, out, depth, goesOn)
+		if (isBeyond ? !rises && !isPastEdge<dim>(foot, beyond, out, depth, facing, goesOn)
 			     : pokesIn<dim>(plate, weight, out, depth, facing, goesOn))
 			return std::nullopt;
 		SurfacePlace<dim> place { out, -depth, farFromEdges };
@@ -173,7 +176,7 @@ bool pokesIn(const BlockSurface<dim>& block, int a, const Vec<dim>& y, const Vec
 		if (b == a || toEdge >= -place.gap) continue;
 		const Vec<dim> over = std::copysign(1., y[b]) * block.axes.col(b);
 		if (facing(over) > alongSide &&
-		    !goesOnFrom<dim>(foot + toEdge * over, over, place.normal, goesOn))
+		    !goesOnFrom<dim>(foot + toEdge * over, over, place.normal, facing, goesOn))
 			return true;
 	}
 	return false;
@@ -230,7 +233,8 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 				continue;
 			if (edge && !inCorner) continue;
 			if (isBeside && !inCorner &&
-			    !isPastEdge<dim>(foot - out, out, place.normal, -place.gap, goesOn))
+			    !isPastEdge<dim>(foot - out, out, place.normal, -place.gap, facing,
+					     goesOn))
 				continue;
 			place.isBehind = !isBeside && sidesBeyond > 0 && place.gap < 0;
 			if (place.isBehind &&
