@@ -1,10 +1,7 @@
 """Rigid bodies of YADE against each other in contact dynamics."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-import yade
 from rigid_scenes import (
     GRAVITY,
     R,
@@ -15,21 +12,9 @@ from rigid_scenes import (
     run_until,
     spheres,
     start,
-    state,
 )
-from scenes import add_disk, add_wall, assert_done, ready, run, run_python, soft_material
-from yade import (
-    Bo1_Sphere_Aabb,
-    Bo1_Wall_Aabb,
-    ForceResetter,
-    InsertionSortCollider,
-    InteractionLoop,
-    Ip2_FrictMat_FrictMat_FrictPhys,
-    NewtonIntegrator,
-    O,
-    Vector3,
-    utils,
-)
+from scenes import add_disk, add_wall, ready, run, soft_material
+from yade import O, Vector3, utils
 
 import softgrain as sg
 
@@ -240,21 +225,6 @@ def test_box_at_rest():
     assert utils.unbalancedForce() < 0.01
 
 
-def test_tools_of_yade_see_the_forces():
-    """Love-Weber stress of a stack of two under its weight."""
-    add_wall(0, 2)
-    low, high = add_sphere((0, 0, R)), add_sphere((0, 0, 3 * R))
-    start(1e-4)
-    run(3000)
-    weight = GRAVITY * low.state.mass
-    stress = utils.getStress(1)
-    branches = 2 * weight * R + weight * 2 * R  # of the wall's contact: to the centre
-    assert stress[2, 2] == pytest.approx(-branches, rel=1e-3)
-    contact = O.interactions[low.id, high.id]
-    assert contact.phys.shearForce.norm() < 1e-9 * weight
-    assert utils.unbalancedForce() < 1e-6
-
-
 def test_rigid_and_soft_in_one_solve():
     """Momentum is kept to rounding through impacts of all kinds of pairs."""
     soft = add_disk(material=soft_material(frictionAngle=0.5))
@@ -308,87 +278,6 @@ def test_rigid_is_the_limit_of_stiff_soft():
     assert reactions[1] == pytest.approx(1, rel=5e-3)
 
 
-def test_in_a_list_of_engines_of_ones_own():
-    add_wall(0, 2)
-    ball = add_sphere((0, 0, 1.5 * R))
-    O.engines = [
-        ForceResetter(),
-        InsertionSortCollider([Bo1_Sphere_Aabb(aabbEnlargeFactor=1.05), Bo1_Wall_Aabb()]),
-        InteractionLoop(
-            [sg.Ig2_Wall_Sphere_ScGeom_Ahead()],
-            [Ip2_FrictMat_FrictMat_FrictPhys()],
-            [sg.Law2_ScGeom_FrictPhys_Nonsmooth()],
-        ),
-        sg.SoftGrainIntegrator(),
-        NewtonIntegrator(gravity=(0, 0, -GRAVITY), damping=0),
-    ]
-    O.dt = 2e-4
-    run(1000)
-    assert ball.state.pos[2] == pytest.approx(R, abs=1e-6 * R)
-    assert O.forces.f(ball.id)[2] == pytest.approx(GRAVITY * ball.state.mass, rel=1e-9)
-
-
-def test_threads_change_nothing():
-    found = []
-    for threads in (1, 2):
-        O.reset()
-        pile(columns=6, layers=4)
-        sg.integrator().ompThreads = threads
-        run(800)
-        found.append(state())
-    np.testing.assert_array_equal(found[0], found[1])
-
-
-def test_goes_on_after_saving(tmp_path):
-    pile(dim=2)
-    run(1500)
-    O.save(str(tmp_path / "scene.yade.bz2"))
-    run(300)
-    np.save(tmp_path / "expected.npy", state())
-    code = f"""
-        import sys
-        sys.path[:0] = [{str(Path(__file__).parent)!r}]
-        import softgrain as sg
-        from yade import O
-        O.load("scene.yade.bz2")
-        from scenes import run
-        from rigid_scenes import state
-        import numpy as np
-        run(300)
-        np.testing.assert_array_equal(state(), np.load("expected.npy"))
-        print("done")
-    """
-    assert_done(run_python(code, tmp_path))
-
-
-def test_linear_law_is_as_before():
-    """Without being asked rigid pairs keep YADE's law, and the integrator leaves them alone."""
-    add_wall(0, 2)
-    add_sphere((0, 0, 0.999 * R))
-    O.engines = sg.engines()
-    O.dt = 1e-5
-    run(5)
-    assert sg.integrator().steps == 0
-    (contact,) = [i for i in O.interactions if i.isReal]
-    assert contact.phys.normalForce.norm() > 0
-
-
-def test_wrong_use_is_refused():
-    with pytest.raises(ValueError, match="verlet_distance"):
-        sg.engines(rigid="nonsmooth")
-    with pytest.raises(ValueError, match="'linear', 'nonsmooth'"):
-        sg.engines(verlet_distance=1e-3, rigid="hertz")
-    add_wall(0, 2)
-    add_sphere((0, 0, 1.01 * R))
-    O.engines = sg.engines(rigid="nonsmooth")
-    with pytest.raises(RuntimeError, match="O.dt is not set"):
-        run(2)
-    O.dt = 1e-4
-    O.engines[-1].damping = 0.2
-    with pytest.raises(RuntimeError, match="NewtonIntegrator.damping = 0.2"):
-        run(2)
-
-
 def test_disk_on_a_floor_of_two_facets_in_2d():
     """It slides over the edge that they share, which leans in the plane of the disks."""
     add_disk((0, 10 * R, 0))
@@ -401,26 +290,6 @@ def test_disk_on_a_floor_of_two_facets_in_2d():
         run(1)
         assert abs(ball.state.pos[1] - R) < 1e-3 * R
     np.testing.assert_allclose(ball.state.vel, (1, 0, 0), atol=1e-6)
-
-
-def test_shapes_derived_from_a_sphere_are_refused():
-    """A functor for spheres is called for them, too, and would see a ball at their first node."""
-    first, second = (utils.sphere((x * R, 0, 0), R, material=material()) for x in (0, 1.9))
-    second.shape = yade.GridConnection(radius=R)
-    O.bodies.append([first, second])
-    O.engines = sg.engines(rigid="nonsmooth")
-    O.dt = 1e-5
-    with pytest.raises(RuntimeError, match="Sphere and GridConnection.*which is for"):
-        run(2)
-
-
-def test_out_of_plane_is_refused_in_2d():
-    add_disk()
-    add_sphere((3 * R, 0, 0), blocked="zXY")
-    add_sphere((4.98 * R, 0, 0.3 * R), blocked="zXY")
-    ready(rigid="nonsmooth")
-    with pytest.raises(RuntimeError, match="out of the plane"):
-        run(2)
 
 
 def test_free_box():

@@ -108,7 +108,7 @@ public:
 		list.first = g;
 		list.second = -1 - body.id;
 		list.rigid.emplace();
-		const FoundSurface found = find(displaced(body, image.shift));
+		const auto found = sight().find(displaced(body, image.shift));
 		if (!found.surface) {
 			list.clearContacts();
 			list.deepest = found.refused ? std::numeric_limits<double>::infinity() : 0;
@@ -116,11 +116,14 @@ public:
 			return;
 		}
 		describe(*list.rigid, *found.surface, body, list.image.shift);
-		if (others) list.rigid->others = [&] { return surfacesBeside(body.id, others()); };
+		if (others) list.rigid->others = [&] { return sight().beside(body.id, others()); };
 		search(list, dt);
 		list.rigid->others = nullptr;
 	}
-	void checkRigidBody(const RigidBodyDescription& body) const override { surfaceOf(body); }
+	void checkRigidBody(const RigidBodyDescription& body) const override
+	{
+		sight().surfaceOf(body);
+	}
 
 	StepReport step(const StepSettings& settings, const std::vector<PairContacts*>& pairs,
 			std::vector<RigidMotionDescription>& partners,
@@ -359,49 +362,10 @@ private:
 		image.velocity = toKernel<dim>(description.velocity);
 	}
 
-	std::optional<RigidSurface<dim>> surfaceOf(const RigidBodyDescription& body) const
+	/// Rigid bodies as the grains see them.
+	RigidSight<dim> sight() const
 	{
-		if (system_.setOf(0).reference().recipe.contact == ContactGeometry::nodes)
-			refuse(body,
-			       "is near soft grains with contact = 'nodes', which touch Walls "
-			       "and each other only; use contact = 'surface'");
-		return surfaceIn<dim>(body, z_);
-	}
-
-	struct FoundSurface {
-		std::optional<RigidSurface<dim>> surface; ///< none: a plate off the plane
-		bool refused = false;
-	};
-	FoundSurface find(const RigidBodyDescription& body) const
-	{
-		try {
-			return { surfaceOf(body) };
-		} catch (const std::invalid_argument&) {
-			return { std::nullopt, true };
-		}
-	}
-
-	/// Of the bodies that are not refused; searches on those that are will tell. On seams those
-	/// with lower ids come first.
-	std::vector<SurfaceBeside<dim>>
-	surfacesBeside(int id, const std::vector<RigidBodyDescription>& bodies) const
-	{
-		std::vector<SurfaceBeside<dim>> surfaces;
-		for (const RigidBodyDescription& body : bodies)
-			if (const FoundSurface found = find(body); found.surface)
-				surfaces.push_back({ *found.surface, body.id < id });
-		return surfaces;
-	}
-
-	static void describe(RigidSide<dim>& side, const RigidSurface<dim>& surface,
-			     const RigidBodyDescription& body, const Vec<dim>& shift)
-	{
-		const BallSurface<dim> about = ballAbout<dim>(surface);
-		side.surface = surface;
-		side.pivot = toKernel<dim>(body.position) + shift;
-		side.speed = body.velocity.norm() +
-			     body.angularVelocity.norm() *
-				     ((about.centre - side.pivot).norm() + about.radius);
+		return { z_, system_.setOf(0).reference().recipe.contact };
 	}
 
 	/// Searches run in parallel.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 namespace softgrain {
 
@@ -15,12 +16,16 @@ constexpr double shortestCut = 1e-9;
 /// Of a unit normal that YADE computed.
 constexpr double normalRounding = 1e-9;
 
-} // namespace
-
-void refuse(const RigidBodyDescription& body, const std::string& why)
+/// Throws std::invalid_argument naming the body.
+[[noreturn]] void refuse(const RigidBodyDescription& body, const std::string& why)
 {
 	throw std::invalid_argument("rigid body #" + std::to_string(body.id) + " " + why);
 }
+
+/// The surface as grains in the plane z see it. None where the plane misses it; throws
+/// std::invalid_argument if it cannot be seen in that plane.
+template <int dim>
+std::optional<RigidSurface<dim>> surfaceIn(const RigidBodyDescription& body, double z);
 
 template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescription& body, double z)
 {
@@ -63,6 +68,50 @@ template <> std::optional<RigidSurface<3>> surfaceIn<3>(const RigidBodyDescripti
 		return BlockSurface<3> { body.position, body.orientation.toRotationMatrix(),
 					 body.size };
 	return PlateSurface<3> { body.corner };
+}
+
+} // namespace
+
+template <int dim>
+std::optional<RigidSurface<dim>> RigidSight<dim>::surfaceOf(const RigidBodyDescription& body) const
+{
+	if (contact == ContactGeometry::nodes)
+		refuse(body, "is near soft grains with contact = 'nodes', which touch Walls and "
+			     "each other only; use contact = 'surface'");
+	return surfaceIn<dim>(body, z);
+}
+
+template <int dim>
+typename RigidSight<dim>::Found RigidSight<dim>::find(const RigidBodyDescription& body) const
+{
+	try {
+		return { surfaceOf(body) };
+	} catch (const std::invalid_argument&) {
+		return { std::nullopt, true };
+	}
+}
+
+template <int dim>
+std::vector<SurfaceBeside<dim>>
+RigidSight<dim>::beside(int id, const std::vector<RigidBodyDescription>& bodies) const
+{
+	std::vector<SurfaceBeside<dim>> surfaces;
+	for (const RigidBodyDescription& body : bodies)
+		if (const Found found = find(body); found.surface)
+			surfaces.push_back({ *found.surface, body.id < id });
+	return surfaces;
+}
+
+template <int dim>
+void describe(RigidSide<dim>& side, const RigidSurface<dim>& surface,
+	      const RigidBodyDescription& body, const Vec<dim>& shift)
+{
+	const BallSurface<dim> about = ballAbout<dim>(surface);
+	side.surface = surface;
+	side.pivot = toKernel<dim>(body.position) + shift;
+	side.speed =
+		body.velocity.norm() +
+		body.angularVelocity.norm() * ((about.centre - side.pivot).norm() + about.radius);
 }
 
 std::optional<Vec3> placeInPlane(const RigidBodyDescription& plate, const Vec3& x)
@@ -118,6 +167,9 @@ RigidBodyDescription displaced(RigidBodyDescription body, const Vec3& shift)
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template struct RigidSight<dim>;                                                           \
+	template void describe<dim>(RigidSide<dim>&, const RigidSurface<dim>&,                     \
+				    const RigidBodyDescription&, const Vec<dim>&);                 \
 	template RigidPartner<dim> partnerOf<dim>(const RigidMotionDescription&);                  \
 	template std::optional<RigidContact<dim>> contactOf<dim>(const RigidContactDescription&);
 SOFTGRAIN_INSTANTIATE(2)

@@ -2,24 +2,41 @@
 #pragma once
 
 #include "assembly/RigidDescriptions.hpp"
+#include "contact/Contact.hpp"
 #include "contact/RigidContact.hpp"
 #include "contact/RigidPartner.hpp"
 #include "contact/RigidSurface.hpp"
 
 #include <optional>
-#include <string>
+#include <vector>
 
 namespace softgrain {
 
-/// Throws std::invalid_argument naming the body.
-[[noreturn]] void refuse(const RigidBodyDescription& body, const std::string& why);
+/// How the grains see rigid bodies.
+template <int dim> struct RigidSight {
+	double z;                ///< of the plane of grains in 2D, m
+	ContactGeometry contact; ///< by which the grains touch
 
-/// The surface of a rigid body as grains in the plane z see it. None where the plane misses it;
-/// throws std::invalid_argument if it cannot be seen in that plane.
+	struct Found {
+		std::optional<RigidSurface<dim>> surface; ///< none: a plate off the plane
+		bool refused = false;
+	};
+
+	/// The surface of a body; none where the plane misses it. Throws std::invalid_argument if
+	/// grains cannot touch it.
+	std::optional<RigidSurface<dim>> surfaceOf(const RigidBodyDescription& body) const;
+	/// The same, where nothing may be thrown.
+	Found find(const RigidBodyDescription& body) const;
+	/// Surfaces of the bodies that are not refused, beside that of `id`; searches on those that
+	/// are will tell. On seams those with lower ids come first.
+	std::vector<SurfaceBeside<dim>>
+	beside(int id, const std::vector<RigidBodyDescription>& bodies) const;
+};
+
+/// The surface and motion of a body, displaced by `shift`, for a search.
 template <int dim>
-std::optional<RigidSurface<dim>> surfaceIn(const RigidBodyDescription& body, double z);
-template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescription& body, double z);
-template <> std::optional<RigidSurface<3>> surfaceIn<3>(const RigidBodyDescription& body, double z);
+void describe(RigidSide<dim>& side, const RigidSurface<dim>& surface,
+	      const RigidBodyDescription& body, const Vec<dim>& shift);
 
 /// The place of a plate nearest to `x` in the plane z = const of that, if the plate meets the
 /// plane.
