@@ -165,6 +165,18 @@ def trembling(quick):
         yield mu, lambda: tremble(mu)
 
 
+def undamped(quick):
+    """Scatter of the radii of nine such disks without damping, mu = 0.3, 60 000 steps later"""
+    for scatter in (0.02,) if quick else (0.0, 0.02):
+        yield scatter, lambda: tremor_that_stays(scatter, 2000 if quick else 60_000)
+
+
+def tremor_that_stays(scatter, steps):
+    """Nothing takes it out, so no bound holds for it."""
+    figures = tremble(0.3, damping=0, scatter=scatter, steps=steps)
+    return {"kinetic_over_elastic": figures.pop("tremor"), **figures}
+
+
 def distance(quick):
     """Distance from the origin over the diameter; the force against that at the origin"""
     at_origin = None
@@ -219,6 +231,7 @@ STUDIES = {
         packing,
         at_rest,
         trembling,
+        undamped,
         distance,
         units,
     )

@@ -201,14 +201,14 @@ def rest(steps):
     }
 
 
-def tremble(mu):
-    """Nine damped disks of radii within 2 %, squeezed by 6 % between frictionless walls, which
-    stand still for 15 000 steps then."""
-    soft = material(mu, massDamping=0.16 * wave_speed() / RADIUS)
+def tremble(mu, damping=0.16, scatter=0.02, steps=15_000):
+    """Nine disks of radii within a scatter, damped by so many c/R, squeezed by 6 % between
+    frictionless walls, which stand still for so many steps then."""
+    soft = material(mu, massDamping=damping * wave_speed() / RADIUS)
     random = np.random.default_rng(0)
     for k in range(9):
         place = ((2 * (k // 3) + 1) * RADIUS, (2 * (k % 3) + 1) * RADIUS, 0)
-        add_disk(place, RADIUS * random.uniform(0.98, 1), soft)
+        add_disk(place, RADIUS * random.uniform(1 - scatter, 1), soft)
     side, speed = 6 * RADIUS, 0.016 * wave_speed()
     add_wall(0, 0, 1), add_wall(0, 1, 1)
     walls = [add_wall(side, axis, -1, -speed) for axis in (0, 1)]
@@ -217,7 +217,7 @@ def tremble(mu):
     balance = sg.Balance()
     for wall in walls:
         O.bodies[wall].state.vel = (0, 0, 0)
-    sg.advance(15_000)
+    sg.advance(steps)
     return {
         "tremor": sg.quasi_static()["kinetic_over_elastic"],
         **common_figures(balance),
