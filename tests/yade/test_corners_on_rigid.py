@@ -129,3 +129,48 @@ def test_disk_rolls_off_a_table(zeta):
         run(10)
     assert sg.integrator().largestOverlap < 0.05
     assert grain.state.vel[0] > 0.1
+
+
+@pytest.mark.parametrize("floor", ("box", "facets"))
+@pytest.mark.parametrize("zeta, error", [(0.11, 0.02), (0.25, 0.04)])
+def test_disk_slides_off_the_end_of_a_floor(floor, zeta, error):
+    """Without friction, as a point on a circle about the edge that starts with v0: it lifts off
+    where cos a = 2/3 + v0^2/(3 g R), at v^2 = g R cos a, and the edge does not turn it. (A coarse
+    one rocks on its nodes before.)"""
+    material, v0, g = FrictMat(frictionAngle=0), 0.08, 9.81
+    if floor == "box":
+        size = (4 * RADIUS, RADIUS, WIDE)
+        O.bodies.append(utils.box((-4 * RADIUS, -RADIUS, 0), size, fixed=True, material=material))
+    else:
+        a, b, c, d = ((x * RADIUS, 0, z * WIDE) for x, z in ((-8, -1), (0, -1), (0, 1), (-8, 1)))
+        O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
+    soft = soft_material(young=1e5, massDamping=1000, frictionAngle=0)
+    grain = add_disk((-0.8 * RADIUS, RADIUS, 0), material=soft, zeta=zeta)
+    grain.state.vel = (v0, 0, 0)
+    O.trackEnergy = True
+    ready(gravity=(0, -g, 0))
+    while grain.state.pos[0] < 0:
+        run(1)
+    spin = grain.state.angVel[2]
+    while grain.state.pos[1] > -RADIUS:
+        run(1)
+    cosine = 2 / 3 + v0**2 / (3 * g * RADIUS)
+    assert grain.state.vel[0] == pytest.approx(math.sqrt(g * RADIUS * cosine) * cosine, rel=error)
+    assert grain.state.angVel[2] == pytest.approx(spin, abs=1)  # rad/s
+    assert sg.integrator().largestOverlap < 0.01
+    assert sg.integrator().energy()["impact"] > -1e-4 * grain.state.mass * g * RADIUS
+
+
+def test_cube_tips_over_the_end_of_a_floor_of_facets():
+    """Nor is what turns up above it behind it."""
+    a, b, c, d = ((x * RADIUS, 0, z * WIDE) for x, z in ((-8, -1), (0, -1), (0, 1), (-8, 1)))
+    material = FrictMat(frictionAngle=0)
+    O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
+    soft = soft_material(young=1e5, massDamping=1000, frictionAngle=0)
+    grain = sg.soft_block((-1.2 * RADIUS, RADIUS, 0), (RADIUS,) * 3, soft, zeta=0.3)
+    O.bodies.append(grain)
+    grain.state.vel = (0.1, 0, 0)
+    ready(gravity=(0, -9.81, 0))
+    while grain.state.pos[1] > -0.5 * RADIUS:
+        run(1)
+    assert sg.integrator().largestOverlap < 0.02

@@ -197,27 +197,6 @@ TEST_CASE("the inside corner of two walls holds a corner on both", "[rigid]")
 		}
 }
 
-TEST_CASE("what is above a slot is not behind its upright sides", "[rigid]")
-{
-	const double R = 0.01, half = GENERATE(0.15, 0.2, 0.25) * R; // of its width
-	const auto reference = makeGrainTemplate<2>(recipe(GENERATE(0.1, 0.25)));
-	const double dr = reference->pointSpacing() * R, rest = std::sqrt(R * R - half * half);
-	std::vector<RigidSurface<2>> lips;
-	for (const double side : { -1., 1. }) {
-		const Vec<2> edge(side * half, 0);
-		lips.push_back(PlateSurface<2> { { edge, edge + side * Vec<2>(8 * R, 0) } });
-		lips.push_back(PlateSurface<2> { { edge - Vec<2>(0, 2 * R), edge } });
-	}
-	for (double x = -0.1; x <= 0.1; x += 0.01)
-		for (const double depth : { -0.01, 0., 0.05 }) {
-			CAPTURE(half, dr, x, depth);
-			const Vec<2> centre(x * dr, rest - depth * dr);
-			const ContactBody<2> body = contactBody<2>(*reference, R, centre);
-			for (const Contact<2>& c : contactsWith<2>(lips, body, 0.1 * dr))
-				CHECK(c.gap > -(depth + 0.15) * dr);
-		}
-}
-
 TEST_CASE("a cube fits into the inside corner of two boxes", "[rigid]")
 {
 	TemplateRecipe cube = recipe(0.5);

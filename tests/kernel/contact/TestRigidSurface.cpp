@@ -162,11 +162,17 @@ TEMPLATE_TEST_CASE_SIG("what has come through a block touches the side that it f
 	CHECK(!placeOn<dim>(block, beneath, facing((-right - up).normalized())));
 	// an outline that lies upon either side lies along it at a corner
 	const Tip<dim> corner { { block.centre + block.halfSides, 0 }, 0 };
-	CHECK(liesAlongSide<dim>(block, corner, -right, 0.1, 0.1));
-	CHECK(liesAlongSide<dim>(block, corner, right, 0.1, 0.1) == (half < 1e-8));
+	auto side = [&](const Vec<dim>& normal, double spacing) {
+		return sideAlong<dim>(block, corner, normal, 0.1, spacing);
+	};
+	const auto ofRight = side(-right, 0.1), ofLeft = side(right, 0.1);
+	REQUIRE(ofRight);
+	CHECK(*ofRight == right);
+	REQUIRE(ofLeft.has_value() == (half < 1e-8));
+	if (ofLeft) CHECK(*ofLeft == -right);
 	// one that stands on its narrow upper side does so where nodes are nearer than that is wide
-	CHECK(!liesAlongSide<dim>(block, corner, -up, 0.1, 0.1));
-	CHECK(liesAlongSide<dim>(block, corner, -up, 0.1, 0.001) == (half > 1e-3));
+	CHECK(!side(-up, 0.1));
+	CHECK(side(-up, 0.001).has_value() == (half > 1e-3));
 }
 
 TEST_CASE("points of edges in space: as near as asked for, with numbers of their own", "[rigid]")

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -47,11 +46,8 @@ template <int dim>
 bool goesOnFrom(const Vec<dim>& edge, const Vec<dim>& over, const Vec<dim>& normal,
 		const Facing<dim>& facing, const GoesOn<dim>& goesOn)
 {
-	constexpr double rises[] { 0, M_PI / 4, M_PI / 2, 3 * M_PI / 4 };
-	return std::any_of(std::begin(rises), std::end(rises), [&](double rise) {
-		const double along = std::cos(rise), up = std::sin(rise);
-		return facing(along * normal - up * over) > alongSide &&
-		       goesOn(edge, along * over + up * normal);
+	return anyRise<dim>(over, normal, [&](const Vec<dim>& way, const Vec<dim>& itsNormal) {
+		return facing(itsNormal) > alongSide && goesOn(edge, way);
 	});
 }
 

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
+#include <iterator>
 #include <optional>
 
 namespace softgrain {
@@ -32,6 +34,19 @@ template <int dim> using Facing = std::function<double(const Vec<dim>&)>;
 /// Whether another surface goes on from an edge: from a place of it, within 30 degrees of a
 /// direction (unit).
 template <int dim> using GoesOn = std::function<bool(const Vec<dim>&, const Vec<dim>&)>;
+
+/// Whether any of the directions is in which a surface may go on from the edge of a side: `over` it
+/// (unit), inclined, or rising. is(direction, normal): of that surface, both unit.
+template <int dim, class Is> bool anyRise(const Vec<dim>& over, const Vec<dim>& sideNormal, Is&& is)
+{
+	constexpr double rises[] { 0, M_PI / 4, M_PI / 2, 3 * M_PI / 4 };
+	return std::any_of(std::begin(rises), std::end(rises), [&](double rise) {
+		const double along = std::cos(rise), up = std::sin(rise);
+		const Vec<dim> direction = along * over + up * sideNormal;
+		const Vec<dim> normal = along * sideNormal - up * over;
+		return is(direction, normal);
+	});
+}
 
 /// The place of the surface that a point `x` of an outline touches. `facing` is asked of the
 /// outline there: it tells the two sides of a plate apart, and the sides of a block about an edge;

@@ -1,7 +1,9 @@
 #include "contact/RigidSeams.hpp"
 #include "contact/OutlineSearch.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -18,6 +20,18 @@ constexpr double beforeEdge = 0.05;
 /// Equally near counts as not nearer. (So what leans by up to 1.4e-3 beyond an edge is still
 /// equally near to both.)
 constexpr double rounding = 1e-6;
+
+/// Directions along a plane with this normal, none further than 45 degrees from one of them.
+std::array<Vec<2>, 2> waysAlong(const Vec<2>& normal)
+{
+	const Vec<2> way(-normal[1], normal[0]);
+	return { way, -way };
+}
+std::array<Vec<3>, 4> waysAlong(const Vec<3>& normal)
+{
+	const Vec<3> way = normal.unitOrthogonal(), across = normal.cross(way);
+	return { way, across, -way, -across };
+}
 
 } // namespace
 
@@ -62,11 +76,40 @@ bool RigidSeams<dim>::isAnothers(const Vec<dim>& x, const SurfacePlace<dim>& pla
 template <int dim>
 bool RigidSeams<dim>::hides(const Tip<dim>& tip, const Vec<dim>& normal, double turn)
 {
+	if (isBorneBeside(rigid_.surface, tip, normal, turn)) return true;
 	const Vec<dim> before = tip.ball.centre - distance_ * normal;
 	return goesOnBefore(before) || anyOther([&](const SurfaceBeside<dim>& other) {
 		       return other.comesFirst && hasTip(other.surface, tip.ball.centre) &&
-			      !liesAlongSide<dim>(other.surface, tip, normal, turn, spacing_) &&
+			      !isBorneBeside(other.surface, tip, normal, turn) &&
 			      !isNearerBefore(other.surface, before);
+	       });
+}
+
+template <int dim>
+bool RigidSeams<dim>::isBorneBeside(const RigidSurface<dim>& surface, const Tip<dim>& tip,
+				    const Vec<dim>& normal, double turn)
+{
+	const auto side = sideAlong<dim>(surface, tip, normal, turn, spacing_);
+	if (!side) return false;
+	const auto ways = waysAlong(*side);
+	return std::none_of(ways.begin(), ways.end(), [&](const Vec<dim>& way) {
+		return endsTowards(tip.ball.centre, way, *side);
+	});
+}
+
+template <int dim>
+bool RigidSeams<dim>::endsTowards(const Vec<dim>& edge, const Vec<dim>& way, const Vec<dim>& normal)
+{
+	return !anyRise<dim>(way, normal, [&](const Vec<dim>& there, const Vec<dim>&) {
+		return leaves(rigid_.surface, edge, there) || goesOnFrom(edge, there);
+	});
+}
+
+template <int dim> bool RigidSeams<dim>::isOnFloor(const Vec<dim>& place)
+{
+	return distanceTo<dim>(rigid_.surface, place) < distance_ ||
+	       anyOther([&](const SurfaceBeside<dim>& other) {
+		       return distanceTo<dim>(other.surface, place) < distance_;
 	       });
 }
 

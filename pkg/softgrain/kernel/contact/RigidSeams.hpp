@@ -24,11 +24,14 @@ public:
 	/// or any if the place lies beside this surface.
 	bool isAnothers(const Vec<dim>& x, const SurfacePlace<dim>& place,
 			const Facing<dim>& facing);
-	/// Both of a tip that the outline touches with this normal (unit, outwards), `turn` as in
-	/// liesAlongSide.
+	/// Both of a tip that the outline touches with this normal (unit, outwards); or whether the
+	/// sides beside the tip bear it, by the contact nodes, since it lies along them within
+	/// `turn`, rad.
 	bool hides(const Tip<dim>& tip, const Vec<dim>& normal, double turn);
 	/// Steps from surface to surface that are lower are not felt, m.
 	double tolerance() const { return distance_; }
+	/// Whether a place lies on the surface or on another.
+	bool isOnFloor(const Vec<dim>& place);
 	/// GoesOn of the other surfaces.
 	bool goesOnFrom(const Vec<dim>& edge, const Vec<dim>& way);
 
@@ -36,6 +39,13 @@ private:
 	/// Whether a surface does.
 	bool leaves(const RigidSurface<dim>& surface, const Vec<dim>& edge,
 		    const Vec<dim>& way) const;
+	/// Whether such an outline lies along a side of a surface that ends at the tip, and the
+	/// floor goes on there all around: past the end of one nodes hold nothing up.
+	bool isBorneBeside(const RigidSurface<dim>& surface, const Tip<dim>& tip,
+			   const Vec<dim>& normal, double turn);
+	/// Whether no surface goes on from an edge of a side in a direction along it: over the same
+	/// plane, inclined, or rising.
+	bool endsTowards(const Vec<dim>& edge, const Vec<dim>& way, const Vec<dim>& normal);
 	/// Whether a side of its own, or another surface, is nearer than an edge to what lies
 	/// before it. In space the direction there may lean along the edge.
 	bool goesOnBefore(const Vec<dim>& before);

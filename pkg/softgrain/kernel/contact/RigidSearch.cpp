@@ -39,9 +39,11 @@ void append(const ContactKey& key, Contact<dim>& contact, bool isBehind,
 
 /// Whether a node behind a plate or a block has come through it. Both are touched from all sides:
 /// one on the far side of a sharp corner, near to the plate that the corner stands on, faces as one
-/// that has come through does. The grain of that one goes on before the plate.
+/// that has come through does. The grain of that one goes on before the plate, and not past its
+/// end.
 template <int dim>
-bool hasComeThrough(const ContactOutline<dim>& body, int s, const SurfacePlace<dim>& place)
+bool hasComeThrough(const ContactOutline<dim>& body, int s, const SurfacePlace<dim>& place,
+		    RigidSeams<dim>& seams)
 {
 	if (place.gap < -contactDepth(body, body)) return false;
 	if (!body.hasFacets()) return true;
@@ -50,8 +52,10 @@ bool hasComeThrough(const ContactOutline<dim>& body, int s, const SurfacePlace<d
 	const double inwards = -body.normal[s].dot(place.normal);
 	if (inwards <= 0) return false;
 	if (place.gap >= -trusted) return true;
-	const double way = (trusted - place.gap) / inwards; // to a little before it
-	return body.encloses(body.position[s] - way * body.normal[s]);
+	auto back = [&](double from) -> Vec<dim> {
+		return body.position[s] - (from - place.gap) / inwards * body.normal[s];
+	};
+	return body.encloses(back(trusted)) && seams.isOnFloor(back(0));
 }
 
 /// Where a contact node touches with a gap below `reach`: past places that are hidden, and sides
@@ -75,7 +79,7 @@ std::optional<SurfacePlace<dim>> placeOfNode(const ContactOutline<dim>& body, in
 		const bool isOfAnother = isNext || place.toEdge < depth;
 		if (place.gap < -depth && isOfAnother) return true;
 		if (place.gap - body.nodeRadius >= reach) return true;
-		if (place.isBehind && !hasComeThrough(body, s, place)) return false;
+		if (place.isBehind && !hasComeThrough(body, s, place, seams)) return false;
 		if (seams.hides(from, place)) return false;
 		if (!seams.isAnothers(x, place, facing)) touched = place;
 		return true;
@@ -116,9 +120,7 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, RigidSeams<dim
 		tipsOf<dim>(list.rigid->surface, body.box.grown(margin), body.pointSpacing);
 	for (const Tip<dim>& tip : tips) {
 		auto contact = ballOnOutline<dim>(tip.ball.centre, tip.ball.radius, body, reach);
-		if (!contact || liesAlongSide<dim>(list.rigid->surface, tip, contact->normal, turn,
-						   body.pointSpacing))
-			continue;
+		if (!contact) continue;
 		const bool isPoint = tip.ball.radius == 0;
 		if (isPoint && seams.hides(tip, contact->normal, turn)) continue;
 		append({ 1, tip.number, -1 }, *contact, isPlate, body, list);

@@ -88,17 +88,22 @@ std::vector<Tip<dim>> tips(const Surface& surface, const Box<dim>& box, double s
 	return found;
 }
 
+template <int dim> using Side = std::optional<Vec<dim>>; // its normal
+
 template <int dim>
-bool isAlong(const BallSurface<dim>&, const Vec<dim>&, const Vec<dim>&, double, double)
+Side<dim> along(const BallSurface<dim>&, const Vec<dim>&, const Vec<dim>&, double, double)
 {
-	return false;
+	return std::nullopt;
 }
 
 template <int dim>
-bool isAlong(const PlateSurface<dim>& plate, const Vec<dim>&, const Vec<dim>& normal, double cosine,
-	     double)
+Side<dim> along(const PlateSurface<dim>& plate, const Vec<dim>&, const Vec<dim>& normal,
+		double cosine, double)
 {
-	return std::abs(normal.dot(normalOf<dim>(plate))) > cosine;
+	const Vec<dim> side = normalOf<dim>(plate);
+	const double across = normal.dot(side);
+	if (std::abs(across) <= cosine) return std::nullopt;
+	return -std::copysign(1., across) * side;
 }
 
 /// Whether the side of a block across axis `a` is so narrow that no node need be on it.
@@ -110,32 +115,36 @@ template <int dim> bool isNarrow(const BlockSurface<dim>& block, int a, double s
 }
 
 template <int dim>
-bool isAlong(const BlockSurface<dim>& block, const Vec<dim>& place, const Vec<dim>& normal,
-	     double cosine, double spacing)
+Side<dim> along(const BlockSurface<dim>& block, const Vec<dim>& place, const Vec<dim>& normal,
+		double cosine, double spacing)
 {
 	const Vec<dim> y = block.axes.transpose() * (place - block.centre);
+	Side<dim> found;
+	double closest = cosine;
 	for (int a = 0; a < dim; ++a) {
 		const double rounding = 1e-9 * block.halfSides.maxCoeff();
 		if (std::abs(y[a]) < block.halfSides[a] - rounding) continue;
 		if (isNarrow<dim>(block, a, spacing)) continue;
 		const double across = normal.dot(block.axes.col(a));
 		const bool hasBothSides = block.halfSides[a] <= rounding;
-		const double inwards =
-			hasBothSides ? std::abs(across) : -std::copysign(1., y[a]) * across;
-		if (inwards > cosine) return true;
+		const double side =
+			hasBothSides ? -std::copysign(1., across) : std::copysign(1., y[a]);
+		if (-side * across <= closest) continue;
+		closest = -side * across;
+		found = side * block.axes.col(a);
 	}
-	return false;
+	return found;
 }
 
 } // namespace
 
 template <int dim>
-bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const Vec<dim>& normal,
-		   double angle, double spacing)
+std::optional<Vec<dim>> sideAlong(const RigidSurface<dim>& surface, const Tip<dim>& tip,
+				  const Vec<dim>& normal, double angle, double spacing)
 {
 	return std::visit(
 		[&](const auto& s) {
-			return isAlong<dim>(s, tip.ball.centre, normal, std::cos(angle), spacing);
+			return along<dim>(s, tip.ball.centre, normal, std::cos(angle), spacing);
 		},
 		surface);
 }
@@ -147,8 +156,8 @@ std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& b
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
-	template bool liesAlongSide<dim>(const RigidSurface<dim>&, const Tip<dim>&,                \
-					 const Vec<dim>&, double, double);                         \
+	template std::optional<Vec<dim>> sideAlong<dim>(const RigidSurface<dim>&, const Tip<dim>&, \
+							const Vec<dim>&, double, double);          \
 	template std::vector<Tip<dim>> tipsOf<dim>(const RigidSurface<dim>&, const Box<dim>&,      \
 						   double);
 SOFTGRAIN_INSTANTIATE(2)

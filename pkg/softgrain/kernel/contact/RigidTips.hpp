@@ -5,6 +5,7 @@
 #include "Vectors.hpp"
 #include "contact/RigidSurface.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace softgrain {
@@ -16,12 +17,12 @@ template <int dim> struct Tip {
 	int number; ///< its own among the tips of the surface, whatever the box
 };
 
-/// Whether an outline with this normal (unit, outwards) at a tip lies along a side that ends there,
-/// within an angle: the side bears it then, by the contact nodes, not the tip. A side of a block
-/// that is narrower than their spacing does not.
+/// Of the side that ends at a tip and that an outline with this normal (unit, outwards) lies along
+/// there, within an angle (rad): its normal (unit), towards the outline. A side of a block that is
+/// narrower than the spacing of the contact nodes is none.
 template <int dim>
-bool liesAlongSide(const RigidSurface<dim>& surface, const Tip<dim>& tip, const Vec<dim>& normal,
-		   double angle, double spacing);
+std::optional<Vec<dim>> sideAlong(const RigidSurface<dim>& surface, const Tip<dim>& tip,
+				  const Vec<dim>& normal, double angle, double spacing);
 
 /// The ball itself; corners and, in 3D, points of the edges no further apart than `spacing`, those
 /// in `box`.
