@@ -1,5 +1,6 @@
 #include "HostChecks.hpp"
 #include "SoftContact.hpp"
+#include "SoftGrain.hpp"
 #include "SoftSearch.hpp"
 #include "Yade.hpp"
 
@@ -126,6 +127,36 @@ void checkEngine(const Engine& engine)
 	       "contacts of soft grains are solved together, in one process; use threads (-jN)");
 }
 
+/// Of the collider, for the shape of a body; null if there is none.
+shared_ptr<BoundFunctor> boundFunctorOf(const Scene& scene, const Body& body)
+{
+	for (const auto& engine : scene.engines) {
+		const auto* collider = dynamic_cast<const Collider*>(engine.get());
+		if (!collider) continue;
+		if (auto functor = collider->boundDispatcher->getFunctor(body.shape))
+			return functor;
+	}
+	return nullptr;
+}
+
+void checkBound(const Scene& scene, const Body& body)
+{
+	const string shape = body.shape->getClassName(), own = "Bo1_" + shape + "_Aabb";
+	const string named = "body #" + std::to_string(body.getId()) + " of shape " + shape;
+	const string never = "Set its bounded = False if nothing is to touch it";
+	const auto functor = boundFunctorOf(scene, body);
+	if (!functor)
+		refuse(named, "no functor of the collider bounds it, so that soft grains would "
+			      "pass through "
+			      "it; they touch Sphere, Wall, Facet and Box. " +
+				      never);
+	const auto& known = Omega::instance().getDynlibsDescriptor();
+	if (functor->get1DFunctorType1() != shape && known.count(own))
+		refuse(named, "the collider bounds it as a " + functor->get1DFunctorType1() +
+				      ", so that soft grains would pass through it; add " + own +
+				      " to its functors. " + never);
+}
+
 } // namespace
 
 #ifdef YADE_MPI
@@ -142,16 +173,26 @@ void checkSubdomain(const Scene&) {}
 void checkSubdomain(const Body&) {}
 #endif
 
-void checkBound(const Scene& scene, const Body& body)
+/// Functors for a shape are called for those derived from it too, as a Cylinder is from Sphere.
+bool isTouched(const Shape& shape)
 {
-	for (const auto& engine : scene.engines) {
-		const auto* collider = dynamic_cast<const Collider*>(engine.get());
-		if (collider && collider->boundDispatcher->getFunctor(body.shape)) return;
+	const auto& type = typeid(shape);
+	return type == typeid(SoftGrain) || type == typeid(Wall) || type == typeid(Sphere) ||
+	       type == typeid(Facet) || type == typeid(Box);
+}
+
+bool mayLackBound(const Body& body)
+{
+	return body.isBounded() && !body.isClump() && (!body.bound || !isTouched(*body.shape));
+}
+
+void checkBounds(const Scene& scene, int first)
+{
+	const int count = static_cast<int>(scene.bodies->size());
+	for (int id = first; id < count; ++id) {
+		const Body* body = (*scene.bodies)[id].get();
+		if (body && body->shape && mayLackBound(*body)) checkBound(scene, *body);
 	}
-	refuse("body #" + std::to_string(body.getId()) + " of shape " + body.shape->getClassName(),
-	       "no functor of the collider bounds it, so that soft grains would pass through it; "
-	       "they touch Sphere, Wall, Facet and Box. Set its bounded = False if nothing is to "
-	       "touch it");
 }
 
 void checkHost(const Scene& scene)

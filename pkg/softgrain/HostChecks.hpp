@@ -4,14 +4,20 @@
 namespace yade {
 class Body;
 class Scene;
+class Shape;
 
 /// Throws std::invalid_argument naming the engine or setting of the scene that would act wrongly on
 /// soft grains, or end the process, and what to do instead.
 void checkHost(const Scene& scene);
 /// The same if the body is divided among processes.
 void checkSubdomain(const Body& body);
-/// The same if no collider of the scene has a functor for the shape of the body: nothing would ever
-/// touch it.
-void checkBound(const Scene& scene, const Body& body);
+/// Whether soft grains touch bodies of this shape; those derived from one are not of it.
+bool isTouched(const Shape& shape);
+/// Whether the collider may have given a body that is to have one no box, or that of a shape which
+/// its own is derived from.
+bool mayLackBound(const Body& body);
+/// Throws std::invalid_argument for the first of the bodies, from an id on, of which that is so:
+/// soft grains would pass through it.
+void checkBounds(const Scene& scene, int first);
 
 } // namespace yade

@@ -143,9 +143,6 @@ void fetchBodiesAfter(const BodyContainer& bodies, int id)
 	softgrain::fetchBytes(&state->blockedDOFs, &state->blockedDOFs + 1);
 }
 
-/// Whether the collider, had it run, would have given the body a box.
-bool lacksBound(const Body& body) { return !body.bound && body.isBounded() && !body.isClump(); }
-
 /// The soft grains of a scene.
 struct SoftScene {
 	int grains = 0;
@@ -176,7 +173,7 @@ SoftScene softScene(const Scene& scene, int threads)
 			faulty = id;
 			continue;
 		}
-		if (lacksBound(*body)) unbounded = std::min(unbounded, id);
+		if (mayLackBound(*body)) unbounded = std::min(unbounded, id);
 		if (!isSoftGrain(*body)) continue;
 		const SoftGrain& grain = static_cast<const SoftGrain&>(*body->shape);
 		const auto assembly = reinterpret_cast<std::uintptr_t>(grain.assembly.get());

@@ -113,7 +113,7 @@ bool SoftGrainIntegrator::assemble()
 	SoftBodies(*scene, *assembly_).requireCarried(*newtonIntegratorOf(*scene));
 	checkCell(*scene, *assembly_);
 	const int unbounded = assembly_->host.unbounded;
-	if (unbounded >= 0) checkBound(*scene, *(*scene->bodies)[unbounded]);
+	if (unbounded >= 0) checkBounds(*scene, unbounded);
 	if (loaded_) continueSavedRun();
 	assembly_->setMultirate(multirate);
 	if (assembly_->setInterfaceRange(interfaceRange)) scene->doSort = true;

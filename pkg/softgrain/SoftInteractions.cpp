@@ -1,4 +1,5 @@
 #include "SoftInteractions.hpp"
+#include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
 #include "RigidPartners.hpp"
 #include "SceneAssembly.hpp"
@@ -9,21 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <typeinfo>
 
 namespace yade {
 
 using softgrain::Vec3;
 
 namespace {
-
-/// Functors for a shape are called for those derived from it too, as a Cylinder is from Sphere.
-bool isTouched(const Shape& shape)
-{
-	const auto& type = typeid(shape);
-	return type == typeid(SoftGrain) || type == typeid(Wall) || type == typeid(Sphere) ||
-	       type == typeid(Facet) || type == typeid(Box);
-}
 
 bool isTouched(const Body& body)
 {

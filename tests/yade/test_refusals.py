@@ -17,6 +17,7 @@ from yade import (
     utils,
 )
 import yade
+from yade.gridpfacet import gridConnection, gridNode
 
 import softgrain as sg
 
@@ -88,6 +89,11 @@ def tetra_without_bound():
     near(utils.tetra([(0, 0, 0), (RADIUS, 0, 0), (0, RADIUS, 0), (0, 0, RADIUS)], fixed=True))
 
 
+def grid_connection():
+    nodes = [O.bodies.append(gridNode((x * RADIUS, 3 * RADIUS, 0), 0.1)) for x in (-1, 1)]
+    O.bodies.append(gridConnection(*nodes, 0.1 * RADIUS))
+
+
 def free_damped_sphere():
     body = utils.sphere((1.5 * RADIUS, 0, 0), 0.51 * RADIUS, material=FrictMat())
     body.state.blockedDOFs = "zXY"
@@ -149,6 +155,7 @@ REFUSED = [
     (cylinder, r"of shape Cylinder\. Soft grains touch"),
     (tetra, r"of shape Tetra\. Soft grains touch"),
     (tetra_without_bound, "#1 of shape Tetra: no functor of the collider bounds it"),
+    (grid_connection, "#3 of shape GridConnection: .* as a Sphere.* add Bo1_GridConnection_Aabb"),
     (free_damped_sphere, "NewtonIntegrator.damping = 0.2"),
     (free_turning_wall, "free to turn, which a Wall cannot"),
     (massless_wall, r"state.mass = 0.*admissible range \(0, inf\) kg"),
