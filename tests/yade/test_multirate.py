@@ -20,13 +20,15 @@ import softgrain as sg
 RATIO = 10
 
 
-def pressed(ratio=RATIO, speed=0.5, **engine):
-    """A disk between a wall and two small disks on another wall, pressed; returns both walls."""
+def pressed(ratio=RATIO, speed=0.5, stiffness=1, **engine):
+    """A disk between a wall and two small disks, so many times as stiff, on another wall, pressed;
+    returns both walls."""
     O.reset()
     small = RADIUS / ratio
     add_disk((0, RADIUS + 1.9 * small, 0))
+    stiff = soft_material(young=1e6 * stiffness)
     for side in (-1, 1):
-        add_disk((side * 1.2 * small, small, 0), small)
+        add_disk((side * 1.2 * small, small, 0), small, stiff)
     walls = add_wall(0, 1, friction=0.5), add_wall(2 * RADIUS + 1.9 * small, 1, friction=0.5)
     walls[1].state.vel = (0, -speed, 0)
     ready(rigidMotion=False, **{"multirate": True, **engine})
@@ -136,10 +138,73 @@ def test_velocities_at_points_need_every_step(method):
     assert sg.integrator().rates() == {1: 2}
 
 
+def test_grain_that_touches_stiffer_ones():
+    """It is computed as often as these, from its next computation on."""
+    pressed(stiffness=4)
+    engine = sg.integrator()
+    run(2)
+    rate = max(engine.rates())
+    assert rate == 2 * RATIO
+    run(rate)
+    before = engine.pointsUpdated
+    run(3 * rate)
+    assert engine.pointsUpdated - before == 3 * rate * sum(map(points_of, sg.soft_bodies()))
+
+
+def test_stiff_grains_in_a_packing_of_soft_ones():
+    """Forces that are held while a stiff neighbour shakes the nodes would feed it."""
+    R = RADIUS
+    side = 6.02 * R
+    damped = dict(massDamping=100, poisson=0.3, frictionAngle=0.3)
+    for i in range(3):
+        for j in range(3):
+            place = (R * (1 + 2.01 * i), R * (1 + 2.01 * j), 0)
+            add_disk(place, material=soft_material(**damped))
+    for i in range(2):
+        for j in range(2):
+            place = (R * (2.005 + 2.01 * i), R * (2.005 + 2.01 * j), 0)
+            add_disk(place, 0.35 * R, soft_material(young=1e7, **damped))
+    walls = [add_wall(x, axis, friction=0.3) for axis in (0, 1) for x in (0, side)]
+    walls[1].state.vel, walls[3].state.vel = (-1, 0, 0), (0, -1, 0)
+    ready(multirate=True)
+    sg.set_time_step(0.85)
+    O.trackEnergy = True
+    run(2)
+    assert sg.integrator().rates() == {1: 4, 9: 9}
+    balance = sg.Balance()
+    while walls[3].state.pos[1] > 0.93 * side:
+        run(1)
+    for wall in walls:
+        wall.state.vel = (0, 0, 0)
+    run(2500)
+    assert abs(balance.error()) < 3e-3
+
+
+@pytest.mark.parametrize("stiffness", (10, 100))
+def test_stiff_grain_hits_a_soft_one(stiffness):
+    velocities = []
+    for multirate in (True, False):
+        O.reset()
+        big = add_disk()
+        stiff = soft_material(young=1e6 * stiffness)
+        small = add_disk((1.4 * RADIUS, 0.15 * RADIUS, 0), 0.35 * RADIUS, stiff)
+        big.state.angVel = (0, 0, 20)
+        small.state.vel = (-1, 0, 0)
+        ready(multirate=multirate, rigidMotion=False)
+        sg.set_time_step(0.85)
+        O.trackEnergy = True
+        while O.time < 0.015:
+            run(1)
+        assert abs(sg.integrator().energy()["impact"]) > 0
+        velocities.append(list(small.state.vel))
+    assert velocities[0] == pytest.approx(velocities[1], abs=0.01)
+
+
 @pytest.mark.parametrize("suffix", ("yade.bz2", "xml.gz"))
+@pytest.mark.parametrize("stiffness", (1, 4))
 @pytest.mark.parametrize("damping", (0.0, 1e-6))
-def test_save_and_load_between_two_computations(damping, suffix, tmp_path):
-    pressed()
+def test_save_and_load_between_two_computations(damping, stiffness, suffix, tmp_path):
+    pressed(stiffness=stiffness)
     for body in sg.soft_bodies():
         body.material.stiffnessDamping = damping
     run(3 * RATIO + 4)

@@ -6,6 +6,10 @@ namespace softgrain {
 
 namespace {
 
+/// Over the rate: how long a grain goes on with short intervals. Each change of them changes what
+/// its vibrations have for an energy.
+constexpr long longWithout = 1000;
+
 /// Sum of force times displacement rate over the nodes, W.
 template <int dim> double power(const Batch<dim>& batch, const NodalField<dim>& velocity, int g)
 {
@@ -22,19 +26,28 @@ template <int dim> void ForceHolder<dim>::setRate(int g, int steps)
 {
 	slow_ += (steps > 1) - (of_[g].rate > 1);
 	of_[g].rate = steps;
-	if (steps == 1) of_[g].holds = false;
+	if (steps > 1) return;
+	of_[g].holds = false;
+	of_[g].shorter = 0;
+}
+
+template <int dim> void ForceHolder<dim>::meet(int g, int steps, long step)
+{
+	of_[g].shorter = of_[g].shorter ? std::min(of_[g].shorter, steps) : steps;
+	of_[g].met = step;
 }
 
 /// How far ahead of the present the middle of the kicks lies, s.
 template <int dim> double ForceHolder<dim>::lead(int g, const ForceSchedule& schedule) const
 {
-	const long steps = of_[g].rate - schedule.step % of_[g].rate;
-	return 0.5 * (steps - 1) * schedule.dt;
+	return 0.5 * (stepsToNext(g, schedule) - 1) * schedule.dt;
 }
 
 template <int dim>
-void ForceHolder<dim>::lookAhead(Batch<dim>& batch, int g, const ForceSchedule& schedule) const
+void ForceHolder<dim>::lookAhead(Batch<dim>& batch, int g, const ForceSchedule& schedule)
 {
+	Held& held = of_[g];
+	if (schedule.step - held.met > longWithout * held.rate) held.shorter = 0;
 	const double time = lead(g, schedule);
 	const Vec<dim>* v = batch.v.of(g);
 	Vec<dim>*x = batch.x.of(g), *present = batch.vNext.of(g);
@@ -53,6 +66,7 @@ void ForceHolder<dim>::hold(Batch<dim>& batch, int g, const ForceSchedule& sched
 	// In the first step of all it is not known how long a step is.
 	of_[g].holds = of_[g].rate > 1 && schedule.dt > 0;
 	of_[g].energy = energy;
+	of_[g].until = schedule.step + stepsToNext(g, schedule);
 }
 
 template <int dim> void ForceHolder<dim>::followMove(const Batch<dim>& batch, int g, double dt)
@@ -63,17 +77,29 @@ template <int dim> void ForceHolder<dim>::followMove(const Batch<dim>& batch, in
 template <int dim>
 void ForceHolder<dim>::append(const Batch<dim>& batch, int g, std::vector<double>& numbers) const
 {
-	numbers.push_back(of_[g].energy);
+	const Held& held = of_[g];
+	if (!held.holds && held.shorter == 0) return;
+	numbers.push_back(held.shorter);
+	numbers.push_back(static_cast<double>(held.met));
+	if (!held.holds) return;
+	numbers.push_back(static_cast<double>(held.until));
+	numbers.push_back(held.energy);
 	numbers.push_back(batch.report[g].stiffening);
 	appendField(batch.force, g, batch.reference->nodes(), numbers);
 }
 
-template <int dim> void ForceHolder<dim>::restore(Batch<dim>& batch, int g, const double* numbers)
+template <int dim>
+void ForceHolder<dim>::restore(Batch<dim>& batch, int g, const std::vector<double>& numbers)
 {
-	of_[g].holds = true;
-	of_[g].energy = *numbers++;
-	batch.report[g].stiffening = *numbers++;
-	setField(batch.force, g, batch.reference->nodes(), numbers);
+	Held& held = of_[g];
+	held.holds = numbers.size() > intervalNumbers;
+	held.shorter = static_cast<int>(numbers[0]);
+	held.met = static_cast<long>(numbers[1]);
+	if (!held.holds) return;
+	held.until = static_cast<long>(numbers[2]);
+	held.energy = numbers[3];
+	batch.report[g].stiffening = numbers[4];
+	setField(batch.force, g, batch.reference->nodes(), &numbers[5]);
 }
 
 template class ForceHolder<2>;

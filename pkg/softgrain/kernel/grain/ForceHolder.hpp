@@ -20,6 +20,9 @@ public:
 
 	int rate(int g) const { return of_[g].rate; }
 	void setRate(int g, int steps);
+	/// A grain touches one that is stiffer and computed in every so many steps, fewer than its
+	/// rate: from its next computation on it is so, too, until it has not met any for long.
+	void meet(int g, int steps, long step);
 	/// Whether some grain is not computed in every step.
 	bool isNeeded() const { return slow_ > 0; }
 	bool holds(int g) const { return of_[g].holds; }
@@ -27,11 +30,11 @@ public:
 
 	bool isDue(int g, const ForceSchedule& schedule) const
 	{
-		return !of_[g].holds || schedule.step % of_[g].rate == 0;
+		return !of_[g].holds || schedule.step >= of_[g].until;
 	}
 	/// Moves the nodes to where the forces are wanted; those of the present wait in
 	/// `batch.vNext`, which nobody needs before the next velocities.
-	void lookAhead(Batch<dim>& batch, int g, const ForceSchedule& schedule) const;
+	void lookAhead(Batch<dim>& batch, int g, const ForceSchedule& schedule);
 	/// Moves them back and keeps the forces found.
 	void hold(Batch<dim>& batch, int g, const ForceSchedule& schedule);
 	/// Elastic energy of the present positions as far as the force held tells, into the report.
@@ -42,20 +45,31 @@ public:
 	/// What a move by dt with `batch.vNext` makes of it.
 	void followMove(const Batch<dim>& batch, int g, double dt);
 
-	/// What is held, for saving, and back; so many numbers.
+	/// What is held, for saving, and back: nothing, how often a grain is computed if that is
+	/// not by its rate, or so many numbers. `restore` expects as many as `append` makes.
 	static int numberCount(const Batch<dim>& batch)
 	{
-		return 2 + batch.reference->nodes() * dim;
+		return intervalNumbers + 3 + batch.reference->nodes() * dim;
 	}
+	static constexpr int intervalNumbers = 2;
 	void append(const Batch<dim>& batch, int g, std::vector<double>& numbers) const;
-	void restore(Batch<dim>& batch, int g, const double* numbers);
+	void restore(Batch<dim>& batch, int g, const std::vector<double>& numbers);
 
 private:
 	struct Held {
-		int rate = 1; ///< steps between computations
+		int rate = 1;    ///< steps between computations
+		int shorter = 0; ///< the same after it has met stiffer grains; 0: it has not
+		long met = 0;    ///< step in which it did so last
 		bool holds = false;
+		long until = 0;    ///< step before which the force acts
 		double energy = 0; ///< elastic, of the present positions, to first order, J
 	};
+	/// Steps for which a force found now is to act.
+	int stepsToNext(int g, const ForceSchedule& schedule) const
+	{
+		const int interval = of_[g].shorter ? of_[g].shorter : of_[g].rate;
+		return interval - static_cast<int>(schedule.step % interval);
+	}
 	double lead(int g, const ForceSchedule& schedule) const;
 
 	std::vector<Held> of_;

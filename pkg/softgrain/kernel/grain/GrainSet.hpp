@@ -132,6 +132,8 @@ public:
 	virtual bool mayHoldForces() const { return false; }
 	/// Forces of a grain are computed in every so many steps, 1 at the start.
 	virtual void setRate(int g, int steps);
+	/// ForceHolder::meet.
+	virtual void meetStiffer(int, int, long) {}
 
 	// --- the phases of a step ---------------------------------------------------------------
 

@@ -86,9 +86,8 @@ template <int dim> void TotalLagrangian<dim>::restoreRest(int g, const std::vect
 template <int dim> std::vector<double> TotalLagrangian<dim>::heldForces(int g) const
 {
 	std::vector<double> numbers;
-	if (!holder_.holds(g)) return numbers;
 	holder_.append(batch_, g, numbers);
-	if (damper_) damper_->append(g, numbers);
+	if (holder_.holds(g) && damper_) damper_->append(g, numbers);
 	return numbers;
 }
 
@@ -98,9 +97,10 @@ void TotalLagrangian<dim>::setHeldForces(int g, const std::vector<double>& numbe
 	holder_.forget(g);
 	if (numbers.empty()) return;
 	const int own = ForceHolder<dim>::numberCount(batch_);
-	requireSize("forces", numbers, own + (damper_ ? damper_->numberCount() : 0));
-	holder_.restore(batch_, g, numbers.data());
-	if (damper_) damper_->restore(g, numbers.data() + own);
+	if (numbers.size() != ForceHolder<dim>::intervalNumbers)
+		requireSize("forces", numbers, own + (damper_ ? damper_->numberCount() : 0));
+	holder_.restore(batch_, g, numbers);
+	if (holder_.holds(g) && damper_) damper_->restore(g, numbers.data() + own);
 }
 
 template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodePositions(int g) const

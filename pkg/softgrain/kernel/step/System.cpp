@@ -288,6 +288,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	report.kick = lastKick_ = kickTime(settings.dt);
 
 	const std::vector<char> touched = sortLists(lists, report);
+	timeSteps_.followContacts(lists, steps_);
 	clock.end("sortLists");
 	chooseInactiveGrains(lists, touched, settings, report);
 	clock.end("chooseInactiveGrains");

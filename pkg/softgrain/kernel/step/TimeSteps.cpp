@@ -148,6 +148,31 @@ template <int dim> bool TimeSteps<dim>::setMultirate(bool on)
 	return true;
 }
 
+/// Of what its nodes are held by, to a factor that all share, N/m.
+template <int dim> double TimeSteps<dim>::nodeStiffness(int g) const
+{
+	const GrainSet<dim>& set = grains_.setOf(g);
+	const int k = grains_.indexInSet(g);
+	const GrainParameters<dim>& grain = set.parameters(k);
+	const double dr = set.reference().pointSpacing() * grain.radius;
+	return grain.constants.density * std::pow(dr, dim) / std::pow(set.criticalTimeStep(k), 2);
+}
+
+template <int dim>
+void TimeSteps<dim>::followContacts(const std::vector<ContactList<dim>*>& lists, long step)
+{
+	constexpr double alike = 1.05;
+	if (!multirate_) return;
+	for (const ContactList<dim>* list : lists) {
+		int slow = list->first, fast = list->second;
+		if (fast < 0 || rate_[slow] == rate_[fast] || list->contacts.empty()) continue;
+		if (rate_[slow] < rate_[fast]) std::swap(slow, fast);
+		if (nodeStiffness(fast) > alike * nodeStiffness(slow))
+			grains_.setOf(slow).meetStiffer(grains_.indexInSet(slow), rate_[fast],
+							step);
+	}
+}
+
 /// Rates of grains with these critical steps: each divides the next, so that slow grains are
 /// computed together.
 template <int dim> std::vector<int> TimeSteps<dim>::ratesOf(const std::vector<double>& steps) const

@@ -1,6 +1,7 @@
 // Critical steps of the grains of a system, and steps of their own.
 #pragma once
 
+#include "contact/Contact.hpp"
 #include "step/Grains.hpp"
 
 #include <limits>
@@ -32,7 +33,10 @@ public:
 	/// only: as often as fits into their own undeformed critical step. To be called after all
 	/// sets were added. False if nothing changes.
 	bool setMultirate(bool on);
-	/// Steps from one computation of the forces of a grain to the next.
+	/// In step number `step`, by what is near to what: forces of slow grains are computed as
+	/// often as those of faster ones that are stiffer, too.
+	void followContacts(const std::vector<ContactList<dim>*>& lists, long step);
+	/// Steps from one computation of the forces of a grain to the next, at most.
 	int rate(int g) const { return rate_[g]; }
 
 private:
@@ -42,6 +46,7 @@ private:
 	void measure(const std::vector<int>& grains, double enough, int threads);
 	void measureUndeformed();
 	void measureSleepers();
+	double nodeStiffness(int g) const;
 	std::vector<int> ratesOf(const std::vector<double>& steps) const;
 
 	Grains<dim>& grains_;
