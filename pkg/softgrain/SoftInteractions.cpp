@@ -256,13 +256,23 @@ void SoftInteractions::check(Real maxOverlap) const
 	stopOnOverlap(maxOverlap);
 }
 
-void SoftInteractions::refuseWallAlongPlane(const Interaction& I) const
+void SoftInteractions::checkWall(const Interaction& I) const
 {
-	const auto* wall = dynamic_cast<const Wall*>(rigidBodyOf(I).shape.get());
-	if (!wall || wall->axis != 2 || softGrainOf(I).dim == 3) return;
-	throw std::runtime_error(namesOf(I) +
-				 ": a Wall of axis = 2 lies in the plane of 2D soft grains; "
-				 "admissible: 0, 1");
+	const Body& body = rigidBodyOf(I);
+	const auto* wall = dynamic_cast<const Wall*>(body.shape.get());
+	if (!wall) return;
+	if (wall->axis == 2 && softGrainOf(I).dim == 2)
+		throw std::runtime_error(namesOf(I) +
+					 ": a Wall of axis = 2 lies in the plane of 2D soft "
+					 "grains; admissible: 0, 1");
+	for (int a = 0; a < 3; ++a)
+		if (a != wall->axis && body.state->angVel[a] != 0)
+			throw std::runtime_error(
+				namesOf(I) + ": state.angVel[" + std::to_string(a) +
+				"] = " + std::to_string(body.state->angVel[a]) +
+				" 1/s of a Wall of axis = " + std::to_string(wall->axis) +
+				", which turns about its normal only; admissible: 0. Use a Box or "
+				"Facets");
 }
 
 /// Bodies that soft grains cannot touch as they stand.
@@ -271,7 +281,7 @@ void SoftInteractions::checkRigidBodies() const
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
 		const Interaction& I = *interactions_[k];
 		if (pairs_[k]->isOfTwoGrains()) continue;
-		refuseWallAlongPlane(I);
+		checkWall(I);
 		if (!pairs_[k]->hasRigidBody()) continue;
 		const Body& body = rigidBodyOf(I);
 		const auto described =
@@ -394,7 +404,8 @@ void SoftInteractions::addReactions(const Interaction& I, const RigidPartners& p
 	if (sum.active == 0) return;
 	const Real time = free && !pairOf(I).isKept() ? scene_.dt : pairOf(I).kick();
 	scene_.forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);
-	if (!YADE_PTR_DYN_CAST<Wall>(body.shape)) // which has no place, and cannot turn
+	const auto* wall = dynamic_cast<const Wall*>(body.shape.get());
+	if (!wall || body.state->angVel[wall->axis] != 0) // else it has no place
 		scene_.forces.addTorque(body.getId(), sum.moment / time);
 }
 

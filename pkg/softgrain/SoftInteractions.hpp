@@ -64,7 +64,7 @@ private:
 	const Body& rigidBodyOf(const Interaction& I) const;
 	const SoftGrain& softGrainOf(const Interaction& I) const;
 	void checkRigidBodies() const;
-	void refuseWallAlongPlane(const Interaction& I) const;
+	void checkWall(const Interaction& I) const;
 	void checkInterfaces() const;
 	void stopOnOverlap(Real maxOverlap) const;
 	void publishSum(const Interaction& I) const;

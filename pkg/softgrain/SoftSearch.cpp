@@ -150,6 +150,9 @@ void describeFaceOfWall(const Wall& wall, const State& state, const SoftGrain& g
 	d.position[wall.axis] = state.pos[wall.axis] - sideOf(wall, state, centre) * halfSide;
 }
 
+/// About its normal, the only way in which it stays a Wall.
+bool turns(const Wall& wall, const State& state) { return state.angVel[wall.axis] != 0; }
+
 } // namespace
 
 std::array<Vector3r, 3> cornersOf(const Facet& facet, const State& state)
@@ -180,7 +183,7 @@ std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape,
 		d.form = Form::plate;
 		d.corner = cornersOf(*facet, state);
 	} else if (const auto* wall = dynamic_cast<const Wall*>(&shape);
-		   wall && state.blockedDOFs != State::DOF_ALL) {
+		   wall && (state.blockedDOFs != State::DOF_ALL || turns(*wall, state))) {
 		describeFaceOfWall(*wall, state, grain, d);
 	} else
 		return std::nullopt;

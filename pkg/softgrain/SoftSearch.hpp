@@ -70,7 +70,7 @@ public:
 	DEFINE_FUNCTOR_ORDER_2D(Wall, SoftGrain);
 	// clang-format off
 	YADE_CLASS_BASE_DOC(Ig2_Wall_SoftGrain_SoftGeom, IGeomFunctor,
-		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Wall`, which moves as its :yref:`State.vel` says.");
+		"Finds the contact points of a :yref:`SoftGrain` on a :yref:`Wall`, which moves as its :yref:`State.vel` says, and turns about its normal as :yref:`State.angVel` does.");
 	// clang-format on
 
 private:

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, damped_material, ready, run
+from scenes import RADIUS, add_disk, add_wall, damped_material, ready, run, soft_material
 from yade import (
     ForceEngine,
+    FrictMat,
     HarmonicMotionEngine,
     O,
     RotationEngine,
@@ -129,3 +130,68 @@ def test_rotating_box_turns_a_grain():
     normal = np.array((-math.sin(0.1), math.cos(0.1), 0))
     depth = (disk.shape.outline() - np.array(paddle.state.pos)) @ normal - RADIUS
     assert depth.min() > -0.02 * RADIUS and sg.wall_force(paddle.id)[1] < 0
+
+
+def pressed_cube(lid):
+    """A cube on a rough floor, pressed by a lid in its middle; returns lid and floor."""
+    O.reset()
+    rough, smooth = FrictMat(frictionAngle=1.1), FrictMat(frictionAngle=0.1)
+    side = 2 * RADIUS
+    soft = soft_material(massDamping=5000, frictionAngle=1.1)
+    cube = sg.soft_block((0, RADIUS, 0), (side,) * 3, soft, zeta=0.5)
+    O.bodies.append(cube)
+    half = (5 * RADIUS, RADIUS, 5 * RADIUS)
+    floor = utils.box((0, -RADIUS, 0), half, fixed=True, material=rough)
+    if lid == "wall":
+        top = utils.wall(side, axis=1, sense=-1, material=smooth)
+    else:
+        top = utils.box((0, side + RADIUS, 0), half, fixed=True, material=smooth)
+    O.bodies.append([floor, top])
+    ready()
+    top.state.vel = (0, -0.4, 0)
+    start = top.state.pos[1]
+    while top.state.pos[1] > start - 0.02 * side:
+        run(1)
+    top.state.vel = (0, 0, 0)
+    run(300)
+    return top, floor
+
+
+def test_wall_turns_about_its_normal():
+    """It drags as a box does, bears the torque, and wakes what sleeps on it."""
+    torques = []
+    for lid in ("wall", "box"):
+        top, floor = pressed_cube(lid)
+        top.state.angVel = (0, 3, 0)
+        run(1500)
+        on_floor, on_top = (O.forces.t(body.id)[1] for body in (floor, top))
+        assert on_top == pytest.approx(-on_floor, rel=0.02)
+        torques.append([on_floor, on_top, O.forces.f(top.id)[1]])
+    assert torques[0] == pytest.approx(torques[1], rel=1e-3)
+    mean_arm = 0.3826 * 2 * RADIUS  # of a uniform pressure on a square
+    force = torques[0][2]
+    assert torques[0][0] == pytest.approx(math.tan(0.1) * force * mean_arm, rel=0.05)
+
+
+def test_wall_that_turns_wakes_sleepers():
+    top, floor = pressed_cube("wall")
+    while not sg.integrator().sleepingGrains:
+        run(100)
+    assert O.forces.t(floor.id)[1] == pytest.approx(0, abs=1e-4)
+    top.state.angVel = (0, 3, 0)
+    run(1000)
+    assert sg.integrator().sleepingGrains == 0
+    assert O.forces.t(floor.id)[1] > 1e-3
+
+
+@pytest.mark.parametrize("dim", (2, 3))
+def test_wall_that_would_tilt_is_refused(dim):
+    if dim == 2:
+        add_disk()
+    else:
+        O.bodies.append(sg.soft_sphere((0, 0, 0), RADIUS, damped_material(), zeta=0.5))
+    wall = add_wall(-RADIUS, 1)
+    ready()
+    sg.insert_before_solve(RotationEngine(ids=[wall.id], rotationAxis=(0, 0, 1), angularVelocity=2))
+    with pytest.raises(RuntimeError, match=r"angVel\[2\] = 2.* of a Wall of axis = 1, .*Use a Box"):
+        run(5)

@@ -50,7 +50,7 @@ struct HostNotes {
 	/// assembly, that is not known.
 	std::vector<char> moved;
 	Mat3 cell = Mat3::Zero(); ///< periods of a periodic scene as last seen, in columns, m
-	int unbounded = -1; ///< first body whose bounding box is to be looked at; or -1
+	int unbounded = -1;       ///< first body whose bounding box is to be looked at; or -1
 };
 
 class GrainAssembly {
