@@ -143,18 +143,16 @@ void checkBound(const Scene& scene, const Body& body)
 {
 	const string shape = body.shape->getClassName(), own = "Bo1_" + shape + "_Aabb";
 	const string named = "body #" + std::to_string(body.getId()) + " of shape " + shape;
+	const string passing = ", so that soft grains would pass through it";
 	const string never = "Set its bounded = False if nothing is to touch it";
 	const auto functor = boundFunctorOf(scene, body);
 	if (!functor)
-		refuse(named, "no functor of the collider bounds it, so that soft grains would "
-			      "pass through "
-			      "it; they touch Sphere, Wall, Facet and Box. " +
-				      never);
+		refuse(named, "no functor of the collider bounds it" + passing +
+				      "; they touch Sphere, Wall, Facet and Box. " + never);
 	const auto& known = Omega::instance().getDynlibsDescriptor();
 	if (functor->get1DFunctorType1() != shape && known.count(own))
 		refuse(named, "the collider bounds it as a " + functor->get1DFunctorType1() +
-				      ", so that soft grains would pass through it; add " + own +
-				      " to its functors. " + never);
+				      passing + "; add " + own + " to its functors. " + never);
 }
 
 } // namespace
