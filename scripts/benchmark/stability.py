@@ -33,6 +33,7 @@ from stability_scenes import (  # noqa: E402
     press_pair,
     rest,
     ripple,
+    stiff_among_soft,
     tremble,
     wave_speed,
 )
@@ -177,6 +178,12 @@ def tremor_that_stays(scatter, steps):
     return {"kinetic_over_elastic": figures.pop("tremor"), **figures}
 
 
+def own_steps(quick):
+    """Ratio of Young's moduli of small and big disks that take steps of their own, in a packing"""
+    for ratio in (10.0,) if quick else (1.0, 3.0, 10.0, 30.0, 100.0, 1000.0):
+        yield ratio, lambda: stiff_among_soft(ratio, 2000 if quick else 20_000)
+
+
 def distance(quick):
     """Distance from the origin over the diameter; the force against that at the origin"""
     at_origin = None
@@ -232,6 +239,7 @@ STUDIES = {
         at_rest,
         trembling,
         undamped,
+        own_steps,
         distance,
         units,
     )

@@ -209,19 +209,46 @@ def tremble(mu, damping=0.16, scatter=0.02, steps=15_000):
     for k in range(9):
         place = ((2 * (k // 3) + 1) * RADIUS, (2 * (k % 3) + 1) * RADIUS, 0)
         add_disk(place, RADIUS * random.uniform(1 - scatter, 1), soft)
-    side, speed = 6 * RADIUS, 0.016 * wave_speed()
+    balance = squeeze_and_hold(6 * RADIUS, steps)
+    return {
+        "tremor": sg.quasi_static()["kinetic_over_elastic"],
+        **common_figures(balance),
+    }
+
+
+def stiff_among_soft(ratio, steps):
+    """Four small disks, so many times as stiff, in the pores of nine, which all take steps of their
+    own (`multirate`), with friction and little damping, squeezed and held as those of `tremble`."""
+    damping = 0.027 * wave_speed() / RADIUS
+    soft, stiff = (
+        material(0.3, young=young, massDamping=damping) for young in (YOUNG, ratio * YOUNG)
+    )
+    pitch = 2.01 * RADIUS
+    for k in range(9):
+        add_disk((RADIUS + k // 3 * pitch, RADIUS + k % 3 * pitch, 0), soft=soft)
+    for k in range(4):
+        place = ((k // 2 + 1) * pitch, (k % 2 + 1) * pitch, 0)
+        add_disk(place, 0.35 * RADIUS, stiff)
+    balance = squeeze_and_hold(6.02 * RADIUS, steps, multirate=True)
+    return {
+        "kinetic_over_elastic": sg.quasi_static()["kinetic_over_elastic"],
+        **common_figures(balance),
+    }
+
+
+def squeeze_and_hold(side, steps, **engine):
+    """Four frictionless walls about disks, of which two close by 6 % and then stand still for so
+    many steps; the balance of that time."""
+    speed = 0.016 * wave_speed()
     add_wall(0, 0, 1), add_wall(0, 1, 1)
     walls = [add_wall(side, axis, -1, -speed) for axis in (0, 1)]
-    prepare(fraction=0.85)
+    prepare(fraction=0.85, **engine)
     sg.advance(math.ceil(0.06 * side / speed / O.dt))
     balance = sg.Balance()
     for wall in walls:
         O.bodies[wall].state.vel = (0, 0, 0)
     sg.advance(steps)
-    return {
-        "tremor": sg.quasi_static()["kinetic_over_elastic"],
-        **common_figures(balance),
-    }
+    return balance
 
 
 def window_of_rest():
