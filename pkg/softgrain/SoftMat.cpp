@@ -19,6 +19,7 @@ void SoftMat::postLoad(SoftMat&)
 
 softgrain::Condition SoftMat::conditionIn(int dim) const
 {
+	softgrain::require(dim == 2 || dim == 3, "dim", dim, "2, 3");
 	return dim == 3 ? softgrain::Condition::solid : softgrain::conditionByName(condition);
 }
 

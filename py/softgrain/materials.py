@@ -2,6 +2,7 @@
 
 import operator
 
+import numpy as np
 from yade import Material, O, wrapper
 
 #: Label of the material that grains get where a scene has none.
@@ -21,7 +22,7 @@ def soft_material(material):
     Raises:
         ValueError: there is none of that kind.
     """
-    if material == -1:
+    if np.ndim(material) == 0 and material == -1:
         soft = [m for m in O.materials if isinstance(m, wrapper.SoftMat)]
         return soft[-1] if soft else wrapper.SoftMat(label=_DEFAULT_MATERIAL)
     material = found_material(material)

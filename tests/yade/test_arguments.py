@@ -74,6 +74,8 @@ THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
         (lambda: sg.soft_disk(**DISK, material=99), r"material = 99: .* in \[0, "),
         (lambda: sg.soft_disk(**DISK, material=-5), r"material = -5: .* in \[0, "),
         (lambda: sg.soft_disk(**DISK, material=True), "material = True: admissible are a Material"),
+        (lambda: sg.soft_disk(**DISK, material=np.zeros(2)), "material = array.*admissible are a"),
+        (lambda: sg.SoftMat().waveImpedance(4), "dim = 4 is outside the admissible range 2, 3"),
         (lambda: sg.soft_polygon([(0, 0), (1, 0), (0, 1)], corners=[1.7]), "corners = .*whole"),
         (lambda: sg.soft_polygon([(0, 0), (1, 0), (1,)]), r"vertices: .*shape \(n, 2\)"),
         (lambda: sg.soft_block((0, 0, 0), 5), "size = 5: admissible are 2 or 3 numbers"),
