@@ -169,7 +169,7 @@ std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape,
 	using Form = softgrain::RigidBodyDescription::Form;
 	softgrain::RigidBodyDescription d;
 	d.id = id;
-	d.position = state.pos;
+	d.position = d.pivot = state.pos;
 	d.velocity = state.vel;
 	d.angularVelocity = state.angVel;
 	d.orientation = state.ori;

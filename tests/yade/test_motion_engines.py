@@ -173,6 +173,20 @@ def test_wall_turns_about_its_normal():
     assert torques[0][0] == pytest.approx(math.tan(0.1) * force * mean_arm, rel=0.05)
 
 
+def test_torque_of_a_turning_wall_is_about_its_place():
+    top, _ = pressed_cube("wall")
+    top.state.pos = (3 * RADIUS, top.state.pos[1], -RADIUS)
+    top.state.angVel = (0, 3, 0)
+    run(200)
+    (grain,) = sg.soft_bodies()
+    contacts = O.interactions[grain.id, top.id].geom.contacts()
+    forces = np.array(contacts["force"])
+    expected = np.cross(contacts["point"] - np.array(top.state.pos), forces).sum(axis=0)
+    sign = np.sign(O.forces.f(top.id)[1] * forces[:, 1].sum())
+    assert abs(expected[1]) > 1e-3
+    assert list(O.forces.t(top.id)) == pytest.approx(list(sign * expected), rel=0.01, abs=1e-5)
+
+
 def test_wall_that_turns_wakes_sleepers():
     top, floor = pressed_cube("wall")
     while not sg.integrator().sleepingGrains:

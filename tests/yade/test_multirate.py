@@ -180,6 +180,40 @@ def test_stiff_grains_in_a_packing_of_soft_ones():
     assert abs(balance.error()) < 3e-3
 
 
+def test_second_shell_about_stiff_grains():
+    """Soft grains that touch those which touch stiff ones step as these do, and are let go with
+    them."""
+    R = RADIUS
+    damped = dict(poisson=0.3, massDamping=50)
+    soft, stiff = soft_material(**damped), soft_material(young=1e7, **damped)
+    for i in range(3):
+        for j in range(3):
+            add_disk((R * (1 + 2 * i), R * (1 + 2 * j), 0), material=soft if i else stiff)
+    walls = [add_wall(x, axis) for axis in (0, 1) for x in (0, 6 * R)]
+    walls[1].state.vel, walls[3].state.vel = (-1, 0, 0), (0, -1, 0)
+    ready(multirate=True)
+    sg.set_time_step(0.85)
+    O.trackEnergy = True
+    run(2)
+    rate = max(sg.integrator().rates())
+    assert sg.integrator().rates() == {1: 3, rate: 6}
+    while walls[3].state.pos[1] > 6 * R * 0.94:
+        run(1)
+    balance = sg.Balance()
+    for wall in walls:
+        wall.state.vel = (0, 0, 0)
+    run(3000)
+    assert abs(balance.error()) < 1e-3
+    bodies = sg.soft_bodies()
+    for body in bodies[:3]:
+        O.bodies.erase(body.id)
+    add_disk((30 * R, 30 * R, 0), material=stiff)  # moves rigidly
+    run(1000 * rate + 200)
+    before = sg.integrator().pointsUpdated
+    run(10 * rate)
+    assert sg.integrator().pointsUpdated - before == 10 * 6 * points_of(bodies[5])
+
+
 @pytest.mark.parametrize("stiffness", (10, 100))
 def test_stiff_grain_hits_a_soft_one(stiffness):
     velocities = []

@@ -20,6 +20,7 @@ struct RigidBodyDescription {
 	int id; ///< of the YADE body with this surface
 	Form form;
 	Vec3 position, velocity, angularVelocity;
+	Vec3 pivot; ///< the place that has this velocity, and that moments are about, m
 	Rotation orientation;
 	Vec3 size;                  ///< of a ball: the radius; of a block: half sides, m
 	std::array<Vec3, 3> corner; ///< of a plate, in space

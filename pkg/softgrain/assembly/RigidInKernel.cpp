@@ -108,7 +108,7 @@ void describe(RigidSide<dim>& side, const RigidSurface<dim>& surface,
 {
 	const BallSurface<dim> about = ballAbout<dim>(surface);
 	side.surface = surface;
-	side.pivot = toKernel<dim>(body.position) + shift;
+	side.pivot = toKernel<dim>(body.pivot) + shift;
 	side.speed =
 		body.velocity.norm() +
 		body.angularVelocity.norm() * ((about.centre - side.pivot).norm() + about.radius);
@@ -161,6 +161,7 @@ template <int dim> std::optional<RigidContact<dim>> contactOf(const RigidContact
 RigidBodyDescription displaced(RigidBodyDescription body, const Vec3& shift)
 {
 	body.position += shift;
+	body.pivot += shift;
 	for (Vec3& corner : body.corner)
 		corner += shift;
 	return body;

@@ -197,6 +197,36 @@ TEST_CASE("the inside corner of two walls holds a corner on both", "[rigid]")
 		}
 }
 
+TEST_CASE("a step of a block that goes on below the floor holds a corner", "[rigid]")
+{
+	TemplateRecipe square = recipe(0.25);
+	square.form.form = Form::block;
+	const auto reference = makeGrainTemplate<2>(square);
+	const double R = 0.01, dr = 0.25 * R;
+	for (const double height : { 0.1, 0.5, 0.9, 1.2, 1.7, 3. }) {
+		const double low = -2 * R, top = height * dr;
+		const BlockSurface<2> step { { 2 * R, 0.5 * (low + top) },
+					     Mat<2>::Identity(),
+					     { R, 0.5 * (top - low) } };
+		const BlockSurface<2> boxes { { -R, -R }, Mat<2>::Identity(), { 2 * R, R } };
+		const PlateSurface<2> plate { { Vec<2>(-3 * R, 0), Vec<2>(R, 0) } };
+		for (const RigidSurface<2>& floor :
+		     { RigidSurface<2>(boxes), RigidSurface<2>(plate) })
+			for (const double gap : { -1e-3, -1e-9, 0., 1e-9, 1e-3 }) {
+				CAPTURE(height, floor.index(), gap);
+				const ContactBody<2> body =
+					contactBody<2>(*reference, R, { -gap * dr, R + gap * dr });
+				int onStep = 0;
+				for (const auto& c :
+				     contactsWith<2>({ floor, step }, body, 0.1 * dr)) {
+					CHECK(c.gap > -0.01 * dr);
+					onStep += c.key.side == 0 && c.normal[0] < -0.99;
+				}
+				CHECK(onStep >= 1);
+			}
+	}
+}
+
 TEST_CASE("a cube fits into the inside corner of two boxes", "[rigid]")
 {
 	TemplateRecipe cube = recipe(0.5);

@@ -152,12 +152,13 @@ SurfacePlace<dim> placeOnSide(const BlockSurface<dim>& block, const Vec<dim>& y,
 {
 	SurfacePlace<dim> place { side * block.axes.col(a), side * y[a] - block.halfSides[a],
 				  farFromEdges };
-	for (int b = 0; b < dim; ++b) {
+	place.isOnBlock = true;
+	for (int b = 0, edge = 0; b < dim; ++b) {
 		if (b == a) continue;
 		const double toEdge = block.halfSides[b] - std::abs(y[b]);
 		place.toEdge = std::min(place.toEdge, std::max(toEdge, 0.));
 		place.beside = std::hypot(place.beside, std::min(toEdge, 0.));
-		place.inwards -= std::copysign(1., y[b]) * block.axes.col(b);
+		place.edges[edge++] = { -std::copysign(1., y[b]) * block.axes.col(b), toEdge };
 	}
 	return place;
 }

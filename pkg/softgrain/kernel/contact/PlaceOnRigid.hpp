@@ -24,8 +24,14 @@ template <int dim> struct SurfacePlace {
 	/// through it, or it is one of the side that the grain turns away.
 	bool isBehind = false;
 	double beside = 0; ///< how far it lies beyond the end of its side, m
-	/// On a side of a block: along each of its edges by 1 towards the middle.
-	Vec<dim> inwards = Vec<dim>::Zero();
+	/// On a side of a block: directions (unit) across the edges next to it, towards the
+	/// middle, and how far those edges are the other way, m; negative beyond them.
+	struct Edge {
+		Vec<dim> inwards;
+		double away;
+	};
+	bool isOnBlock = false;
+	std::array<Edge, dim - 1> edges;
 };
 
 /// Cosine of the angle by which an outline faces against a direction (unit): 1 where head-on.
@@ -83,7 +89,7 @@ void tryPlaces(const RigidSurface<dim>& surface, const Vec<dim>& x, const Facing
 		if (!place) return;
 		place->beside += (x - from).norm();
 		if (take(*place, from)) return;
-		const bool meetsAnother = !place->inwards.isZero(0) || place->isBehind;
+		const bool meetsAnother = place->isOnBlock || place->isBehind;
 		if (!meetsAnother) return;
 		passed[sides] = place->normal;
 		from -= std::max(place->gap, 0.) * place->normal;

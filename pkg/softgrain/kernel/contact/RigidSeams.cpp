@@ -45,21 +45,40 @@ RigidSeams<dim>::RigidSeams(const ContactOutline<dim>& body, const RigidSide<dim
 {
 }
 
-/// (Before a side near its edge a plate is that goes on. A block may as well rise from the edge:
-/// there a place a little further in lies before both, and not in the block, or but for what the
-/// node has sunk into it.)
 template <int dim> bool RigidSeams<dim>::hides(const Vec<dim>& x, const SurfacePlace<dim>& place)
 {
 	if (place.beside > distance_) return true;
 	if (place.toEdge >= depth_) return false;
 	const Vec<dim> before = this->before(x, place);
-	if (place.inwards.isZero(0)) return goesOnBefore(before);
-	const Vec<dim> further = before + (place.beside + distance_) * place.inwards;
-	return anyOther([&](const SurfaceBeside<dim>& other) {
-		if (std::holds_alternative<BlockSurface<dim>>(other.surface))
+	return place.isOnBlock ? isCovered(before, place) : goesOnBefore(before);
+}
+
+/// (Another block may as well rise from the edge, or end beside the place: there places about it on
+/// the side lie before both, and not in the block, or but for what the node has sunk into it. A
+/// plate covers the place itself, but not what is on the side above it.)
+template <int dim>
+bool RigidSeams<dim>::isCovered(const Vec<dim>& before, const SurfacePlace<dim>& place)
+{
+	constexpr unsigned ways = 1u << (dim - 1); // across each edge inwards (0) or outwards
+	for (unsigned way = 0; way < ways; ++way) {
+		Vec<dim> further = before;
+		bool isOnSide = true;
+		for (int edge = 0; edge < dim - 1; ++edge) {
+			const auto [inwards, away] = place.edges[edge];
+			const bool goesOut = way >> edge & 1;
+			isOnSide = isOnSide && (!goesOut || away > distance_);
+			further +=
+				(goesOut ? -distance_ : distance_ - std::min(away, 0.)) * inwards;
+		}
+		const bool covered = anyOther([&](const SurfaceBeside<dim>& other) {
+			const bool isPlate =
+				std::holds_alternative<PlateSurface<dim>>(other.surface);
+			if (isPlate && way == 0) return isNearer(other.surface, before);
 			return distanceTo<dim>(other.surface, further) < 0.5 * distance_;
-		return isNearer(other.surface, before);
-	});
+		});
+		if (isOnSide && !covered) return false;
+	}
+	return true;
 }
 
 template <int dim>

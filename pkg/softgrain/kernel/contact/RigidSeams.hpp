@@ -39,6 +39,8 @@ private:
 	/// Whether a surface does.
 	bool leaves(const RigidSurface<dim>& surface, const Vec<dim>& edge,
 		    const Vec<dim>& way) const;
+	/// Whether another surface goes on before a place on a side of a block, and all about it.
+	bool isCovered(const Vec<dim>& before, const SurfacePlace<dim>& place);
 	/// Whether such an outline lies along a side of a surface that ends at the tip, and the
 	/// floor goes on there all around: past the end of one nodes hold nothing up.
 	bool isBorneBeside(const RigidSurface<dim>& surface, const Tip<dim>& tip,

@@ -31,12 +31,6 @@ template <int dim> void ForceHolder<dim>::setRate(int g, int steps)
 	of_[g].shorter = 0;
 }
 
-template <int dim> void ForceHolder<dim>::meet(int g, int steps, long step)
-{
-	of_[g].shorter = of_[g].shorter ? std::min(of_[g].shorter, steps) : steps;
-	of_[g].met = step;
-}
-
 /// How far ahead of the present the middle of the kicks lies, s.
 template <int dim> double ForceHolder<dim>::lead(int g, const ForceSchedule& schedule) const
 {

@@ -20,9 +20,17 @@ public:
 
 	int rate(int g) const { return of_[g].rate; }
 	void setRate(int g, int steps);
-	/// A grain touches one that is stiffer and computed in every so many steps, fewer than its
-	/// rate: from its next computation on it is so, too, until it has not met any for long.
-	void meet(int g, int steps, long step);
+	/// Of a grain that has met stiffer ones fewer steps than its rate, from its next
+	/// computation on, until it has met none for long.
+	ForceInterval interval(int g) const
+	{
+		return { of_[g].shorter ? of_[g].shorter : of_[g].rate, of_[g].met };
+	}
+	void setInterval(int g, const ForceInterval& interval)
+	{
+		of_[g].shorter = interval.steps;
+		of_[g].met = interval.met;
+	}
 	/// Whether some grain is not computed in every step.
 	bool isNeeded() const { return slow_ > 0; }
 	bool holds(int g) const { return of_[g].holds; }
@@ -67,8 +75,8 @@ private:
 	/// Steps for which a force found now is to act.
 	int stepsToNext(int g, const ForceSchedule& schedule) const
 	{
-		const int interval = of_[g].shorter ? of_[g].shorter : of_[g].rate;
-		return interval - static_cast<int>(schedule.step % interval);
+		const int steps = interval(g).steps;
+		return steps - static_cast<int>(schedule.step % steps);
 	}
 	double lead(int g, const ForceSchedule& schedule) const;
 

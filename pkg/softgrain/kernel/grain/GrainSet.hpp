@@ -33,6 +33,12 @@ struct ForceSchedule {
 	double dt = 0; ///< length of the last step, taken for that of the next ones, s; 0: unknown
 };
 
+/// How often the forces of a grain that has met stiffer ones are computed.
+struct ForceInterval {
+	int steps = 1; ///< from one computation to the next; its rate, if it has met none
+	long met = 0;  ///< step in which it did so last, itself or through others
+};
+
 /// All that one grain goes on from, component by component, as its formulation keeps it: total
 /// Lagrangian x of the nodes and v of the nodes ('flip': of the points); updated Lagrangian x and v
 /// of the points, then of the contact nodes, and F of the points.
@@ -132,8 +138,9 @@ public:
 	virtual bool mayHoldForces() const { return false; }
 	/// Forces of a grain are computed in every so many steps, 1 at the start.
 	virtual void setRate(int g, int steps);
-	/// ForceHolder::meet.
-	virtual void meetStiffer(int, int, long) {}
+	/// How often that is done for now (ForceHolder::meet).
+	virtual ForceInterval interval(int) const { return {}; }
+	virtual void setInterval(int, const ForceInterval&) {}
 
 	// --- the phases of a step ---------------------------------------------------------------
 

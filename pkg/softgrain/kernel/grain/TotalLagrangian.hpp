@@ -61,7 +61,11 @@ public:
 	/// Where velocities live at the points, they are smoothed in every step.
 	bool mayHoldForces() const override { return !pointVelocities_; }
 	void setRate(int g, int steps) override { holder_.setRate(g, steps); }
-	void meetStiffer(int g, int steps, long step) override { holder_.meet(g, steps, step); }
+	ForceInterval interval(int g) const override { return holder_.interval(g); }
+	void setInterval(int g, const ForceInterval& interval) override
+	{
+		holder_.setInterval(g, interval);
+	}
 	int updateForces(const ForceSchedule& schedule) override;
 	const BulkReport& report(int g) const override { return batch_.report[g]; }
 	void predictVelocities(int g, double kick, const BodyLoad<dim>& load) override;

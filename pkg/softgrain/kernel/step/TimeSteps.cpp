@@ -148,29 +148,52 @@ template <int dim> bool TimeSteps<dim>::setMultirate(bool on)
 	return true;
 }
 
-/// Of what its nodes are held by, to a factor that all share, N/m.
-template <int dim> double TimeSteps<dim>::nodeStiffness(int g) const
+template <int dim> ForceInterval TimeSteps<dim>::intervalOf(int g) const
 {
-	const GrainSet<dim>& set = grains_.setOf(g);
-	const int k = grains_.indexInSet(g);
-	const GrainParameters<dim>& grain = set.parameters(k);
-	const double dr = set.reference().pointSpacing() * grain.radius;
-	return grain.constants.density * std::pow(dr, dim) / std::pow(set.criticalTimeStep(k), 2);
+	return grains_.setOf(g).interval(grains_.indexInSet(g));
+}
+
+/// Whether forces of a grain must not be held while those of another, which it touches, are found
+/// more often: where that holds its nodes more stiffly, or is no lighter by much. (Small grains,
+/// which are fast because they are light, may be touched.)
+template <int dim> bool TimeSteps<dim>::isShakenBy(int g, int other) const
+{
+	auto nodeOf = [&](int grain) { // its mass and stiffness, to a factor that all share
+		const GrainSet<dim>& set = grains_.setOf(grain);
+		const int k = grains_.indexInSet(grain);
+		const GrainParameters<dim>& own = set.parameters(k);
+		const double dr = set.reference().pointSpacing() * own.radius;
+		const double mass = own.constants.density * std::pow(dr, dim);
+		return std::pair(mass, mass / std::pow(set.criticalTimeStep(k), 2));
+	};
+	constexpr double alike = 1.05, light = 0.5;
+	const auto [mass, stiffness] = nodeOf(g);
+	const auto [itsMass, itsStiffness] = nodeOf(other);
+	return itsStiffness > alike * stiffness || itsMass > light * mass;
 }
 
 template <int dim>
 void TimeSteps<dim>::followContacts(const std::vector<ContactList<dim>*>& lists, long step)
 {
-	constexpr double alike = 1.05;
 	if (!multirate_) return;
 	for (const ContactList<dim>* list : lists) {
-		int slow = list->first, fast = list->second;
-		if (fast < 0 || rate_[slow] == rate_[fast] || list->contacts.empty()) continue;
-		if (rate_[slow] < rate_[fast]) std::swap(slow, fast);
-		if (nodeStiffness(fast) > alike * nodeStiffness(slow))
-			grains_.setOf(slow).meetStiffer(grains_.indexInSet(slow), rate_[fast],
-							step);
+		if (list->second < 0 || list->contacts.empty()) continue;
+		followContact(list->first, list->second, step);
+		followContact(list->second, list->first, step);
 	}
+}
+
+/// (What it has through others ends with theirs: two that touch do not keep each other.)
+template <int dim> void TimeSteps<dim>::followContact(int g, int other, long step)
+{
+	ForceInterval own = intervalOf(g);
+	const ForceInterval its = intervalOf(other);
+	if (own.steps < its.steps || rate_[g] == 1) return;
+	const long met = its.steps < rate_[other] ? its.met : step;
+	const bool isFaster = its.steps < own.steps, isNews = own.steps < rate_[g] && met > own.met;
+	if ((!isFaster && !isNews) || !isShakenBy(g, other)) return;
+	own = { its.steps, isFaster ? met : std::max(own.met, met) };
+	grains_.setOf(g).setInterval(grains_.indexInSet(g), own);
 }
 
 /// Rates of grains with these critical steps: each divides the next, so that slow grains are

@@ -33,8 +33,8 @@ public:
 	/// only: as often as fits into their own undeformed critical step. To be called after all
 	/// sets were added. False if nothing changes.
 	bool setMultirate(bool on);
-	/// In step number `step`, by what is near to what: forces of slow grains are computed as
-	/// often as those of faster ones that are stiffer, too.
+	/// In step number `step`: forces of slow grains are computed as often as those of stiffer,
+	/// faster ones that they touch, or of grains like themselves which do.
 	void followContacts(const std::vector<ContactList<dim>*>& lists, long step);
 	/// Steps from one computation of the forces of a grain to the next, at most.
 	int rate(int g) const { return rate_[g]; }
@@ -46,7 +46,9 @@ private:
 	void measure(const std::vector<int>& grains, double enough, int threads);
 	void measureUndeformed();
 	void measureSleepers();
-	double nodeStiffness(int g) const;
+	ForceInterval intervalOf(int g) const;
+	bool isShakenBy(int g, int other) const;
+	void followContact(int g, int other, long step);
 	std::vector<int> ratesOf(const std::vector<double>& steps) const;
 
 	Grains<dim>& grains_;
