@@ -174,3 +174,28 @@ def test_cube_tips_over_the_end_of_a_floor_of_facets():
     while grain.state.pos[1] > -0.5 * RADIUS:
         run(1)
     assert sg.integrator().largestOverlap < 0.02
+
+
+@pytest.mark.parametrize(
+    "angle, speed, damping, spin", [(3.722, 0.078, 200, -19.47), (2.975, 0.314, 0, -5.01)]
+)
+def test_corner_that_is_squeezed_flat(angle, speed, damping, spin):
+    """Both sides of it lie along the floor then, which it does not come through."""
+    angles = [2 * math.pi * k / 3 + angle for k in range(3)]
+    vertices = [
+        (1.2 * RADIUS * math.cos(a), RADIUS * (1.5 + 1.2 * math.sin(a))) for a in angles
+    ]
+    mu = math.atan(0.5)
+    soft = soft_material(young=1e5, poisson=0.3, massDamping=damping, frictionAngle=mu)
+    grain = sg.soft_polygon(vertices, soft, zeta=0.15)
+    O.bodies.append(grain)
+    corners = [(x * WIDE, 0, z * WIDE) for x, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    rough = FrictMat(frictionAngle=mu)
+    for triangle in ((0, 1, 2), (0, 2, 3)):
+        O.bodies.append(utils.facet([corners[k] for k in triangle], material=rough))
+    grain.state.vel, grain.state.angVel = (speed, -0.3, 0), (0, 0, spin)
+    ready(gravity=(0, -9.81, 0))
+    sg.set_time_step(0.85)
+    while O.time < 0.06:
+        run(1)
+        assert grain.shape.outline()[:, 1].min() > -0.01 * RADIUS

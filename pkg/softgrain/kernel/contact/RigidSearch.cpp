@@ -5,6 +5,7 @@
 #include "contact/RigidTips.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -21,6 +22,39 @@ double facingOf(const ContactOutline<dim>& body, int node, const Vec<dim>& direc
 {
 	if (body.hasFacets()) return body.facing(node, direction);
 	return (body.position[node] - body.box.centre()).dot(direction) < 0 ? 1 : -1;
+}
+
+/// A plane.
+template <int dim> struct Flat {
+	Vec<dim> point, normal;
+};
+
+/// That of a plate, or of a block that is so thin that its sides are as one.
+template <int dim> std::optional<Flat<dim>> flatOf(const RigidSurface<dim>& surface, double dr)
+{
+	if (const auto* plate = std::get_if<PlateSurface<dim>>(&surface))
+		return Flat<dim> { plate->corner[0], normalOf<dim>(*plate) };
+	const auto* block = std::get_if<BlockSurface<dim>>(&surface);
+	constexpr double thin = 0.1; // over dr
+	for (int a = 0; block && a < dim; ++a)
+		if (2 * block->halfSides[a] < thin * dr)
+			return Flat<dim> { block->centre, block->axes.col(a) };
+	return std::nullopt;
+}
+
+/// Whether a corner that is squeezed flat upon a surface without an inside, so that it faces both
+/// sides of that, and the far one more perhaps, is of a grain before the side with this normal.
+template <int dim>
+bool liesBefore(const ContactOutline<dim>& body, int node, const std::optional<Flat<dim>>& flat,
+		const Vec<dim>& normal)
+{
+	constexpr double alike = 1 - 1e-9, squeezed = 0.9; // cosines
+	constexpr double near = 0.5;                       // over dr
+	if (!flat || std::abs(normal.dot(flat->normal)) < alike) return false;
+	const double height = (body.position[node] - flat->point).dot(normal);
+	return std::abs(height) < near * body.pointSpacing &&
+	       body.facing(node, normal) > squeezed && body.facing(node, -normal) > squeezed &&
+	       (body.box.centre() - flat->point).dot(normal) > 0;
 }
 
 /// What lies deeper than a contact is none, but is known by its depth. Behind a plate or a block
@@ -66,7 +100,10 @@ std::optional<SurfacePlace<dim>> placeOfNode(const ContactOutline<dim>& body, in
 					     RigidSeams<dim>& seams)
 {
 	const Vec<dim>& x = body.position[s];
-	const Facing<dim> facing = [&](const Vec<dim>& n) { return facingOf<dim>(body, s, n); };
+	const auto flat = body.isSharp(s) ? flatOf<dim>(surface, body.pointSpacing) : std::nullopt;
+	const Facing<dim> facing = [&](const Vec<dim>& n) {
+		return liesBefore<dim>(body, s, flat, -n) ? -1. : facingOf<dim>(body, s, n);
+	};
 	const auto goesOn = [&](const auto& edge, const auto& way) {
 		return seams.goesOnFrom(edge, way);
 	};
@@ -79,7 +116,9 @@ std::optional<SurfacePlace<dim>> placeOfNode(const ContactOutline<dim>& body, in
 		const bool isOfAnother = isNext || place.toEdge < depth;
 		if (place.gap < -depth && isOfAnother) return true;
 		if (place.gap - body.nodeRadius >= reach) return true;
-		if (place.isBehind && !hasComeThrough(body, s, place, seams)) return false;
+		if (place.isBehind && !liesBefore<dim>(body, s, flat, place.normal) &&
+		    !hasComeThrough(body, s, place, seams))
+			return false;
 		if (seams.hides(from, place)) return false;
 		if (!seams.isAnothers(x, place, facing)) touched = place;
 		return true;
