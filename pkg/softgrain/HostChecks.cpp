@@ -1,7 +1,7 @@
 #include "HostChecks.hpp"
 #include "SoftContact.hpp"
-#include "SoftGrain.hpp"
 #include "SoftSearch.hpp"
+#include "TouchedBodies.hpp"
 #include "Yade.hpp"
 
 #include <map>
@@ -170,14 +170,6 @@ void checkSubdomain(const Body& body)
 void checkSubdomain(const Scene&) {}
 void checkSubdomain(const Body&) {}
 #endif
-
-/// Functors for a shape are called for those derived from it too, as a Cylinder is from Sphere.
-bool isTouched(const Shape& shape)
-{
-	const auto& type = typeid(shape);
-	return type == typeid(SoftGrain) || type == typeid(Wall) || type == typeid(Sphere) ||
-	       type == typeid(Facet) || type == typeid(Box);
-}
 
 bool mayLackBound(const Body& body)
 {

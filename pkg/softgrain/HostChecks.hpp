@@ -4,15 +4,12 @@
 namespace yade {
 class Body;
 class Scene;
-class Shape;
 
 /// Throws std::invalid_argument naming the engine or setting of the scene that would act wrongly on
 /// soft grains, or end the process, and what to do instead.
 void checkHost(const Scene& scene);
 /// The same if the body is divided among processes.
 void checkSubdomain(const Body& body);
-/// Whether soft grains touch bodies of this shape; those derived from one are not of it.
-bool isTouched(const Shape& shape);
 /// Whether the collider may have given a body that is to have one no box, or that of a shape which
 /// its own is derived from.
 bool mayLackBound(const Body& body);

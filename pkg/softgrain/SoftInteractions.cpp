@@ -1,11 +1,11 @@
 #include "SoftInteractions.hpp"
-#include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
 #include "RigidPartners.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftContact.hpp"
 #include "SoftSearch.hpp"
 #include "Threads.hpp"
+#include "TouchedBodies.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,71 +16,6 @@ namespace yade {
 using softgrain::Vec3;
 
 namespace {
-
-bool isTouched(const Body& body)
-{
-	return isTouched(*body.shape) && (isSoftGrain(body) || hasFriction(body));
-}
-
-string whyNotTouched(const Body& body)
-{
-	const string shape = body.shape->getClassName();
-	if (!isTouched(*body.shape))
-		return "of shape " + shape +
-		       ". Soft grains touch SoftGrain, Wall, Sphere, Facet and Box only";
-	if (!isTouched(body))
-		return "of material " +
-		       (body.material ? body.material->getClassName() : string("None")) +
-		       ". Rigid bodies that soft grains touch need a FrictMat, or one derived from "
-		       "it";
-	return "of shape " + shape +
-	       ", for which the InteractionLoop has no Ig2 functor: add "
-	       "Ig2_SoftGrain_SoftGrain_SoftGeom, Ig2_Wall_SoftGrain_SoftGeom, "
-	       "Ig2_Sphere_SoftGrain_SoftGeom ..., or see sg.engines()";
-}
-
-[[noreturn]] void refusePair(const Body& grain, const Body& other)
-{
-	throw std::runtime_error("soft grain #" + std::to_string(grain.getId()) +
-				 " comes near body #" + std::to_string(other.getId()) + " " +
-				 whyNotTouched(other));
-}
-
-/// What a body is to soft grains.
-enum class Kind : char { unknown, none, grain, touched, refused };
-
-/// Of all bodies of a scene. Bodies and their shapes lie far from interactions in memory, so each
-/// is looked at once, however many interactions it has, and grains not at all.
-class Kinds {
-public:
-	Kinds(const BodyContainer& bodies, const softgrain::GrainAssembly& assembly)
-		: bodies_(bodies)
-		, kind_(bodies.size(), Kind::unknown)
-	{
-		for (int g = 0; g < assembly.grains(); ++g)
-			kind_[assembly.idOf(g)] = Kind::grain;
-	}
-	Kind operator[](int id)
-	{
-		if (!isId(id)) return Kind::none;
-		if (kind_[id] == Kind::unknown) kind_[id] = kindOf(bodies_[id].get());
-		return kind_[id];
-	}
-	/// Looks at no body.
-	bool isGrain(int id) const { return isId(id) && kind_[id] == Kind::grain; }
-
-private:
-	/// (O.bodies.clear() leaves interactions of bodies behind that are no longer there.)
-	bool isId(int id) const { return id >= 0 && std::size_t(id) < kind_.size(); }
-	static Kind kindOf(const Body* body)
-	{
-		if (!body || !body->shape) return Kind::none;
-		return isTouched(*body) ? Kind::touched : Kind::refused;
-	}
-
-	const BodyContainer& bodies_;
-	std::vector<Kind> kind_;
-};
 
 /// Whether an interaction of a soft grain is real, and of our functors; refuses what soft grains
 /// cannot touch.

@@ -178,7 +178,7 @@ def tremor_that_stays(scatter, steps):
     return {"kinetic_over_elastic": figures.pop("tremor"), **figures}
 
 
-def own_steps(quick):
+def multirate(quick):
     """Ratio of Young's moduli of small and big disks that take steps of their own, in a packing"""
     for ratio in (10.0,) if quick else (1.0, 3.0, 10.0, 30.0, 100.0, 1000.0):
         yield ratio, lambda: stiff_among_soft(ratio, 2000 if quick else 20_000)
@@ -239,7 +239,7 @@ STUDIES = {
         at_rest,
         trembling,
         undamped,
-        own_steps,
+        multirate,
         distance,
         units,
     )

@@ -25,13 +25,19 @@ def rough():
     return soft_material(massDamping=1000, frictionAngle=0.3)
 
 
+def add_facets(start, end, material):
+    """Two, that cut the plane of 2D grains in the way from `start` to `end` (over R)."""
+    ways = ((start, -1), (end, -1), (end, 1), (start, 1))
+    a, b, c, d = ((x * RADIUS, y * RADIUS, z * WIDE) for (x, y), z in ways)
+    O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
+
+
 def add_floor(kind):
     material = FrictMat(frictionAngle=0.3)
     if kind == "wall":
         O.bodies.append(utils.wall(0, axis=1, sense=1, material=material))
-        return
-    a, b, c, d = ((x * WIDE, 0, z * WIDE) for x, z in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
-    O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
+    else:
+        add_facets((-20, 0), (20, 0), material)
 
 
 @pytest.mark.parametrize("make, seconds", [(triangle, 0.2), (cube, 0.12)])
@@ -117,10 +123,8 @@ def test_place_of_a_pair_is_where_it_is_pressed():
 def test_disk_rolls_off_a_table(zeta):
     """Top and upright end of it are facets: what is above one is not behind the other."""
     material = FrictMat(frictionAngle=0.4)
-    for start, end in (((-8 * RADIUS, 0), (0, 0)), ((0, -2 * RADIUS), (0, 0))):
-        corners = [(*start, -WIDE), (*end, -WIDE), (*end, WIDE), (*start, WIDE)]
-        for triangle in ((0, 1, 2), (0, 2, 3)):
-            O.bodies.append(utils.facet([corners[k] for k in triangle], material=material))
+    add_facets((-8, 0), (0, 0), material)
+    add_facets((0, -2), (0, 0), material)
     soft = soft_material(young=1e5, massDamping=1000, frictionAngle=0.4)
     grain = add_disk((-0.5 * RADIUS, RADIUS, 0), material=soft, zeta=zeta)
     grain.state.vel = (0.1, 0, 0)
@@ -142,8 +146,7 @@ def test_disk_slides_off_the_end_of_a_floor(floor, zeta, error):
         size = (4 * RADIUS, RADIUS, WIDE)
         O.bodies.append(utils.box((-4 * RADIUS, -RADIUS, 0), size, fixed=True, material=material))
     else:
-        a, b, c, d = ((x * RADIUS, 0, z * WIDE) for x, z in ((-8, -1), (0, -1), (0, 1), (-8, 1)))
-        O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
+        add_facets((-8, 0), (0, 0), material)
     soft = soft_material(young=1e5, massDamping=1000, frictionAngle=0)
     grain = add_disk((-0.8 * RADIUS, RADIUS, 0), material=soft, zeta=zeta)
     grain.state.vel = (v0, 0, 0)
@@ -162,10 +165,8 @@ def test_disk_slides_off_the_end_of_a_floor(floor, zeta, error):
 
 
 def test_cube_tips_over_the_end_of_a_floor_of_facets():
-    """Nor is what turns up above it behind it."""
-    a, b, c, d = ((x * RADIUS, 0, z * WIDE) for x, z in ((-8, -1), (0, -1), (0, 1), (-8, 1)))
-    material = FrictMat(frictionAngle=0)
-    O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
+    """The side of it that turns up above the floor is not behind that."""
+    add_facets((-8, 0), (0, 0), FrictMat(frictionAngle=0))
     soft = soft_material(young=1e5, massDamping=1000, frictionAngle=0)
     grain = sg.soft_block((-1.2 * RADIUS, RADIUS, 0), (RADIUS,) * 3, soft, zeta=0.3)
     O.bodies.append(grain)
@@ -185,14 +186,13 @@ def test_corner_that_is_squeezed_flat(angle, speed, damping, spin):
     vertices = [
         (1.2 * RADIUS * math.cos(a), RADIUS * (1.5 + 1.2 * math.sin(a))) for a in angles
     ]
-    mu = math.atan(0.5)
-    soft = soft_material(young=1e5, poisson=0.3, massDamping=damping, frictionAngle=mu)
+    friction = math.atan(0.5)
+    soft = soft_material(
+        young=1e5, poisson=0.3, massDamping=damping, frictionAngle=friction
+    )
     grain = sg.soft_polygon(vertices, soft, zeta=0.15)
     O.bodies.append(grain)
-    corners = [(x * WIDE, 0, z * WIDE) for x, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    rough = FrictMat(frictionAngle=mu)
-    for triangle in ((0, 1, 2), (0, 2, 3)):
-        O.bodies.append(utils.facet([corners[k] for k in triangle], material=rough))
+    add_facets((-20, 0), (20, 0), FrictMat(frictionAngle=friction))
     grain.state.vel, grain.state.angVel = (speed, -0.3, 0), (0, 0, spin)
     ready(gravity=(0, -9.81, 0))
     sg.set_time_step(0.85)

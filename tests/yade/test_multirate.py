@@ -216,6 +216,7 @@ def test_second_shell_about_stiff_grains():
 
 @pytest.mark.parametrize("stiffness", (10, 100))
 def test_stiff_grain_hits_a_soft_one(stiffness):
+    """It moves off as with single steps, though it may come in the midst of a long one."""
     velocities = []
     for multirate in (True, False):
         O.reset()

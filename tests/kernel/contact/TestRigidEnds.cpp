@@ -2,12 +2,11 @@
 #include "contact/RigidLists.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
-#include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
+#include <vector>
 
 using namespace softgrain;
 using namespace softgrain::testing;

@@ -54,31 +54,34 @@ template <int dim> bool RigidSeams<dim>::hides(const Vec<dim>& x, const SurfaceP
 }
 
 /// (Another block may as well rise from the edge, or end beside the place: there places about it on
-/// the side lie before both, and not in the block, or but for what the node has sunk into it. A
-/// plate covers the place itself, but not what is on the side above it.)
+/// the side lie before both, and not in the block, or but for what the node has sunk into it.)
 template <int dim>
 bool RigidSeams<dim>::isCovered(const Vec<dim>& before, const SurfacePlace<dim>& place)
 {
-	constexpr unsigned ways = 1u << (dim - 1); // across each edge inwards (0) or outwards
-	for (unsigned way = 0; way < ways; ++way) {
-		Vec<dim> further = before;
-		bool isOnSide = true;
-		for (int edge = 0; edge < dim - 1; ++edge) {
-			const auto [inwards, away] = place.edges[edge];
-			const bool goesOut = way >> edge & 1;
-			isOnSide = isOnSide && (!goesOut || away > distance_);
-			further +=
-				(goesOut ? -distance_ : distance_ - std::min(away, 0.)) * inwards;
-		}
-		const bool covered = anyOther([&](const SurfaceBeside<dim>& other) {
-			const bool isPlate =
-				std::holds_alternative<PlateSurface<dim>>(other.surface);
-			if (isPlate && way == 0) return isNearer(other.surface, before);
-			return distanceTo<dim>(other.surface, further) < 0.5 * distance_;
-		});
-		if (isOnSide && !covered) return false;
-	}
+	constexpr unsigned ways = 1u << (dim - 1);
+	for (unsigned way = 0; way < ways; ++way)
+		if (!isCoveredTowards(before, place, way)) return false;
 	return true;
+}
+
+/// (A plate covers the place itself, but not what is on the side above it.)
+template <int dim>
+bool RigidSeams<dim>::isCoveredTowards(const Vec<dim>& before, const SurfacePlace<dim>& place,
+				       unsigned way)
+{
+	Vec<dim> further = before;
+	for (int edge = 0; edge < dim - 1; ++edge) {
+		const auto [inwards, away] = place.edges[edge];
+		const bool goesOut = way >> edge & 1;
+		if (goesOut && away <= distance_) return true; // not on the side any more
+		further += (goesOut ? -distance_ : distance_ - std::min(away, 0.)) * inwards;
+	}
+	return anyOther([&](const SurfaceBeside<dim>& other) {
+		const bool isPlate = std::holds_alternative<PlateSurface<dim>>(other.surface);
+		return isPlate && way == 0
+			       ? isNearer(other.surface, before)
+			       : distanceTo<dim>(other.surface, further) < 0.5 * distance_;
+	});
 }
 
 template <int dim>

@@ -41,6 +41,9 @@ private:
 		    const Vec<dim>& way) const;
 	/// Whether another surface goes on before a place on a side of a block, and all about it.
 	bool isCovered(const Vec<dim>& before, const SurfacePlace<dim>& place);
+	/// The same of a place a little further across each edge, inwards, or outwards where `way`
+	/// has the bit of the edge.
+	bool isCoveredTowards(const Vec<dim>& before, const SurfacePlace<dim>& place, unsigned way);
 	/// Whether such an outline lies along a side of a surface that ends at the tip, and the
 	/// floor goes on there all around: past the end of one nodes hold nothing up.
 	bool isBorneBeside(const RigidSurface<dim>& surface, const Tip<dim>& tip,

@@ -24,18 +24,17 @@ double facingOf(const ContactOutline<dim>& body, int node, const Vec<dim>& direc
 	return (body.position[node] - body.box.centre()).dot(direction) < 0 ? 1 : -1;
 }
 
-/// A plane.
-template <int dim> struct Flat {
+template <int dim> struct Flat { ///< a plane
 	Vec<dim> point, normal;
 };
 
-/// That of a plate, or of a block that is so thin that its sides are as one.
+/// The plane of a plate, or of a block that is so thin that its sides are as one.
 template <int dim> std::optional<Flat<dim>> flatOf(const RigidSurface<dim>& surface, double dr)
 {
 	if (const auto* plate = std::get_if<PlateSurface<dim>>(&surface))
 		return Flat<dim> { plate->corner[0], normalOf<dim>(*plate) };
 	const auto* block = std::get_if<BlockSurface<dim>>(&surface);
-	constexpr double thin = 0.1; // over dr
+	constexpr double thin = 0.1; // over dr: overlaps of a step may be as large
 	for (int a = 0; block && a < dim; ++a)
 		if (2 * block->halfSides[a] < thin * dr)
 			return Flat<dim> { block->centre, block->axes.col(a) };
@@ -45,14 +44,16 @@ template <int dim> std::optional<Flat<dim>> flatOf(const RigidSurface<dim>& surf
 /// Whether a corner that is squeezed flat upon a surface without an inside, so that it faces both
 /// sides of that, and the far one more perhaps, is of a grain before the side with this normal.
 template <int dim>
-bool liesBefore(const ContactOutline<dim>& body, int node, const std::optional<Flat<dim>>& flat,
+bool liesBefore(const ContactOutline<dim>& body, int node, const Flat<dim>* flat,
 		const Vec<dim>& normal)
 {
-	constexpr double alike = 1 - 1e-9, squeezed = 0.9; // cosines
-	constexpr double near = 0.5;                       // over dr
+	constexpr double alike = 1 - 1e-9; // cosine
+	// cosine: both sides within 26 degrees of it, as of a corner of 52 degrees or less upon it
+	constexpr double squeezed = 0.9;
+	constexpr double upon = 0.5; // over dr: what is farther off lies over something else
 	if (!flat || std::abs(normal.dot(flat->normal)) < alike) return false;
 	const double height = (body.position[node] - flat->point).dot(normal);
-	return std::abs(height) < near * body.pointSpacing &&
+	return std::abs(height) < upon * body.pointSpacing &&
 	       body.facing(node, normal) > squeezed && body.facing(node, -normal) > squeezed &&
 	       (body.box.centre() - flat->point).dot(normal) > 0;
 }
@@ -95,12 +96,12 @@ bool hasComeThrough(const ContactOutline<dim>& body, int s, const SurfacePlace<d
 /// Where a contact node touches with a gap below `reach`: past places that are hidden, and sides
 /// that the grain is not on.
 template <int dim>
-std::optional<SurfacePlace<dim>> placeOfNode(const ContactOutline<dim>& body, int s, double reach,
-					     const RigidSurface<dim>& surface,
-					     RigidSeams<dim>& seams)
+std::optional<SurfacePlace<dim>>
+placeOfNode(const ContactOutline<dim>& body, int s, double reach, const RigidSurface<dim>& surface,
+	    const std::optional<Flat<dim>>& thin, RigidSeams<dim>& seams)
 {
 	const Vec<dim>& x = body.position[s];
-	const auto flat = body.isSharp(s) ? flatOf<dim>(surface, body.pointSpacing) : std::nullopt;
+	const Flat<dim>* flat = thin && body.isSharp(s) ? &*thin : nullptr;
 	const Facing<dim> facing = [&](const Vec<dim>& n) {
 		return liesBefore<dim>(body, s, flat, -n) ? -1. : facingOf<dim>(body, s, n);
 	};
@@ -132,6 +133,7 @@ void nodesOnSurface(const ContactOutline<dim>& body, double reach, RigidSeams<di
 		    ContactList<dim>& list)
 {
 	const RigidSurface<dim>& surface = list.rigid->surface;
+	const auto thin = flatOf<dim>(surface, body.pointSpacing);
 	const BallSurface<dim> about = ballAbout<dim>(surface);
 	const double within =
 		about.radius + body.nodeRadius + std::max(reach, contactDepth(body, body));
@@ -139,7 +141,7 @@ void nodesOnSurface(const ContactOutline<dim>& body, double reach, RigidSeams<di
 	list.tested += static_cast<int>(nodes.size());
 	for (int s : nodes) {
 		if ((body.position[s] - about.centre).squaredNorm() > within * within) continue;
-		const auto place = placeOfNode(body, s, reach, surface, seams);
+		const auto place = placeOfNode(body, s, reach, surface, thin, seams);
 		if (!place) continue;
 		Contact<dim> contact;
 		contact.normal = place->normal;

@@ -6,10 +6,6 @@ namespace softgrain {
 
 namespace {
 
-/// Over the rate: how long a grain goes on with short intervals. Each change of them changes what
-/// its vibrations have for an energy.
-constexpr long longWithout = 1000;
-
 /// Sum of force times displacement rate over the nodes, W.
 template <int dim> double power(const Batch<dim>& batch, const NodalField<dim>& velocity, int g)
 {
@@ -38,10 +34,8 @@ template <int dim> double ForceHolder<dim>::lead(int g, const ForceSchedule& sch
 }
 
 template <int dim>
-void ForceHolder<dim>::lookAhead(Batch<dim>& batch, int g, const ForceSchedule& schedule)
+void ForceHolder<dim>::lookAhead(Batch<dim>& batch, int g, const ForceSchedule& schedule) const
 {
-	Held& held = of_[g];
-	if (schedule.step - held.met > longWithout * held.rate) held.shorter = 0;
 	const double time = lead(g, schedule);
 	const Vec<dim>* v = batch.v.of(g);
 	Vec<dim>*x = batch.x.of(g), *present = batch.vNext.of(g);

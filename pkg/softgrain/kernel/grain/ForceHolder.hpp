@@ -20,15 +20,15 @@ public:
 
 	int rate(int g) const { return of_[g].rate; }
 	void setRate(int g, int steps);
-	/// Of a grain that has met stiffer ones fewer steps than its rate, from its next
-	/// computation on, until it has met none for long.
+	/// Steps from one computation to the next, for now; a new one counts from the next
+	/// computation on.
 	ForceInterval interval(int g) const
 	{
 		return { of_[g].shorter ? of_[g].shorter : of_[g].rate, of_[g].met };
 	}
 	void setInterval(int g, const ForceInterval& interval)
 	{
-		of_[g].shorter = interval.steps;
+		of_[g].shorter = interval.steps < of_[g].rate ? interval.steps : 0;
 		of_[g].met = interval.met;
 	}
 	/// Whether some grain is not computed in every step.
@@ -42,7 +42,7 @@ public:
 	}
 	/// Moves the nodes to where the forces are wanted; those of the present wait in
 	/// `batch.vNext`, which nobody needs before the next velocities.
-	void lookAhead(Batch<dim>& batch, int g, const ForceSchedule& schedule);
+	void lookAhead(Batch<dim>& batch, int g, const ForceSchedule& schedule) const;
 	/// Moves them back and keeps the forces found.
 	void hold(Batch<dim>& batch, int g, const ForceSchedule& schedule);
 	/// Elastic energy of the present positions as far as the force held tells, into the report.
@@ -66,7 +66,7 @@ public:
 private:
 	struct Held {
 		int rate = 1;    ///< steps between computations
-		int shorter = 0; ///< the same after it has met stiffer grains; 0: it has not
+		int shorter = 0; ///< the same if it has met stiffer grains; 0: its rate
 		long met = 0;    ///< step in which it did so last
 		bool holds = false;
 		long until = 0;    ///< step before which the force acts

@@ -138,7 +138,7 @@ public:
 	virtual bool mayHoldForces() const { return false; }
 	/// Forces of a grain are computed in every so many steps, 1 at the start.
 	virtual void setRate(int g, int steps);
-	/// How often that is done for now (ForceHolder::meet).
+	/// How often that is done for now, from the next computation on.
 	virtual ForceInterval interval(int) const { return {}; }
 	virtual void setInterval(int, const ForceInterval&) {}
 

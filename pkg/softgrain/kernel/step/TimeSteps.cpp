@@ -133,10 +133,13 @@ template <int dim> bool TimeSteps<dim>::setMultirate(bool on)
 	multirate_ = on;
 	ratesChosen_ = true;
 	rate_.assign(grains_.count(), 1);
+	node_.clear();
 	if (on) {
 		std::vector<double> steps;
-		for (int g = 0; g < grains_.count(); ++g)
+		for (int g = 0; g < grains_.count(); ++g) {
 			steps.push_back(stepOf(g, 1, 1));
+			node_.push_back(nodeOf(g));
+		}
 		rate_ = ratesOf(steps);
 	}
 	for (int g = 0; g < grains_.count(); ++g)
@@ -148,52 +151,72 @@ template <int dim> bool TimeSteps<dim>::setMultirate(bool on)
 	return true;
 }
 
+template <int dim> typename TimeSteps<dim>::Node TimeSteps<dim>::nodeOf(int g) const
+{
+	const GrainSet<dim>& set = grains_.setOf(g);
+	const int k = grains_.indexInSet(g);
+	const GrainParameters<dim>& grain = set.parameters(k);
+	const double dr = set.reference().pointSpacing() * grain.radius;
+	const double mass = grain.constants.density * std::pow(dr, dim);
+	return { mass, mass / std::pow(set.criticalTimeStep(k), 2) };
+}
+
 template <int dim> ForceInterval TimeSteps<dim>::intervalOf(int g) const
 {
 	return grains_.setOf(g).interval(grains_.indexInSet(g));
 }
 
-/// Whether forces of a grain must not be held while those of another, which it touches, are found
-/// more often: where that holds its nodes more stiffly, or is no lighter by much. (Small grains,
-/// which are fast because they are light, may be touched.)
-template <int dim> bool TimeSteps<dim>::isShakenBy(int g, int other) const
+template <int dim> void TimeSteps<dim>::setInterval(int g, const ForceInterval& interval)
 {
-	auto nodeOf = [&](int grain) { // its mass and stiffness, to a factor that all share
-		const GrainSet<dim>& set = grains_.setOf(grain);
-		const int k = grains_.indexInSet(grain);
-		const GrainParameters<dim>& own = set.parameters(k);
-		const double dr = set.reference().pointSpacing() * own.radius;
-		const double mass = own.constants.density * std::pow(dr, dim);
-		return std::pair(mass, mass / std::pow(set.criticalTimeStep(k), 2));
-	};
-	constexpr double alike = 1.05, light = 0.5;
-	const auto [mass, stiffness] = nodeOf(g);
-	const auto [itsMass, itsStiffness] = nodeOf(other);
-	return itsStiffness > alike * stiffness || itsMass > light * mass;
+	grains_.setOf(g).setInterval(grains_.indexInSet(g), interval);
 }
 
 template <int dim>
 void TimeSteps<dim>::followContacts(const std::vector<ContactList<dim>*>& lists, long step)
 {
-	if (!multirate_) return;
+	if (!multirate_ || !ratesChosen_) return;
 	for (const ContactList<dim>* list : lists) {
 		if (list->second < 0 || list->contacts.empty()) continue;
 		followContact(list->first, list->second, step);
 		followContact(list->second, list->first, step);
 	}
+	endShortIntervals(step);
 }
 
 /// (What it has through others ends with theirs: two that touch do not keep each other.)
 template <int dim> void TimeSteps<dim>::followContact(int g, int other, long step)
 {
-	ForceInterval own = intervalOf(g);
-	const ForceInterval its = intervalOf(other);
-	if (own.steps < its.steps || rate_[g] == 1) return;
+	if (rate_[g] == 1) return;
+	const ForceInterval own = intervalOf(g), its = intervalOf(other);
 	const long met = its.steps < rate_[other] ? its.met : step;
-	const bool isFaster = its.steps < own.steps, isNews = own.steps < rate_[g] && met > own.met;
-	if ((!isFaster && !isNews) || !isShakenBy(g, other)) return;
-	own = { its.steps, isFaster ? met : std::max(own.met, met) };
-	grains_.setOf(g).setInterval(grains_.indexInSet(g), own);
+	const bool isFaster = its.steps < own.steps;
+	const bool isNews = its.steps == own.steps && own.steps < rate_[g] && met > own.met;
+	if ((isFaster || isNews) && isShakenBy(g, other)) setInterval(g, { its.steps, met });
+}
+
+/// Where the other holds its nodes more stiffly, or is not lighter by much. (Small grains, which
+/// are fast because they are light, may be touched.)
+template <int dim> bool TimeSteps<dim>::isShakenBy(int g, int other) const
+{
+	// rounding, and grains that are all but alike
+	constexpr double alike = 1.05;
+	// what is light has less than half the critical step, or its rate would be the same; as
+	// stiff, it has a quarter of the mass at most
+	constexpr double light = 0.5;
+	const Node &own = node_[g], &its = node_[other];
+	return its.stiffness > alike * own.stiffness || its.mass > light * own.mass;
+}
+
+/// (Long after: each change of intervals changes what vibrations have for an energy.)
+template <int dim> void TimeSteps<dim>::endShortIntervals(long step)
+{
+	constexpr long longWithout = 1000; // over the rate
+	for (int g = 0; g < grains_.count(); ++g) {
+		if (rate_[g] == 1) continue;
+		const ForceInterval own = intervalOf(g);
+		if (own.steps < rate_[g] && step - own.met > longWithout * rate_[g])
+			setInterval(g, { rate_[g], own.met });
+	}
 }
 
 /// Rates of grains with these critical steps: each divides the next, so that slow grains are

@@ -46,9 +46,19 @@ private:
 	void measure(const std::vector<int>& grains, double enough, int threads);
 	void measureUndeformed();
 	void measureSleepers();
+	/// A node of a grain, to factors that all share.
+	struct Node {
+		double mass, stiffness; ///< kg, N/m
+	};
+	Node nodeOf(int g) const;
 	ForceInterval intervalOf(int g) const;
-	bool isShakenBy(int g, int other) const;
+	void setInterval(int g, const ForceInterval& interval);
+	/// What a grain has from another that it touches.
 	void followContact(int g, int other, long step);
+	/// Whether forces of a grain must not be held while those of another, which it touches, are
+	/// found more often.
+	bool isShakenBy(int g, int other) const;
+	void endShortIntervals(long step);
 	std::vector<int> ratesOf(const std::vector<double>& steps) const;
 
 	Grains<dim>& grains_;
@@ -58,6 +68,7 @@ private:
 	       ofSleepers_ = std::numeric_limits<double>::infinity();
 	long sleepersMeasured_ = -1; ///< Grains::listsMade then
 	std::vector<int> rate_;      ///< by grain
+	std::vector<Node> node_;     ///< by grain, if rates differ
 	bool multirate_ = false, ratesChosen_ = false;
 	long measuredPoints_ = 0; ///< not yet taken
 };
