@@ -4,7 +4,7 @@ import math
 
 import pytest
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
-from yade import FrictMat, O, Quaternion, utils
+from yade import FrictMat, O, Quaternion, Vector3, utils
 
 import softgrain as sg
 
@@ -58,6 +58,26 @@ def test_corners_fall_on_facets_as_on_a_wall(make, seconds):
         places.append(list(grain.state.pos))
         assert sg.integrator().largestOverlap < 0.02
     assert places[1] == pytest.approx(places[0], abs=0.05 * RADIUS)
+
+
+@pytest.mark.parametrize(
+    "angle, sideways", [(5.07, (0.52, -0.16)), (4.76, (0.64, -0.03)), (2.71, (0.12, 0.85))]
+)
+def test_cube_falls_on_a_box_without_thickness(angle, sideways):
+    """As those of utils.aabbWalls(thickness=0): a corner on it is not taken for one of what lies
+    beneath."""
+    material = soft_material(young=1e5, poisson=0.3, massDamping=100, frictionAngle=0.3)
+    grain = sg.soft_block((0, 1.5 * RADIUS, 0), (1.6 * RADIUS,) * 3, material, zeta=0.4)
+    grain.state.ori = Quaternion(Vector3(0.3, 0.5, 0.8).normalized(), angle)
+    grain.state.vel = (sideways[0], -1, sideways[1])
+    O.bodies.append(grain)
+    sheet = (5 * RADIUS, 0, 5 * RADIUS)
+    O.bodies.append(utils.box((0, 0, 0), sheet, material=FrictMat(frictionAngle=0.3), fixed=True))
+    ready(gravity=(0, -9.81, 0))
+    while O.time < 0.04:
+        run(1)
+    assert sg.integrator().largestOverlap < 0.03
+    assert grain.state.pos[1] > 0.9 * RADIUS
 
 
 @pytest.mark.parametrize("corner", (30, 60, 90))

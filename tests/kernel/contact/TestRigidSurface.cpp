@@ -101,6 +101,7 @@ TEST_CASE("a sharp corner that leans touches the side that it faces more", "[rig
 	for (const RigidSurface<2>& upright :
 	     { RigidSurface<2>(PlateSurface<2> { { low, high } }),
 	       RigidSurface<2>(PlateSurface<2> { { high, low } }),
+	       RigidSurface<2>(BlockSurface<2> { { 0, 0 }, Mat<2>::Identity(), { 0, 1 } }),
 	       RigidSurface<2>(BlockSurface<2> { { -1, 0 }, Mat<2>::Identity(), { 1, 1 } }) })
 		for (const double gap : { 0.01, 1e-17, 0., -1e-17, -0.01 }) {
 			CAPTURE(upright.index(), gap);

@@ -58,6 +58,15 @@ template <int dim> bool facesMore(const Vec<dim>& direction, const Facing<dim>& 
 	return facing(direction) > std::max(alongSide, facing(-direction));
 }
 
+/// Whether a side of a block is none: the block is so thin, by what a place may have sunk into it,
+/// that it is as a plate, and the outline faces the opposite side more.
+template <int dim>
+bool isOfThinOther(const BlockSurface<dim>& block, int a, const Vec<dim>& normal, double sunk,
+		   const Facing<dim>& facing)
+{
+	return block.halfSides[a] <= sunk && facing(normal) < facing(-normal);
+}
+
 /// Whether one rises steeply, as in the inside corner of a box, and the outline faces both: it may
 /// have sunk into that beyond the edge, and is before the side all the same.
 template <int dim>
@@ -221,6 +230,7 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 		for (const double side : { 1., -1. }) {
 			auto place = placeOnSide<dim>(block, y, a, side);
 			if (facing(place.normal) <= alongSide) continue;
+			if (isOfThinOther<dim>(block, a, place.normal, sunk, facing)) continue;
 			const Vec<dim> foot = x - place.gap * place.normal;
 			const Vec<dim> out = block.axes * beside;
 			const bool inCorner =
