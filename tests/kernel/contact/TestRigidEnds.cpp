@@ -100,6 +100,30 @@ TEST_CASE("a corner of a grain flush with that of a box is not held from beside"
 		}
 }
 
+TEST_CASE("a corner on a stair of plates is not held by what is beneath", "[rigid]")
+{
+	TemplateRecipe square = recipe(0.25);
+	square.form.form = Form::block;
+	const auto reference = makeGrainTemplate<2>(square);
+	const double dr = 0.25 * R, lean = GENERATE(0.3, 0.7, 1.2);
+	const Mat<2> turn = Eigen::Rotation2Dd(lean).toRotationMatrix();
+	const Vec<2> fromCorner = turn * Vec<2>(R, R);
+	const Vec<2> end(0, 0), foot(0, -R);
+	const std::array<RigidSurface<2>, 2> risers { PlateSurface<2> { { end, foot } },
+						      PlateSurface<2> { { foot, end } } };
+	for (const RigidSurface<2>& riser : risers)
+		for (const double before : { 1e-9, 0.01, 0.1, 0.3 }) // the end of the tread, in dr
+			for (const double depth : { -1e-9, 0., 1e-9, 1e-3, 0.04 }) {
+				CAPTURE(lean, before, depth);
+				const Vec<2> corner(-before * dr, -depth * dr);
+				const ContactBody<2> body =
+					contactBody<2>(*reference, R, corner + fromCorner, turn);
+				for (const Contact<2>& c :
+				     contactsWith<2>({ plate(-L, 0), riser }, body, 0.4 * dr))
+					if (c.key.side == 0) CHECK(c.normal[0] > -0.5);
+			}
+}
+
 TEST_CASE("what tips over the end of a plate has not come through it", "[rigid]")
 {
 	TemplateRecipe cube = recipe(0.3);

@@ -123,6 +123,23 @@ bool pokesIn(const PlateSurface<dim>& plate, const std::array<double, dim>& weig
 	return false;
 }
 
+/// Whether a place on a side of the plate lies at an edge where a floor begins before that side,
+/// and the outline is on the floor: it has sunk into that by no more than `sunk`, and the plate is
+/// beneath.
+template <int dim>
+bool isBeneathFloor(const PlateSurface<dim>& plate, const std::array<double, dim>& weight,
+		    const Vec<dim>& normal, const Facing<dim>& facing, const GoesOn<dim>& goesOn,
+		    double sunk)
+{
+	for (int i = 0; i < dim; ++i) {
+		const Vec<dim> away = awayFrom(plate, i);
+		if (weight[i] * away.norm() > sunk) continue;
+		const Vec<dim> edge = placeAt<dim>(plate, weight) + weight[i] * away;
+		if (facesMore<dim>(away.normalized(), facing) && goesOn(edge, normal)) return true;
+	}
+	return false;
+}
+
 template <int dim>
 Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 			  const Facing<dim>& facing, const GoesOn<dim>& goesOn, double sunk)
@@ -145,6 +162,8 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 		if (edge && !rises) return edge;
 		if (isBeyond ? !rises && !isPastEdge<dim>(foot, beyond, out, depth, facing, goesOn)
 			     : pokesIn<dim>(plate, weight, out, depth, facing, goesOn))
+			return std::nullopt;
+		if (!isBeyond && isBeneathFloor<dim>(plate, weight, out, facing, goesOn, sunk))
 			return std::nullopt;
 		SurfacePlace<dim> place { out, -depth, farFromEdges };
 		place.isNearEnd = *std::min_element(weight.begin(), weight.end()) < nearEnd;
