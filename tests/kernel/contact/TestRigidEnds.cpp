@@ -2,6 +2,7 @@
 #include "contact/RigidLists.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -122,6 +123,34 @@ TEST_CASE("a corner on a stair of plates is not held by what is beneath", "[rigi
 				     contactsWith<2>({ plate(-L, 0), riser }, body, 0.4 * dr))
 					if (c.key.side == 0) CHECK(c.normal[0] > -0.5);
 			}
+}
+
+TEST_CASE("a corner between a floor of plates and one upright on it stays before both", "[rigid]")
+{
+	TemplateRecipe square = recipe(0.25);
+	square.form.form = Form::block;
+	const auto reference = makeGrainTemplate<2>(square);
+	const double dr = 0.25 * R, side = GENERATE(-1., 1.);
+	const RigidSurface<2> upright = PlateSurface<2> { { Vec<2>(0, 0), Vec<2>(0, R) } };
+	for (const double past : { 0., 1e-9, 1e-3, 0.02 }) // the upright, in dr
+		for (const double depth : { -0.05, -1e-3, 0., 1e-9, 1e-3, 0.02 }) {
+			CAPTURE(side, past, depth);
+			const Vec<2> centre(side * (past * dr - R), R - depth * dr);
+			const ContactBody<2> body = contactBody<2>(*reference, R, centre);
+			const auto contacts = contactsWith<2>(
+				{ plate(-L, 0), plate(0, L), upright }, body, 0.1 * dr);
+			auto heldAtCorner = [&](const Vec<2>& normal) {
+				const Vec<2> corner = centre + Vec<2>(side * R, -R);
+				auto holds = [&](const Contact<2>& c) {
+					return c.key.side == 0 && c.normal.dot(normal) > 0.9 &&
+					       (body.position[c.key.node] - corner).norm() <
+						       0.01 * dr;
+				};
+				return std::count_if(contacts.begin(), contacts.end(), holds);
+			};
+			CHECK(heldAtCorner({ 0, 1 }) == 1);
+			CHECK(heldAtCorner({ -side, 0 }) == 1);
+		}
 }
 
 TEST_CASE("what tips over the end of a plate has not come through it", "[rigid]")

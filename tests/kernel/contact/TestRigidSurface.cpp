@@ -15,6 +15,7 @@ using namespace softgrain::testing;
 namespace {
 
 constexpr auto anySide = [](const auto&) { return 1.; };
+constexpr auto noWay = [](const auto&, const auto&) { return false; };
 
 /// Distance to the surface of a block by sampling it.
 template <int dim> double sampledDistance(const BlockSurface<dim>& block, const Vec<dim>& x)
@@ -110,6 +111,35 @@ TEST_CASE("a sharp corner that leans touches the side that it faces more", "[rig
 			CHECK((place->normal - Vec<2>(1, 0)).norm() < 1e-15);
 			CHECK(std::abs(place->gap - gap) < 1e-15);
 		}
+}
+
+TEST_CASE("at the edge of two sides a point lies before that which the outline faces more",
+	  "[rigid]")
+{
+	const double sunk = 0.01;
+	const Vec<2> edge(0, 0), right(1, 0), up(0, 1);
+	const RigidSurface<2> block = BlockSurface<2> { { -1, -1 }, Mat<2>::Identity(), { 1, 1 } };
+	const RigidSurface<2> top = PlateSurface<2> { { Vec<2>(-2, 0), edge } };
+	const RigidSurface<2> side = PlateSurface<2> { { edge, Vec<2>(0, -2) } };
+	auto goesAlong = [&](const Vec<2>& way) -> GoesOn<2> {
+		return [way](const auto&, const Vec<2>& there) { return there.dot(way) > 0.9; };
+	};
+	for (const double angle : { 10., 40., 50., 80. })
+		for (const double beneath : { 1e-9, 1e-4, 0.009 })
+			for (const double beside : { 1e-9, 1e-4, 0.009 }) {
+				CAPTURE(angle, beneath, beside);
+				const double a = angle * M_PI / 180;
+				const Vec<2> faced(std::sin(a), std::cos(a)), x(-beside, -beneath);
+				auto facing = [&](const Vec<2>& n) { return faced.dot(n); };
+				const bool isOnTop = angle < 45;
+				const auto place = placeOn<2>(block, x, facing, noWay, sunk);
+				REQUIRE(place);
+				CHECK(place->normal == (isOnTop ? up : right));
+				CHECK(placeOn<2>(top, x, facing, goesAlong(-up), sunk)
+					      .has_value() == isOnTop);
+				CHECK(placeOn<2>(side, x, facing, goesAlong(-right), sunk)
+					      .has_value() != isOnTop);
+			}
 }
 
 TEMPLATE_TEST_CASE_SIG("a plate that pokes into an outline has no side beneath its edge", "[rigid]",

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace softgrain {
 
@@ -108,34 +107,38 @@ Vec<3> awayFrom(const PlateSurface<3>& plate, int i)
 }
 
 /// Whether a point at such a depth beneath the plate is out of it sooner over an edge that the
-/// outline faces: the plate pokes into the outline then, and has no side there but its edge.
+/// outline faces: the plate pokes into the outline then, and has no side there but its edge. (What
+/// has sunk by no more than `sunk` lies before the side that the outline faces more.)
 template <int dim>
 bool pokesIn(const PlateSurface<dim>& plate, const std::array<double, dim>& weight,
 	     const Vec<dim>& normal, double depth, const Facing<dim>& facing,
-	     const GoesOn<dim>& goesOn)
+	     const GoesOn<dim>& goesOn, double sunk)
 {
 	for (int i = 0; depth > 0 && i < dim; ++i) {
 		const Vec<dim> away = awayFrom(plate, i), over = away.normalized();
 		if (weight[i] * away.norm() >= depth || facing(over) <= alongSide) continue;
+		if (depth <= sunk && facing(over) < facing(normal)) continue;
 		const Vec<dim> edge = placeAt<dim>(plate, weight) + weight[i] * away;
 		if (!goesOnFrom<dim>(edge, over, normal, facing, goesOn)) return true;
 	}
 	return false;
 }
 
-/// Whether a place on a side of the plate lies at an edge where a floor begins before that side,
-/// and the outline is on the floor: it has sunk into that by no more than `sunk`, and the plate is
-/// beneath.
+/// Whether a place on a side of the plate is at an edge where a floor that the outline is on
+/// begins, and the plate is beneath: before that side, or behind it by such a depth. The outline
+/// has sunk by no more than `sunk`.
 template <int dim>
 bool isBeneathFloor(const PlateSurface<dim>& plate, const std::array<double, dim>& weight,
-		    const Vec<dim>& normal, const Facing<dim>& facing, const GoesOn<dim>& goesOn,
-		    double sunk)
+		    const Vec<dim>& normal, double depth, const Facing<dim>& facing,
+		    const GoesOn<dim>& goesOn, double sunk)
 {
 	for (int i = 0; i < dim; ++i) {
-		const Vec<dim> away = awayFrom(plate, i);
-		if (weight[i] * away.norm() > sunk) continue;
+		const Vec<dim> away = awayFrom(plate, i), over = away.normalized();
+		if (weight[i] * away.norm() > sunk || !facesMore<dim>(over, facing)) continue;
 		const Vec<dim> edge = placeAt<dim>(plate, weight) + weight[i] * away;
-		if (facesMore<dim>(away.normalized(), facing) && goesOn(edge, normal)) return true;
+		if (goesOn(edge, normal)) return true;
+		const bool isBehind = depth > 0 && depth <= sunk;
+		if (isBehind && facing(over) > facing(normal) && goesOn(edge, -normal)) return true;
 	}
 	return false;
 }
@@ -161,9 +164,10 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 				   risesFrom<dim>(foot, beyond.normalized(), out, facing, goesOn);
 		if (edge && !rises) return edge;
 		if (isBeyond ? !rises && !isPastEdge<dim>(foot, beyond, out, depth, facing, goesOn)
-			     : pokesIn<dim>(plate, weight, out, depth, facing, goesOn))
+			     : pokesIn<dim>(plate, weight, out, depth, facing, goesOn, sunk))
 			return std::nullopt;
-		if (!isBeyond && isBeneathFloor<dim>(plate, weight, out, facing, goesOn, sunk))
+		if (!isBeyond &&
+		    isBeneathFloor<dim>(plate, weight, out, depth, facing, goesOn, sunk))
 			return std::nullopt;
 		SurfacePlace<dim> place { out, -depth, farFromEdges };
 		place.isNearEnd = *std::min_element(weight.begin(), weight.end()) < nearEnd;
@@ -227,6 +231,24 @@ bool isInCorner(const BlockSurface<dim>& block, int a, const Vec<dim>& y, const 
 	return false;
 }
 
+template <int dim> struct PlaceOnSide {
+	const SurfacePlace<dim>& place;
+	bool isInCorner;
+};
+
+/// Of two sides of a block that which a point is nearer to passing, but if it has sunk past both by
+/// no more than `sunk` that which the outline faces more.
+template <int dim>
+bool comesFirst(const PlaceOnSide<dim>& a, const PlaceOnSide<dim>& b, const Facing<dim>& facing,
+		double sunk)
+{
+	auto hasSunk = [&](double gap) { return gap <= 0 && gap >= -sunk; };
+	if (a.isInCorner != b.isInCorner) return a.isInCorner;
+	if (!a.isInCorner && hasSunk(a.place.gap) && hasSunk(b.place.gap))
+		return facing(a.place.normal) > facing(b.place.normal);
+	return a.place.gap > b.place.gap;
+}
+
 template <int dim>
 Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 			  const Facing<dim>& facing, const GoesOn<dim>& goesOn, double sunk)
@@ -254,8 +276,8 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 			const Vec<dim> out = block.axes * beside;
 			const bool inCorner =
 				isInCorner<dim>(block, a, y, foot, place, facing, goesOn, sunk);
-			if (best &&
-			    std::pair(inCorner, place.gap) <= std::pair(bestInCorner, best->gap))
+			if (best && !comesFirst<dim>({ place, inCorner }, { *best, bestInCorner },
+						     facing, sunk))
 				continue;
 			if (edge && !inCorner) continue;
 			if (isBeside && !inCorner &&

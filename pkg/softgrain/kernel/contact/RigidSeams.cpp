@@ -163,10 +163,10 @@ template <int dim> bool RigidSeams<dim>::goesOnBefore(const Vec<dim>& before)
 
 template <int dim>
 bool RigidSeams<dim>::bearsToo(const RigidSurface<dim>& surface, const Vec<dim>& x,
-			       const SurfacePlace<dim>& place, const Facing<dim>& facing) const
+			       const SurfacePlace<dim>& place, const Facing<dim>& facing)
 {
 	const auto goesOn = [this](const auto& edge, const auto& way) {
-		return leaves(rigid_.surface, edge, way);
+		return leaves(rigid_.surface, edge, way) || goesOnFrom(edge, way);
 	};
 	const double alike = rounding * std::max(distance_, std::abs(place.gap));
 	bool bears = false;

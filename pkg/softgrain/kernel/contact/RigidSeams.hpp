@@ -56,7 +56,7 @@ private:
 	bool goesOnBefore(const Vec<dim>& before);
 	/// Whether another surface lies beneath the same place of the outline, and keeps it.
 	bool bearsToo(const RigidSurface<dim>& surface, const Vec<dim>& x,
-		      const SurfacePlace<dim>& place, const Facing<dim>& facing) const;
+		      const SurfacePlace<dim>& place, const Facing<dim>& facing);
 	/// Whether another surface is nearer to a place than this one.
 	bool isNearer(const RigidSurface<dim>& surface, const Vec<dim>& place) const;
 	/// Whether this surface is nearer to what lies before another one.
