@@ -7,6 +7,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 using namespace softgrain;
@@ -26,6 +27,16 @@ RigidSurface<2> box(double from, double to)
 RigidSurface<2> plate(double from, double to)
 {
 	return PlateSurface<2> { { Vec<2>(from, 0), Vec<2>(to, 0) } };
+}
+
+/// Equilateral, a side at the bottom; the circle inside has radius 1.
+TemplateRecipe triangleRecipe(double zeta)
+{
+	Ring ring { { { -std::sqrt(3), -1 }, { std::sqrt(3), -1 }, { 0, 2 } }, { 0, 1, 2 } };
+	TemplateRecipe triangle = recipe(zeta);
+	triangle.form.form = Form::polygon;
+	triangle.form.ring = std::make_shared<const Ring>(ring);
+	return triangle;
 }
 
 template <int dim> std::vector<Contact<dim>> tipsAmong(std::vector<Contact<dim>> contacts)
@@ -166,6 +177,27 @@ TEST_CASE("what tips over the end of a plate has not come through it", "[rigid]"
 			const ContactBody<2> body = contactBody<2>(*reference, R, centre, turn);
 			for (const Contact<2>& c :
 			     contactsWith<2>({ plate(-L, 0) }, body, 0.01 * R))
+				CHECK(c.gap > -1e-9 * R);
+		}
+}
+
+TEST_CASE("a corner that hangs over a ridge has not come through its far side", "[rigid]")
+{
+	const double zeta = GENERATE(0.2, 0.3);
+	const auto reference = makeGrainTemplate<2>(triangleRecipe(zeta));
+	const double dr = zeta * R, slope = GENERATE(0.3, 0.5);
+	const std::vector<RigidSurface<2>> ridge {
+		PlateSurface<2> { { Vec<2>(-L, -slope * L), Vec<2>(0, 0) } },
+		PlateSurface<2> { { Vec<2>(0, 0), Vec<2>(L, -slope * L) } }
+	};
+	for (const double lean : { 0., 0.1, 0.2, 0.28 })
+		for (const double past : { 0.3, 0.6, 0.9, 1.2, 1.8 }) { // of the corner, in dr
+			CAPTURE(zeta, slope, lean, past);
+			const Mat<2> turn = Eigen::Rotation2Dd(-lean).toRotationMatrix();
+			const Vec<2> corner = turn * Vec<2>(-past * dr, 0); // its side on the ridge
+			const Vec<2> centre = corner + turn * Vec<2>(std::sqrt(3) * R, R);
+			const ContactBody<2> body = contactBody<2>(*reference, R, centre, turn);
+			for (const Contact<2>& c : contactsWith<2>(ridge, body, 0.01 * dr))
 				CHECK(c.gap > -1e-9 * R);
 		}
 }

@@ -6,6 +6,8 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 using namespace softgrain;
 using namespace softgrain::testing;
@@ -92,4 +94,77 @@ TEMPLATE_TEST_CASE_SIG("what touches a grain pressed flat is not inside it", "[c
 			for (const auto& list : { ball, pair, back })
 				CHECK(std::isinf(list.deepest) == inside);
 		}
+}
+
+namespace {
+
+/// A disk of radius 1 into which a plate along the negative x axis, of edge at 0, has cut: its
+/// nodes at x < 0 next to the plate lie on it, on both sides, and one where the slit ends.
+ContactBody<2> slitDisk(const GrainTemplate<2>& reference, double end)
+{
+	ContactBody<2> body = contactBody<2>(reference, 1, Vec<2>::Zero());
+	const int count = body.nodes();
+	const auto byX = [&](int a, int b) { return body.position[a][0] < body.position[b][0]; };
+	std::vector<int> order(count);
+	std::iota(order.begin(), order.end(), 0);
+	const int middle = *std::min_element(order.begin(), order.end(), byX);
+	auto node = [&](int k) -> Vec<2>& { return body.position[(middle + k + count) % count]; };
+	node(0) = { end, 0 };
+	for (const int side : { -1, 1 })
+		for (int k = 1; k <= 3; ++k)
+			node(side * k) = { end - 0.3 * k, side * -1e-3 };
+	body.updateGeometry();
+	return body;
+}
+
+} // namespace
+
+TEST_CASE("the edge of a plate in a slit leaves it where the slit ends", "[rigid]")
+{
+	const auto reference = makeGrainTemplate<2>(recipe(0.25));
+	for (const double end : { 0.05, 0.2, -0.05 }) {
+		const ContactBody<2> body = slitDisk(*reference, end);
+		const auto contact = ballOnOutline<2>({ 0, 0 }, 0, body, 1);
+		CAPTURE(end);
+		REQUIRE(body.encloses({ 0, 0 }) == (end < 0));
+		REQUIRE(contact);
+		if (end < 0) {
+			CHECK((contact->normal - Vec<2>(-1, 0)).norm() < 1e-6);
+			CHECK(std::abs(contact->gap - end) < 1e-6);
+		} else
+			CHECK(contact->gap > -1e-2);
+	}
+}
+
+TEST_CASE("the way from a node is inside unless it leads through the outline", "[contact]")
+{
+	const auto reference = makeGrainTemplate<2>(recipe(0.25));
+	const ContactBody<2> body = slitDisk(*reference, 0);
+	const auto top =
+		std::max_element(body.position.begin(), body.position.end(),
+				 [](const Vec<2>& a, const Vec<2>& b) { return a[1] < b[1]; });
+	const int node = static_cast<int>(top - body.position.begin());
+	const Vec<2> across(-0.45, -0.2), beside(0.4, -0.2), before(-0.45, 0.2);
+	REQUIRE(body.encloses(across));
+	CHECK(!body.encloses(node, across));
+	CHECK(body.encloses(node, beside));
+	CHECK(body.encloses(node, before));
+	CHECK(!body.encloses(node, { 0.4, 2 }));
+}
+
+TEST_CASE("the way from a node is inside unless it leads through the outline, in 3D", "[contact]")
+{
+	const auto reference = makeGrainTemplate<3>(recipe(0.3));
+	ContactBody<3> body = contactBody<3>(*reference, 1, Vec<3>::Zero());
+	for (Vec<3>& x : body.position) // an hourglass about the z axis
+		x.head<2>() *= 0.2 + x[2] * x[2];
+	body.updateGeometry();
+	const auto top = std::max_element(
+		body.position.begin(), body.position.end(),
+		[](const Vec<3>& a, const Vec<3>& b) { return a[2] - a[0] < b[2] - b[0]; });
+	const int node = static_cast<int>(top - body.position.begin());
+	const Vec<3> sameSide = body.position[node].cwiseProduct(Vec<3>(0.8, 0.8, -0.9));
+	REQUIRE(body.encloses(sameSide));
+	CHECK(!body.encloses(node, sameSide));
+	CHECK(body.encloses(node, Vec<3>(0, 0, 0.3)));
 }

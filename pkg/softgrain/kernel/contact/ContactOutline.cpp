@@ -21,6 +21,21 @@ Vec<3> facetNormal(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
 	return (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
 }
 
+/// Whether a facet is crossed on the way from one place to another.
+template <int dim>
+bool isCrossed(const std::vector<Vec<dim>>& x, const std::array<int, dim>& f, const Vec<dim>& from,
+	       const Vec<dim>& to)
+{
+	const Vec<dim>& corner = x[f[0]];
+	Mat<dim> sides; // corner + sum_i w_i (x_i - corner) = to + t (from - to)
+	for (int i = 1; i < dim; ++i)
+		sides.col(i - 1) = x[f[i]] - corner;
+	sides.col(dim - 1) = to - from;
+	if (sides.determinant() == 0) return false;
+	const Vec<dim> w = sides.inverse() * (to - corner);
+	return w.minCoeff() >= 0 && w[dim - 1] <= 1 && w.template head<dim - 1>().sum() <= 1;
+}
+
 /// Of the edges of a facet.
 double longestSquare(const std::vector<Vec<2>>& x, const std::array<int, 2>& f)
 {
@@ -114,6 +129,16 @@ template <> bool ContactOutline<3>::encloses(const Vec<3>& x) const
 					A * B * C + a.dot(b) * C + b.dot(c) * A + c.dot(a) * B);
 	}
 	return angle > 2 * std::numbers::pi;
+}
+
+template <int dim> bool ContactOutline<dim>::encloses(int fromNode, const Vec<dim>& x) const
+{
+	if (!encloses(x)) return false;
+	return std::none_of(mesh->facet.begin(), mesh->facet.end(), [&](const auto& vertex) {
+		const bool isAtNode =
+			std::find(vertex.begin(), vertex.end(), fromNode) != vertex.end();
+		return !isAtNode && isCrossed<dim>(position, vertex, position[fromNode], x);
+	});
 }
 
 template <int dim> bool ContactOutline<dim>::holds(const Vec<dim>& centre, double radius) const

@@ -72,6 +72,8 @@ template <int dim> struct ContactOutline {
 	/// Whether a place is inside the polygon (3D: polyhedron) of the nodes; without facets
 	/// never.
 	bool encloses(const Vec<dim>& x) const;
+	/// Whether the straight way there from a node is inside of it as well.
+	bool encloses(int fromNode, const Vec<dim>& x) const;
 	/// Of the largest ball that the grain may hold as it is now, m.
 	double innerRadius() const
 	{

@@ -72,6 +72,20 @@ void append(const ContactKey& key, Contact<dim>& contact, bool isBehind,
 	list.contacts.push_back(contact);
 }
 
+/// Whether the middle of a grain is before a side that a node of it is behind, and the way there
+/// leads through the floor. (The middle may be outside of one that is not convex.)
+template <int dim>
+bool isMiddleBefore(const ContactOutline<dim>& body, int s, const SurfacePlace<dim>& place,
+		    RigidSeams<dim>& seams)
+{
+	const Vec<dim> middle = body.box.centre();
+	if (!body.encloses(middle)) return true;
+	const Vec<dim> way = middle - body.position[s];
+	const double rise = way.dot(place.normal);
+	if (rise <= -place.gap) return false;
+	return seams.isOnFloor(body.position[s] - place.gap / rise * way);
+}
+
 /// Whether a node behind a plate or a block has come through it. Both are touched from all sides:
 /// one on the far side of a sharp corner, near to the plate that the corner stands on, faces as one
 /// that has come through does. The grain of that one goes on before the plate, and not past its
@@ -90,7 +104,8 @@ bool hasComeThrough(const ContactOutline<dim>& body, int s, const SurfacePlace<d
 	auto back = [&](double from) -> Vec<dim> {
 		return body.position[s] - (from - place.gap) / inwards * body.normal[s];
 	};
-	return body.encloses(back(trusted)) && seams.isOnFloor(back(0));
+	return body.encloses(s, back(trusted)) && seams.isOnFloor(back(0)) &&
+	       isMiddleBefore(body, s, place, seams);
 }
 
 /// Where a contact node touches with a gap below `reach`: past places that are hidden, and sides
