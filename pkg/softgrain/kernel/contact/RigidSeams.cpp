@@ -127,9 +127,10 @@ bool RigidSeams<dim>::endsTowards(const Vec<dim>& edge, const Vec<dim>& way, con
 	});
 }
 
+/// (The pieces of a floor need not join to rounding; beyond its end there is none.)
 template <int dim> bool RigidSeams<dim>::isOnFloor(const Vec<dim>& place)
 {
-	return distanceTo<dim>(rigid_.surface, place) < distance_ ||
+	return distanceTo<dim>(rigid_.surface, place) < alike_ ||
 	       anyOther([&](const SurfaceBeside<dim>& other) {
 		       return distanceTo<dim>(other.surface, place) < distance_;
 	       });

@@ -88,23 +88,23 @@ bool isMiddleBefore(const ContactOutline<dim>& body, int s, const SurfacePlace<d
 
 /// Whether a node behind a plate or a block has come through it. Both are touched from all sides:
 /// one on the far side of a sharp corner, near to the plate that the corner stands on, faces as one
-/// that has come through does. The grain of that one goes on before the plate, and not past its
-/// end.
+/// that has come through does. The grain of that one goes on before the plate, as far as it has
+/// come through, and not past its end.
 template <int dim>
 bool hasComeThrough(const ContactOutline<dim>& body, int s, const SurfacePlace<dim>& place,
 		    RigidSeams<dim>& seams)
 {
-	if (place.gap < -contactDepth(body, body)) return false;
+	const double depth = -place.gap, deepest = contactDepth(body, body);
+	if (depth > deepest) return false;
 	if (!body.hasFacets()) return true;
-	constexpr double trustedOverlap = 0.05; // in dr: nodes beside a corner are farther apart
-	const double trusted = trustedOverlap * body.pointSpacing;
 	const double inwards = -body.normal[s].dot(place.normal);
 	if (inwards <= 0) return false;
-	if (place.gap >= -trusted) return true;
-	auto back = [&](double from) -> Vec<dim> {
-		return body.position[s] - (from - place.gap) / inwards * body.normal[s];
-	};
-	return body.encloses(s, back(trusted)) && seams.isOnFloor(back(0)) &&
+	constexpr double trustedOverlap = 0.05; // in dr: nodes beside a corner are farther apart
+	if (depth <= trustedOverlap * body.pointSpacing) return true;
+	if (depth > deepest * inwards) return false; // the way back
+	const Vec<dim>& x = body.position[s];
+	const Vec<dim> back = -depth / inwards * body.normal[s];
+	return body.encloses(s, x + 2 * back) && seams.isOnFloor(x + back) &&
 	       isMiddleBefore(body, s, place, seams);
 }
 
