@@ -39,7 +39,8 @@ def press(disk, to, speed=0.5):
 
 def test_disks_fall_over_an_upright_edge():
     soft, rigid = materials(young=5e3, friction=0.3, damping=50)
-    for start, end in [((0, -5), (0, 0)), ((-6, -5), (6, -5)), ((-4, -5), (-4, 20)), ((4, -5), (4, 20))]:
+    box = [((-6, -5), (6, -5)), ((-4, -5), (-4, 20)), ((4, -5), (4, 20))]
+    for start, end in [((0, -5), (0, 0)), *box]:
         add_segment(start, end, rigid)
     for k in range(12):
         row, column = divmod(k, 3)
