@@ -32,11 +32,28 @@ template <class Soft, class Base> bool isA(const shared_ptr<Base>& object)
 	return object && typeid(*object) == typeid(Soft);
 }
 
+/// (Of soft grains the state is checked where it was changed.)
+void checkRigidState(const Body& body)
+{
+	const State& state = *body.state;
+	const Real sum =
+		state.pos.sum() + state.ori.coeffs().sum() + state.vel.sum() + state.angVel.sum();
+	if (math::isfinite(sum)) return;
+	auto isFinite = [](const auto& v) { return math::isfinite(Real(v.sum())); };
+	const string which = !isFinite(state.pos)            ? "pos"
+			     : !isFinite(state.ori.coeffs()) ? "ori"
+			     : !isFinite(state.vel)          ? "vel"
+							     : "angVel";
+	throw std::invalid_argument(name(body) + ": state." + which +
+				    " is not finite; admissible: finite numbers");
+}
+
 void checkBody(const Body& body)
 {
 	checkSubdomain(body);
 	const bool softShape = isA<SoftGrain>(body.shape);
 	const bool softMaterial = isA<SoftMat>(body.material);
+	if (!softShape) checkRigidState(body);
 	if (softShape && !softMaterial)
 		throw std::invalid_argument(
 			name(body) + " has the soft shape SoftGrain but the material " +

@@ -126,6 +126,7 @@ void SoftGrainIntegrator::advance()
 {
 	clock_.start(TimingInfo::enabled);
 	postLoad(*this); // YADE keeps a value that was refused
+	holdUnpushedWalls();
 	if (!assemble()) return;
 	clock_.end("assembleScene");
 	const NewtonIntegrator& newton = *newtonIntegratorOf(*scene);
@@ -177,6 +178,16 @@ void SoftGrainIntegrator::keepBooks(const softgrain::StepReport& report)
 	if (!scene->trackEnergy) return;
 	publishEnergy();
 	clock_.end("publishEnergy");
+}
+
+void SoftGrainIntegrator::holdUnpushedWalls()
+{
+	for (const Body::id_t id : pushedWalls_.holdTheRest(*scene))
+		LOG_WARN("step "
+			 << scene->iter << ": body #" << id
+			 << " is pushed by no WallStressController any more, and held from "
+			    "now on (state.blockedDOFs, state.vel). Take what it needs to move "
+			    "freely out of 'xyzXYZ'");
 }
 
 /// A run that was loaded goes on with the sums and the step that were saved.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "EnergyBooks.hpp"
+#include "PushedWalls.hpp"
 #include "RigidContacts.hpp"
 #include "RigidPartners.hpp"
 #include "SoftInteractions.hpp"
@@ -88,6 +89,7 @@ private:
 	void warnOfPressure();
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();
+	void holdUnpushedWalls();
 	void keepBooks(const softgrain::StepReport& report);
 	void publishReport(const softgrain::StepReport& report);
 	void publishEnergy();
@@ -100,6 +102,7 @@ private:
 	RigidPartners partners_;
 	RigidContacts rigidContacts_;
 	EnergyBooks energyBooks_;
+	PushedWalls pushedWalls_;
 	softgrain::PhaseClock clock_;
 	Real longestDt_ = 0; ///< that the soft grains have asked for since it began to run, s
 	bool warnedOfPressure_ = false, warnedOfStiffness_ = false;

@@ -1,5 +1,6 @@
 #include "WallStressController.hpp"
 #include "Engines.hpp"
+#include "PushedWalls.hpp"
 #include "Require.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
@@ -24,6 +25,7 @@ WallStressController::Packing packingOf(const Scene& scene)
 		packing.radius = std::min(packing.radius, grain->radius);
 		if (material.get() == last) continue;
 		last = material.get();
+		material->constants().validate();
 		packing.impedance =
 			std::max(packing.impedance, material->waveImpedance(grain->dim));
 		packing.density = std::max(packing.density, material->constants().density);
@@ -70,7 +72,9 @@ void WallStressController::postLoad(WallStressController&)
 	require(drag > 0 && math::isfinite(drag), "drag", drag, "(0, inf)");
 	for (int a = 0; a < 3; ++a)
 		require(math::isfinite(goal[a]) && (goal[a] <= 0 || !(stressMask >> a & 1)), "goal",
-			goal[a], "(-inf, 0] Pa where it is a stress");
+			goal[a],
+			"(-inf, 0] Pa where it is a stress; a goal that fits has to be set before "
+			"stressMask");
 }
 
 Body& WallStressController::wall(int axis, bool upper) const
@@ -149,8 +153,7 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 	State& state = *body.state;
 	const Real surface = area(axis), dashpot = drag * packing.impedance * surface;
 	if (state.blockedDOFs == State::DOF_ALL) {
-		state.blockedDOFs = freeAlong(axis);
-		state.vel = state.angVel = Vector3r::Zero();
+		PushedWalls::free(*scene, body, axis);
 		state.mass = drag * packing.density * surface * packing.radius;
 	}
 	Vector3r force = Vector3r::Zero();
@@ -161,10 +164,18 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 
 void WallStressController::moveWall(int axis)
 {
-	State& state = *wall(axis, true).state;
-	state.blockedDOFs = State::DOF_ALL;
+	Body& body = wall(axis, true);
+	PushedWalls::hold(*scene, body);
+	State& state = *body.state;
 	state.vel = Vector3r::Zero();
 	state.vel[axis] = goal[axis] * length(axis);
+}
+
+bool WallStressController::pushes(Body::id_t id) const
+{
+	for (int a = 0; a < axes(); ++a)
+		if (walls[2 * a + 1] == id) return stressMask >> a & 1;
+	return false;
 }
 
 Vector3r WallStressController::stress() const

@@ -13,6 +13,8 @@ public:
 	void postLoad(WallStressController&);
 	Vector3r stress() const;
 	Vector3r strain() const;
+	/// Whether it presses a wall by a stress.
+	bool pushes(Body::id_t id) const;
 
 	/// What of the soft grains of a scene the motion of a wall goes by.
 	struct Packing {
@@ -23,7 +25,7 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(WallStressController, GlobalEngine,
-		"Loads soft grains in a box of :yref:`walls<Wall>` or :yref:`boxes<Box>`, along each axis by a given stress or strain rate, as :yref:`TriaxialStressController` does for spheres. The upper wall of each pair moves, the lower one stays as it is. A wall under stress is a free rigid body with one degree of freedom: it is pushed by stress times the present area between the other walls, and slowed down by a dashpot; what it takes to reach the stress comes out of the same contact dynamics as everything else, and once it is at rest the stress is held exactly, whatever the stiffness of the packing. Its weight is taken off. This engine stands between :yref:`InteractionLoop` and :yref:`SoftGrainIntegrator`. Doc: doc/decisions/0023-laboratory-loading.md.",
+		"Loads soft grains in a box of :yref:`walls<Wall>` or :yref:`boxes<Box>`, along each axis by a given stress or strain rate, as :yref:`TriaxialStressController` does for spheres. The upper wall of each pair moves, the lower one stays as it is. A wall under stress is a free rigid body with one degree of freedom: it is pushed by stress times the present area between the other walls, and slowed down by a dashpot; what it takes to reach the stress comes out of the same contact dynamics as everything else, and once it is at rest the stress is held exactly, whatever the stiffness of the packing. Its weight is taken off. Once it is pushed no more, as this engine is dead or gone, it is held again where it is, with a warning; a velocity that it is given then counts. This engine stands between :yref:`InteractionLoop` and :yref:`SoftGrainIntegrator`. Doc: doc/decisions/0023-laboratory-loading.md.",
 		((vector<int>, walls, , Attr::triggerPostLoad, "Ids of the walls: lower and upper one along x, along y and, in 3D, along z: 4 or 6."))
 		((Vector3r, goal, Vector3r::Zero(), Attr::triggerPostLoad, "Along each axis the stress, ≤ 0 (tension is positive, as for :yref:`TriaxialStressController`) [Pa], or the rate of logarithmic strain, negative for compression [1/s]; see *stressMask*. May be changed while running."))
 		((int, stressMask, 7, Attr::triggerPostLoad, "Axes along which *goal* is a stress: sum of 1 (x), 2 (y), 4 (z); in [0, 7]."))

@@ -58,6 +58,19 @@ bool liesBefore(const ContactOutline<dim>& body, int node, const Flat<dim>* flat
 	       (body.box.centre() - flat->point).dot(normal) > 0;
 }
 
+/// How far contacts are before or behind a surface.
+template <int dim> double marginOf(const ContactOutline<dim>& body, double reach)
+{
+	return std::max(reach, contactDepth(body, body));
+}
+
+/// A ball that holds the outline. (It bulges out of its facets by less than 0.3 of their longest
+/// edge.)
+template <int dim> BallSurface<dim> ballAbout(const ContactOutline<dim>& body)
+{
+	return { body.box.centre(), body.circumradius + body.nodeRadius + 0.3 * body.longestEdge };
+}
+
 /// What lies deeper than a contact is none, but is known by its depth. Behind a plate or a block
 /// lies the other side of the grain.
 template <int dim>
@@ -143,6 +156,26 @@ placeOfNode(const ContactOutline<dim>& body, int s, double reach, const RigidSur
 	return touched;
 }
 
+/// Whether a block is so thin that what has come through it is known on its far side.
+template <int dim> bool isThin(const RigidSurface<dim>& surface, double depth)
+{
+	const auto* block = std::get_if<BlockSurface<dim>>(&surface);
+	return block && 2 * block->halfSides.minCoeff() < depth;
+}
+
+/// Whether a contact node that is outside of a surface can only be before it, not behind.
+template <int dim>
+bool isBefore(const ContactOutline<dim>& body, int node, const RigidSurface<dim>& surface)
+{
+	const auto* plate = std::get_if<PlateSurface<dim>>(&surface);
+	if (!plate) return !isThin<dim>(surface, contactDepth(body, body));
+	if (!body.hasFacets() || body.isSharp(node)) return false;
+	const Vec<dim> normal = normalOf<dim>(*plate);
+	return (body.position[node] - plate->corner[0]).dot(normal) *
+		       body.normal[node].dot(normal) <
+	       0;
+}
+
 template <int dim>
 void nodesOnSurface(const ContactOutline<dim>& body, double reach, RigidSeams<dim>& seams,
 		    ContactList<dim>& list)
@@ -150,12 +183,14 @@ void nodesOnSurface(const ContactOutline<dim>& body, double reach, RigidSeams<di
 	const RigidSurface<dim>& surface = list.rigid->surface;
 	const auto thin = flatOf<dim>(surface, body.pointSpacing);
 	const BallSurface<dim> about = ballAbout<dim>(surface);
-	const double within =
-		about.radius + body.nodeRadius + std::max(reach, contactDepth(body, body));
-	const auto nodes = body.nodesIn(Box<dim> { about.centre, about.centre }.grown(within));
-	list.tested += static_cast<int>(nodes.size());
-	for (int s : nodes) {
-		if ((body.position[s] - about.centre).squaredNorm() > within * within) continue;
+	const double within = body.nodeRadius + marginOf(body, reach);
+	const double before = body.nodeRadius + std::max(reach, seams.tolerance());
+	const auto around = Box<dim> { about.centre, about.centre }.grown(about.radius + within);
+	for (int s : body.nodesIn(around)) {
+		const double distance = distanceTo<dim>(surface, body.position[s]);
+		if (distance > before && (distance > within || isBefore(body, s, surface)))
+			continue;
+		++list.tested;
 		const auto place = placeOfNode(body, s, reach, surface, thin, seams);
 		if (!place) continue;
 		Contact<dim> contact;
@@ -169,12 +204,15 @@ template <int dim>
 void tipsOnOutline(const ContactOutline<dim>& body, double reach, RigidSeams<dim>& seams,
 		   ContactList<dim>& list)
 {
-	const double margin = std::max(reach, contactDepth(body, body));
+	const double margin = marginOf(body, reach);
 	const double turn = body.pointSpacing / body.inradius; // of the outline, from node to node
 	const bool isPlate = std::holds_alternative<PlateSurface<dim>>(list.rigid->surface);
 	const auto tips =
 		tipsOf<dim>(list.rigid->surface, body.box.grown(margin), body.pointSpacing);
+	const BallSurface<dim> about = ballAbout(body);
 	for (const Tip<dim>& tip : tips) {
+		const double within = about.radius + tip.ball.radius + reach;
+		if ((tip.ball.centre - about.centre).squaredNorm() > within * within) continue;
 		auto contact = ballOnOutline<dim>(tip.ball.centre, tip.ball.radius, body, reach);
 		if (!contact) continue;
 		const bool isPoint = tip.ball.radius == 0;
@@ -188,6 +226,10 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, RigidSeams<dim
 template <int dim>
 void findRigidContacts(const ContactOutline<dim>& body, double reach, ContactList<dim>& list)
 {
+	const BallSurface<dim> about = ballAbout(body);
+	if (distanceTo<dim>(list.rigid->surface, about.centre) >
+	    about.radius + marginOf(body, reach))
+		return;
 	RigidSeams<dim> seams(body, *list.rigid);
 	nodesOnSurface<dim>(body, reach, seams, list);
 	if (body.isSurface()) tipsOnOutline<dim>(body, reach, seams, list);
