@@ -1,8 +1,10 @@
 """Bodies, materials and engines that do not go together: each has its own message; none aborts."""
 
+import math
+
 import pytest
 from scenes import RADIUS, ZETA, add_disk, add_wall, message_of_step, ready, run, soft_material
-from yade import ElastMat, FrictMat, InteractionLoop, NewtonIntegrator, O, utils
+from yade import ElastMat, FrictMat, InteractionLoop, NewtonIntegrator, O, Quaternion, utils
 
 import softgrain as sg
 
@@ -181,3 +183,18 @@ def test_rigid_body_without_friction(make, material):
     name = material.__name__ if material else "None"
     assert f"soft grain #0 comes near body #1 of material {name}" in message
     assert "FrictMat" in message
+
+
+@pytest.mark.parametrize("make", (rigid_sphere, rigid_facet, rigid_box))
+@pytest.mark.parametrize("attribute", ("pos", "ori", "vel", "angVel"))
+def test_state_of_a_rigid_body_that_is_no_number(make, attribute):
+    """Without bounds it would touch nothing any more."""
+    disk = add_disk((-0.5 * RADIUS, 0, 0))
+    rigid = O.bodies[O.bodies.append(make())]
+    ready()
+    run(1)
+    place = disk.state.pos
+    value = Quaternion(math.nan, 0, 0, 0) if attribute == "ori" else (0, 0, math.nan)
+    setattr(rigid.state, attribute, value)
+    assert f"body #1: state.{attribute} is not finite" in message_of_step()
+    assert disk.state.pos == place

@@ -1,5 +1,6 @@
 """Work that is counted, and phases that are timed: nothing is done that a scene does not need."""
 
+import itertools
 import math
 import re
 from pathlib import Path
@@ -7,12 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade.timing
-from scenes import RADIUS, add_disk, add_wall, ready, run
-from yade import O
+from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
+from yade import FrictMat, O, utils
 
 import softgrain as sg
 
 STEPS = 7
+#: Corners of a square in their order, over half its side.
+SQUARE = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 ARCHITECTURE = Path(__file__).resolve().parents[2] / "doc" / "architecture.md"
 
 
@@ -209,3 +212,37 @@ def test_nothing_is_timed_unless_asked_for():
     run(STEPS)
     assert sg.integrator().timingDeltas.data == []
     assert sg.phase_times()["findContacts"] == (0, 0)
+
+
+def sides_of_a_cube(kind):
+    """About a ball that they touch, as walls, boxes or pairs of facets."""
+    material, reach, far = FrictMat(), RADIUS, 5 * RADIUS
+    for axis, side in itertools.product(range(3), (-1, 1)):
+        centre, across = np.zeros(3), np.eye(3)[[a for a in range(3) if a != axis]] * far
+        centre[axis] = side * reach
+        if kind == "walls":
+            O.bodies.append(utils.wall(tuple(centre), axis, sense=-side, material=material))
+        elif kind == "boxes":
+            half = across.sum(axis=0) + 0.5 * RADIUS * np.eye(3)[axis]
+            centre[axis] *= 1.5
+            O.bodies.append(utils.box(centre, half, material=material, fixed=True))
+        else:
+            ends = [centre + i * across[0] + j * across[1] for i, j in SQUARE]
+            for corners in ((0, 1, 2), (0, 2, 3)):
+                O.bodies.append(utils.facet([ends[k] for k in corners], material=material))
+
+
+def test_nodes_far_from_a_side_are_not_candidates():
+    """Of boxes and facets no more than of walls: those that the side has before it."""
+    tested = {}
+    for kind in ("walls", "boxes", "facets"):
+        O.reset()
+        ball = sg.soft_sphere((0, 0, 0), RADIUS, soft_material(), zeta=0.3)
+        O.bodies.append(ball)
+        sides_of_a_cube(kind)
+        ready()
+        run(STEPS)
+        tested[kind] = sg.integrator().candidatesTested / (STEPS * len(ball.shape.outline()))
+    assert tested["boxes"] <= tested["walls"]
+    assert tested["facets"] <= tested["walls"]
+    assert tested["boxes"] < 0.5  # of the nodes in a step, with six sides

@@ -101,6 +101,71 @@ def test_stress_follows_its_goal():
     assert controller.strain()[1] > loaded[1]
 
 
+def die(controller):
+    controller.dead = True
+
+
+def leave(controller):
+    O.engines = [e for e in O.engines if not isinstance(e, sg.WallStressController)]
+
+
+def make_engines_anew(controller):
+    O.engines = sg.engines()
+
+
+def save_and_leave(controller):
+    O.saveTmp()
+    O.loadTmp()
+    leave(controller)
+
+
+@pytest.mark.parametrize("end", (die, leave, make_engines_anew, save_and_leave))
+def test_walls_stay_where_they_were_once_nothing_pushes_them(end):
+    walls = four_disks()
+    ready()
+    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
+    O.run(2000, True)
+    places = [O.bodies[w].state.pos for w in walls]
+    pressed = sg.wall_force(walls[3])[1]
+    end(controller)
+    run(200)
+    assert [O.bodies[w].state.pos for w in walls] == places
+    assert sg.wall_force(walls[3])[1] == pytest.approx(pressed, rel=0.02)
+    assert "softgrain.pushedWalls" not in O.tags.keys()
+    run(1)
+    lid = O.bodies[walls[3]].state
+    lid.vel = (0, -0.01, 0)
+    before = O.time
+    run(10)
+    assert lid.pos[1] == pytest.approx(places[3][1] - 0.01 * (O.time - before), abs=1e-12)
+
+
+def test_wall_that_is_given_a_velocity_when_its_controller_goes():
+    walls = four_disks()
+    ready()
+    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
+    O.run(2000, True)
+    lid, side = (O.bodies[walls[k]].state for k in (3, 1))
+    place, before = lid.pos[1], O.time
+    controller.dead = True
+    lid.vel = (0, -0.02, 0)
+    run(10)
+    assert lid.pos[1] == pytest.approx(place - 0.02 * (O.time - before), abs=1e-12)
+    assert side.vel == (0, 0, 0)
+
+
+def test_wall_that_is_pushed_alone_is_the_user_s():
+    """A free wall without a controller stays free."""
+    walls = four_disks()
+    lid = O.bodies[walls[3]].state
+    lid.blockedDOFs, lid.mass = "xzXYZ", 0.1
+    ready()
+    O.forces.setPermF(walls[3], (0, -1, 0))
+    run(50)
+    assert lid.blockedDOFs == "xzXYZ"
+    assert lid.vel[1] != 0
+
+
 def test_stress_is_held_in_3d():
     """Between Boxes, on three axes."""
     walls = eight_balls()
