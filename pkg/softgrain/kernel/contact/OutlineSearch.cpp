@@ -125,23 +125,25 @@ bool isBefore(const Vec<2>& x, const ContactOutline<2>& body, int facet)
 /// In 3D no grain has thin arms.
 bool isBefore(const Vec<3>&, const ContactOutline<3>&, int) { return true; }
 
-/// In a fold, as about the edge of a plate that stands in the grain, the curve through the nodes
-/// has no use: what is inside is nearest to the node where the outline turns, and goes out there.
-void goOutOfFold(const Vec<2>& x, const ContactOutline<2>& body, const PlaceOnOutline<2>& place,
+/// What is inside and nearest to a node goes out there: where the outline turns back on itself, as
+/// about the edge of a plate that stands in the grain, the curve through the nodes has no use.
+void goOutAtNode(const Vec<2>& x, const ContactOutline<2>& body, const PlaceOnOutline<2>& place,
 		 Contact<2>& contact)
 {
-	constexpr double alike = 0.85; // cosine of the angle between the normal and the way out
 	const int end = place.weight[0] > place.weight[1] ? 0 : 1;
-	if (place.weight[end] < 1) return;
-	const Vec<2> out = body.position[body.mesh->facet[place.facet][end]] - x;
+	const int node = body.mesh->facet[place.facet][end];
+	if (place.weight[end] < 1 || body.isSharp(node) || !body.encloses(x)) return;
+	const Vec<2> out = body.position[node] - x;
 	const double depth = out.norm();
-	if (!(out.dot(contact.normal) < alike * depth) || !body.encloses(x)) return;
+	if (!(depth > 0)) return;
+	contact.weight = {};
+	contact.weight[1 + end] = 1; // of the four that carry the curve
 	contact.normal = out / depth;
 	contact.gap = -depth;
 }
 
 /// In 3D the outline is flat between its nodes.
-void goOutOfFold(const Vec<3>&, const ContactOutline<3>&, const PlaceOnOutline<3>&, Contact<3>&) {}
+void goOutAtNode(const Vec<3>&, const ContactOutline<3>&, const PlaceOnOutline<3>&, Contact<3>&) {}
 
 /// Deeper nodes, in dr, are looked at once more: whether they are inside at all. Bent sides feign 1
 /// to 2; what is pressed in stays far below, and need not be looked at.
@@ -208,7 +210,7 @@ std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
 		leanOnOutline(centre, body, place, contact);
 	else {
 		measureGap(centre, body, place, contact);
-		goOutOfFold(centre, body, place, contact);
+		goOutAtNode(centre, body, place, contact);
 	}
 	isBeyondEdge(centre, body, place, noWidth, contact);
 	contact.gap -= radius;
