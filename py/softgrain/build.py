@@ -169,7 +169,10 @@ def _soft_body(center, radius, dim, material, color, mask, shape, form=None):
     body = Body()
     attributes = {**shape, **(form or {}), "radius": radius, "dim": dim, "color": Vector3(*color)}
     body.shape = made(wrapper.SoftGrain, attributes)
-    volume, inertia = volume_and_inertia(body.shape)
+    try:
+        volume, inertia = volume_and_inertia(body.shape)
+    except OverflowError:
+        raise ValueError(f"radius = {radius}: the volume of the grain is no number") from None
     utils._commonBodySetup(
         body,
         volume,

@@ -55,6 +55,38 @@ def lengths(name, value, sizes):
     return list(numbers)
 
 
+def array(name, value):
+    """An argument as an array of floats, of any shape.
+
+    Args:
+        name (str): of the argument, for the message.
+        value (array): numbers.
+
+    Raises:
+        ValueError: something else.
+    """
+    try:
+        return np.asarray(value, float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} = {value!r}: admissible is an array of numbers") from None
+
+
+def mapping(name, value, content):
+    """An argument as it is, a dict or the like.
+
+    Args:
+        name (str): of the argument, for the message.
+        value (mapping): to be checked.
+        content (str): what is in it, for the message.
+
+    Raises:
+        ValueError: something else.
+    """
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{name} = {value!r}: admissible is a dict of {content}")
+    return value
+
+
 def _numbers(value):
     """A tuple of floats; an empty one where the value is no sequence of numbers."""
     if isinstance(value, (str, bytes, Mapping, Set)):  # have items, but no numbers in an order
@@ -140,7 +172,7 @@ def made(cls, attributes):
     }
     try:
         return cls(**plain)
-    except (TypeError, AttributeError):
+    except (TypeError, AttributeError, OverflowError):
         for name, value in plain.items():
             _check_type(cls, name, value)
         raise
@@ -151,7 +183,7 @@ def _check_type(cls, name, value):
         raise ValueError(f"{name} is no attribute of {cls.__name__}")
     try:
         cls(**{name: value})  # assigned later, it might be read-only
-    except (TypeError, AttributeError):
+    except (TypeError, AttributeError, OverflowError):
         kind = f"{cls.__name__}.{name}"
         raise ValueError(f"{name} = {value!r} is of no type that {kind} takes") from None
     except ValueError:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from softgrain import _softgrain
-from softgrain.checks import index, number
+from softgrain.checks import index, mapping, number
 
 #: Arrays of a problem with a vector, and a number, for each contact.
 _VECTORS, _NUMBERS = ("free_velocity", "start"), ("bias", "friction")
@@ -32,6 +32,7 @@ def solve_contact_problem(problem, tolerance=1e-10, max_sweeps=100_000):
     """
     tolerance = number("tolerance", tolerance, "(0, inf)")
     max_sweeps = index("max_sweeps", max_sweeps)
+    mapping("problem", problem, "arrays, as SoftGrainIntegrator.contactProblem gives them")
     arrays = {name: np.asarray(problem[name]) for name in ("normal", *_VECTORS, *_NUMBERS)}
     shape = arrays["normal"].shape
     if len(shape) != 2 or shape[1] not in (2, 3):

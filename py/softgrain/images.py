@@ -117,11 +117,12 @@ def read_labels(image):
         ValueError: neither a name nor an array, or one that is empty, not two-dimensional or not of
             integers.
     """
+    is_name = isinstance(image, os.PathLike) or (isinstance(image, str) and image != "")
     if isinstance(image, (list, tuple)):
         image = np.array(image)
-    elif not isinstance(image, (np.ndarray, str, os.PathLike)):
+    elif not (is_name or isinstance(image, np.ndarray)):
         raise ValueError(f"image = {image!r}: admissible are the name of a file and an array")
-    elif not isinstance(image, np.ndarray):
+    elif is_name:
         with Image.open(image) as picture:
             if picture.mode in ("RGB", "RGBA"):
                 colours = np.array(picture, dtype=np.int64)[:, :, :3]

@@ -7,7 +7,7 @@ import numpy as np
 from yade import O, wrapper
 
 from softgrain import _softgrain
-from softgrain.checks import index, indices, number
+from softgrain.checks import array, index, indices, number
 from softgrain.time_loop import integrators
 
 
@@ -119,7 +119,7 @@ def von_mises(cauchy):
     Raises:
         ValueError: another shape.
     """
-    cauchy = np.asarray(cauchy, float)
+    cauchy = array("cauchy", cauchy)
     if cauchy.shape[-2:] != (3, 3):
         raise ValueError(f"cauchy has shape {cauchy.shape}; admissible: (..., 3, 3)")
     mean = np.trace(cauchy, axis1=-2, axis2=-1) / 3

@@ -3,6 +3,8 @@
 import numpy as np
 from yade import Interaction, O, wrapper
 
+from softgrain.checks import array
+
 #: Of forces, over the largest one: normal parts of tangential impulses.
 ROUNDING = 1e-12
 
@@ -79,7 +81,7 @@ def contact_halfwidth(position, force):
         ValueError: a force is negative or no number, a position no finite one, or there are not as
             many of these as of those.
     """
-    position, force = np.asarray(position, float), np.asarray(force, float)
+    position, force = array("position", position), array("force", force)
     if position.ndim != 1 or position.shape != force.shape:
         raise ValueError(
             f"position, force have shapes {position.shape}, {force.shape}; admissible: (n,) both"

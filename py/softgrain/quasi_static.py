@@ -5,6 +5,7 @@ Formulas: ``doc/theory.md``, section 3; measured: ``doc/decisions/0016-quasi-sta
 
 import math
 import warnings
+from collections.abc import Iterable
 
 import numpy as np
 from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
@@ -166,7 +167,11 @@ def scale_mass(factor, materials=None):
         materials = [b.material for b in bodies]
     elif isinstance(materials, (Material, int, str, np.integer)):
         materials = [materials]
+    elif not isinstance(materials, Iterable):
+        materials = []
     materials = [found_material(material) for material in materials]
+    if not materials:
+        raise ValueError("materials: admissible are SoftMats, one or more, or None")
     for material in materials:
         if not isinstance(material, wrapper.SoftMat):
             raise ValueError(f"materials: {type(material).__name__} is no SoftMat")

@@ -30,7 +30,7 @@ from yade import (
 )
 
 from softgrain import _softgrain
-from softgrain.checks import finite_vector, index, made, number
+from softgrain.checks import finite_vector, index, made, mapping, number
 
 #: Tag of the scene: ``O.dt`` as last set by set_time_step [s] and the fraction of the critical step
 #: that it was.
@@ -124,7 +124,7 @@ def engines(
         verlet_distance = _usual_verlet_distance()
     verlet_distance = number("verlet_distance", verlet_distance, "[0, inf)", "m")
     _refuse_walls_in_a_cell()
-    interface = _checked_interface(interface or {})
+    interface = _checked_interface({} if interface is None else interface)
     integrator.setdefault("interfaceRange", _longest_range(interface))
     if label:
         integrator["label"] = label
@@ -185,6 +185,7 @@ def _present_velocity_gradient():
 
 def _checked_interface(interface):
     """The attributes, numbers as MatchMakers."""
+    mapping("interface", interface, "attributes of Ip2_SoftPhys")
     known = set(wrapper.Ip2_SoftPhys().dict()) - set(wrapper.IPhysFunctor().dict())
     unknown = sorted(set(interface) - known)
     if unknown:
