@@ -125,25 +125,35 @@ bool isBefore(const Vec<2>& x, const ContactOutline<2>& body, int facet)
 /// In 3D no grain has thin arms.
 bool isBefore(const Vec<3>&, const ContactOutline<3>&, int) { return true; }
 
-/// What is inside and nearest to a node goes out there: where the outline turns back on itself, as
-/// about the edge of a plate that stands in the grain, the curve through the nodes has no use.
-void goOutAtNode(const Vec<2>& x, const ContactOutline<2>& body, const PlaceOnOutline<2>& place,
-		 Contact<2>& contact)
+/// The shares that the nodes of a place have of what leans on it, without those beside the facet.
+void setShares(const PlaceOnOutline<2>& place, Contact<2>& contact)
 {
-	const int end = place.weight[0] > place.weight[1] ? 0 : 1;
-	const int node = body.mesh->facet[place.facet][end];
-	if (place.weight[end] < 1 || body.isSharp(node) || !body.encloses(x)) return;
-	const Vec<2> out = body.position[node] - x;
-	const double depth = out.norm();
-	if (!(depth > 0)) return;
-	contact.weight = {};
-	contact.weight[1 + end] = 1; // of the four that carry the curve
-	contact.normal = out / depth;
-	contact.gap = -depth;
+	contact.weight = { 0, place.weight[0], place.weight[1], 0 }; // carriers
+}
+void setShares(const PlaceOnOutline<3>& place, Contact<3>& contact)
+{
+	contact.weight = place.weight;
 }
 
-/// In 3D the outline is flat between its nodes.
-void goOutAtNode(const Vec<3>&, const ContactOutline<3>&, const PlaceOnOutline<3>&, Contact<3>&) {}
+/// What is inside and nearest to where facets join goes out there: where the outline turns back on
+/// itself, as about the edge of a plate that stands in the grain, the arcs over them have no use.
+template <int dim>
+void goOutAtJoint(const Vec<dim>& x, const ContactOutline<dim>& body,
+		  const PlaceOnOutline<dim>& place, Contact<dim>& contact)
+{
+	Vec<dim> foot = Vec<dim>::Zero();
+	for (int i = 0; i < dim; ++i) {
+		const int node = body.mesh->facet[place.facet][i];
+		if (place.weight[i] > 0 && body.isSharp(node)) return;
+		foot += place.weight[i] * body.position[node];
+	}
+	const bool isAtJoint = *std::min_element(place.weight.begin(), place.weight.end()) <= 0;
+	const double depth = (foot - x).norm();
+	if (!isAtJoint || !(depth > 0) || !body.encloses(x)) return;
+	setShares(place, contact);
+	contact.normal = (foot - x) / depth;
+	contact.gap = -depth;
+}
 
 /// Deeper nodes, in dr, are looked at once more: whether they are inside at all. Bent sides feign 1
 /// to 2; what is pressed in stays far below, and need not be looked at.
@@ -210,7 +220,7 @@ std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
 		leanOnOutline(centre, body, place, contact);
 	else {
 		measureGap(centre, body, place, contact);
-		goOutAtNode(centre, body, place, contact);
+		goOutAtJoint(centre, body, place, contact);
 	}
 	isBeyondEdge(centre, body, place, noWidth, contact);
 	contact.gap -= radius;
