@@ -1,7 +1,7 @@
 #include "PushedWalls.hpp"
-#include "WallStressController.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 
 namespace yade {
@@ -10,6 +10,14 @@ namespace {
 
 const string tagOfWalls = "softgrain.pushedWalls=";
 
+/// When a wall was pushed last, and where it was then.
+struct Push {
+	Body::id_t id = -1;
+	int axis = 0;
+	long step = 0;
+	Real time = 0, place = 0; ///< s, m along the axis
+};
+
 std::vector<string>::iterator tagIn(Scene& scene)
 {
 	return std::find_if(scene.tags.begin(), scene.tags.end(), [](const string& tag) {
@@ -17,91 +25,101 @@ std::vector<string>::iterator tagIn(Scene& scene)
 	});
 }
 
-std::vector<Body::id_t> pushedWalls(Scene& scene)
+/// Numbers of a push are joined by colons, pushes by commas: YADE takes spaces out of tags.
+std::vector<Push> pushesIn(Scene& scene)
 {
+	std::vector<Push> pushes;
 	const auto tag = tagIn(scene);
-	std::vector<Body::id_t> walls;
-	if (tag == scene.tags.end()) return walls;
-	std::istringstream ids(tag->substr(tagOfWalls.size()));
-	for (string id; std::getline(ids, id, ',');)
-		walls.push_back(std::stoi(id));
-	return walls;
+	if (tag == scene.tags.end()) return pushes;
+	std::istringstream text(tag->substr(tagOfWalls.size()));
+	char colon = 0;
+	for (Push p; text >> p.id >> colon >> p.axis >> colon >> p.step >> colon >> p.time >>
+		     colon >> p.place;) {
+		pushes.push_back(p);
+		text >> colon;
+	}
+	return pushes;
 }
 
-void setPushedWalls(Scene& scene, const std::vector<Body::id_t>& walls)
+void setPushes(Scene& scene, const std::vector<Push>& pushes)
 {
 	const auto tag = tagIn(scene);
 	if (tag != scene.tags.end()) scene.tags.erase(tag);
-	if (walls.empty()) return;
-	string ids;
-	for (const Body::id_t id : walls)
-		ids += (ids.empty() ? "" : ",") + std::to_string(id);
-	scene.tags.push_back(tagOfWalls + ids);
+	if (pushes.empty()) return;
+	std::ostringstream text;
+	text.precision(std::numeric_limits<Real>::max_digits10);
+	for (const Push& p : pushes)
+		text << (&p == &pushes.front() ? "" : ",") << p.id << ':' << p.axis << ':' << p.step
+		     << ':' << p.time << ':' << p.place;
+	scene.tags.push_back(tagOfWalls + text.str());
 }
 
-/// All of a scene but one.
-std::vector<Body::id_t> without(Scene& scene, Body::id_t id)
+std::vector<Push> pushesBut(Scene& scene, Body::id_t id)
 {
-	auto walls = pushedWalls(scene);
-	walls.erase(std::remove(walls.begin(), walls.end(), id), walls.end());
-	return walls;
+	auto pushes = pushesIn(scene);
+	pushes.erase(std::remove_if(pushes.begin(), pushes.end(),
+				    [id](const Push& p) { return p.id == id; }),
+		     pushes.end());
+	return pushes;
 }
 
-bool isPushed(const Scene& scene, Body::id_t id)
+int freeAlong(int axis) { return State::DOF_ALL & ~State::axisDOF(axis); }
+
+/// Whether it is still the wall that was freed.
+bool isFree(const Scene& scene, const Push& push)
 {
-	return std::any_of(scene.engines.begin(), scene.engines.end(), [&](const auto& engine) {
-		const auto* controller = dynamic_cast<const WallStressController*>(engine.get());
-		return controller && !controller->dead && controller->pushes(id);
-	});
+	if (!scene.bodies->exists(push.id)) return false;
+	const Body& body = *(*scene.bodies)[push.id];
+	const bool isWall = dynamic_cast<const Wall*>(body.shape.get()) ||
+			    dynamic_cast<const Box*>(body.shape.get());
+	return isWall && body.state->blockedDOFs == freeAlong(push.axis);
+}
+
+/// Whether the velocity is that by which NewtonIntegrator has moved it.
+bool isAsMoved(const State& state, const Push& push, Real time)
+{
+	constexpr Real alike = 1e-6, rounding = 1e-12;
+	const Real way = state.vel[push.axis] * (time - push.time);
+	const Real moved = state.pos[push.axis] - push.place;
+	return std::abs(way - moved) <= alike * std::abs(moved) + rounding * std::abs(push.place);
 }
 
 } // namespace
 
-void PushedWalls::free(Scene& scene, Body& wall, int axis)
+void freeToPush(Scene& scene, Body& wall, int axis)
 {
-	auto walls = without(scene, wall.getId());
-	walls.push_back(wall.getId());
-	setPushedWalls(scene, walls);
-	wall.state->blockedDOFs = State::DOF_ALL & ~State::axisDOF(axis);
+	wall.state->blockedDOFs = freeAlong(axis);
 	wall.state->vel = wall.state->angVel = Vector3r::Zero();
+	notePush(scene, wall, axis);
 }
 
-void PushedWalls::hold(Scene& scene, Body& wall)
+void holdWall(Scene& scene, Body& wall)
 {
-	setPushedWalls(scene, without(scene, wall.getId()));
+	setPushes(scene, pushesBut(scene, wall.getId()));
 	wall.state->blockedDOFs = State::DOF_ALL;
 }
 
-/// Whether its velocity is that by which NewtonIntegrator has moved it.
-bool PushedWalls::isAsMoved(const State& state, Body::id_t id, Real time) const
+void notePush(Scene& scene, const Body& wall, int axis)
 {
-	const auto before = place_.find(id);
-	if (before == place_.end()) return true; // not known in a scene that was loaded
-	constexpr Real alike = 1e-6, rounding = 1e-12;
-	const Vector3r way = state.vel * (time - time_), moved = state.pos - before->second;
-	return (way - moved).norm() <= alike * moved.norm() + rounding * state.pos.norm();
+	auto pushes = pushesBut(scene, wall.getId());
+	pushes.push_back({ wall.getId(), axis, scene.iter, scene.time, wall.state->pos[axis] });
+	setPushes(scene, pushes);
 }
 
-std::vector<Body::id_t> PushedWalls::holdTheRest(Scene& scene)
+std::vector<Body::id_t> holdUnpushedWalls(Scene& scene)
 {
 	std::vector<Body::id_t> held;
-	std::map<Body::id_t, Vector3r> place;
-	for (const Body::id_t id : pushedWalls(scene)) {
-		if (!scene.bodies->exists(id)) {
-			setPushedWalls(scene, without(scene, id));
+	for (const Push& push : pushesIn(scene)) {
+		if (push.step == scene.iter) continue;
+		if (!isFree(scene, push)) { // another body by now, or freed or held by hand
+			setPushes(scene, pushesBut(scene, push.id));
 			continue;
 		}
-		Body& wall = *(*scene.bodies)[id];
-		if (isPushed(scene, id)) {
-			place[id] = wall.state->pos;
-			continue;
-		}
-		if (isAsMoved(*wall.state, id, scene.time)) wall.state->vel = Vector3r::Zero();
-		hold(scene, wall);
-		held.push_back(id);
+		Body& wall = *(*scene.bodies)[push.id];
+		if (isAsMoved(*wall.state, push, scene.time)) wall.state->vel = Vector3r::Zero();
+		holdWall(scene, wall);
+		held.push_back(push.id);
 	}
-	place_ = std::move(place);
-	time_ = scene.time;
 	return held;
 }
 

@@ -3,6 +3,7 @@
 #include "HighPressure.hpp"
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
+#include "PushedWalls.hpp"
 #include "PythonContactProblem.hpp"
 #include "Require.hpp"
 #include "RigidTimeStep.hpp"
@@ -126,7 +127,7 @@ void SoftGrainIntegrator::advance()
 {
 	clock_.start(TimingInfo::enabled);
 	postLoad(*this); // YADE keeps a value that was refused
-	holdUnpushedWalls();
+	holdWalls();
 	if (!assemble()) return;
 	clock_.end("assembleScene");
 	const NewtonIntegrator& newton = *newtonIntegratorOf(*scene);
@@ -180,9 +181,9 @@ void SoftGrainIntegrator::keepBooks(const softgrain::StepReport& report)
 	clock_.end("publishEnergy");
 }
 
-void SoftGrainIntegrator::holdUnpushedWalls()
+void SoftGrainIntegrator::holdWalls()
 {
-	for (const Body::id_t id : pushedWalls_.holdTheRest(*scene))
+	for (const Body::id_t id : holdUnpushedWalls(*scene))
 		LOG_WARN("step "
 			 << scene->iter << ": body #" << id
 			 << " is pushed by no WallStressController any more, and held from "

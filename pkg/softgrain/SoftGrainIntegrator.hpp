@@ -1,7 +1,6 @@
 #pragma once
 
 #include "EnergyBooks.hpp"
-#include "PushedWalls.hpp"
 #include "RigidContacts.hpp"
 #include "RigidPartners.hpp"
 #include "SoftInteractions.hpp"
@@ -89,7 +88,7 @@ private:
 	void warnOfPressure();
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();
-	void holdUnpushedWalls();
+	void holdWalls();
 	void keepBooks(const softgrain::StepReport& report);
 	void publishReport(const softgrain::StepReport& report);
 	void publishEnergy();
@@ -102,7 +101,6 @@ private:
 	RigidPartners partners_;
 	RigidContacts rigidContacts_;
 	EnergyBooks energyBooks_;
-	PushedWalls pushedWalls_;
 	softgrain::PhaseClock clock_;
 	Real longestDt_ = 0; ///< that the soft grains have asked for since it began to run, s
 	bool warnedOfPressure_ = false, warnedOfStiffness_ = false;

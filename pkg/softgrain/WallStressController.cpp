@@ -153,9 +153,10 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 	State& state = *body.state;
 	const Real surface = area(axis), dashpot = drag * packing.impedance * surface;
 	if (state.blockedDOFs == State::DOF_ALL) {
-		PushedWalls::free(*scene, body, axis);
+		freeToPush(*scene, body, axis);
 		state.mass = drag * packing.density * surface * packing.radius;
 	}
+	notePush(*scene, body, axis);
 	Vector3r force = Vector3r::Zero();
 	force[axis] = goal[axis] * surface - dashpot * state.vel[axis] -
 		      state.mass * gravityOf(*scene)[axis];
@@ -165,21 +166,18 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 void WallStressController::moveWall(int axis)
 {
 	Body& body = wall(axis, true);
-	PushedWalls::hold(*scene, body);
+	holdWall(*scene, body);
 	State& state = *body.state;
 	state.vel = Vector3r::Zero();
 	state.vel[axis] = goal[axis] * length(axis);
 }
 
-bool WallStressController::pushes(Body::id_t id) const
-{
-	for (int a = 0; a < axes(); ++a)
-		if (walls[2 * a + 1] == id) return stressMask >> a & 1;
-	return false;
-}
+/// (In a scene that was loaded, or of which it is no engine any more, nothing has told it yet.)
+void WallStressController::lookAtPresentScene() { scene = Omega::instance().getScene().get(); }
 
-Vector3r WallStressController::stress() const
+Vector3r WallStressController::stress()
 {
+	lookAtPresentScene();
 	checkWalls();
 	Vector3r mean = Vector3r::Zero();
 	for (int a = 0; a < axes(); ++a)
@@ -188,8 +186,9 @@ Vector3r WallStressController::stress() const
 	return mean;
 }
 
-Vector3r WallStressController::strain() const
+Vector3r WallStressController::strain()
 {
+	lookAtPresentScene();
 	checkWalls();
 	Vector3r logarithms = Vector3r::Zero();
 	if (static_cast<int>(initialLengths.size()) != axes()) return logarithms; // not run yet

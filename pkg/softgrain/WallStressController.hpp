@@ -11,10 +11,8 @@ public:
 	void action() override;
 	/// Checks all attributes; throws std::invalid_argument (ValueError in Python).
 	void postLoad(WallStressController&);
-	Vector3r stress() const;
-	Vector3r strain() const;
-	/// Whether it presses a wall by a stress.
-	bool pushes(Body::id_t id) const;
+	Vector3r stress();
+	Vector3r strain();
 
 	/// What of the soft grains of a scene the motion of a wall goes by.
 	struct Packing {
@@ -38,6 +36,7 @@ public:
 	// clang-format on
 
 private:
+	void lookAtPresentScene();
 	int axes() const { return static_cast<int>(walls.size()) / 2; }
 	Body& wall(int axis, bool upper) const;
 	Real length(int axis) const;

