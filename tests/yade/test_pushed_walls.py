@@ -8,6 +8,15 @@ from yade import FrictMat, O, ParallelEngine, utils
 import softgrain as sg
 
 
+def consolidated():
+    """Four disks that walls have pressed together; the walls, and their controller."""
+    walls = four_disks()
+    ready()
+    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
+    O.run(2000, True)
+    return walls, controller
+
+
 def die(controller):
     controller.dead = True
 
@@ -28,10 +37,7 @@ def save_and_leave(controller):
 
 @pytest.mark.parametrize("end", (die, leave, make_engines_anew, save_and_leave))
 def test_walls_stay_where_they_were_once_nothing_pushes_them(end):
-    walls = four_disks()
-    ready()
-    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
-    O.run(2000, True)
+    walls, controller = consolidated()
     places = [O.bodies[w].state.pos for w in walls]
     pressed = sg.wall_force(walls[3])[1]
     end(controller)
@@ -49,10 +55,7 @@ def test_walls_stay_where_they_were_once_nothing_pushes_them(end):
 
 @pytest.mark.parametrize("end", (die, leave, make_engines_anew, save_and_leave))
 def test_wall_that_is_given_a_velocity_when_its_controller_goes(end):
-    walls = four_disks()
-    ready()
-    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
-    O.run(2000, True)
+    walls, controller = consolidated()
     end(controller)
     lid, side = (O.bodies[walls[k]].state for k in (3, 1))
     place, before = lid.pos[1], O.time
@@ -104,10 +107,7 @@ def test_bodies_that_take_the_ids_of_pushed_walls():
 
 def test_stress_of_a_controller_that_is_no_engine_of_the_scene():
     """Of the walls with these ids, whatever scene it acted in before."""
-    walls = four_disks()
-    ready()
-    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
-    O.run(2000, True)
+    walls, controller = consolidated()
     O.saveTmp()
     O.loadTmp()
     leave(controller)
