@@ -1,8 +1,8 @@
 """Walls that WallStressController has freed, once it pushes them no more."""
 
 import pytest
+from laboratory_scenes import STRESS, four_disks, insert_controller
 from scenes import RADIUS, ready, run
-from test_laboratory import STRESS, four_disks, insert_controller
 from yade import FrictMat, O, ParallelEngine, utils
 
 import softgrain as sg
