@@ -63,8 +63,6 @@ std::vector<Push> pushesBut(Scene& scene, Body::id_t id)
 	return pushes;
 }
 
-int freeAlong(int axis) { return State::DOF_ALL & ~State::axisDOF(axis); }
-
 /// Whether it is still the wall that was freed.
 bool isFree(const Scene& scene, const Push& push)
 {
@@ -78,6 +76,8 @@ bool isFree(const Scene& scene, const Push& push)
 /// Whether the velocity is that by which NewtonIntegrator has moved it.
 bool isAsMoved(const State& state, const Push& push, Real time)
 {
+	// of a difference of places, many times over; one that is given by hand is another one by
+	// far, or as good as the one it has
 	constexpr Real alike = 1e-6, rounding = 1e-12;
 	const Real way = state.vel[push.axis] * (time - push.time);
 	const Real moved = state.pos[push.axis] - push.place;
@@ -86,11 +86,12 @@ bool isAsMoved(const State& state, const Push& push, Real time)
 
 } // namespace
 
-void freeToPush(Scene& scene, Body& wall, int axis)
+int freeAlong(int axis) { return State::DOF_ALL & ~State::axisDOF(axis); }
+
+void freeWall(Body& wall, int axis)
 {
 	wall.state->blockedDOFs = freeAlong(axis);
 	wall.state->vel = wall.state->angVel = Vector3r::Zero();
-	notePush(scene, wall, axis);
 }
 
 void holdWall(Scene& scene, Body& wall)

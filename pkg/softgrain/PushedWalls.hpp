@@ -6,8 +6,12 @@
 
 namespace yade {
 
-/// From now on the wall is free along an axis, or held; it stands still at first.
-void freeToPush(Scene& scene, Body& wall, int axis);
+/// blockedDOFs of a wall that is pushed along an axis.
+int freeAlong(int axis);
+
+/// From now on the wall, at rest, is free along an axis.
+void freeWall(Body& wall, int axis);
+/// From now on it is held, and moves on with its velocity.
 void holdWall(Scene& scene, Body& wall);
 
 /// The wall is pushed in this step. To be called before NewtonIntegrator moves it.

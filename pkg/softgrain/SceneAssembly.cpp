@@ -36,16 +36,14 @@ template <class Soft, class Base> bool isA(const shared_ptr<Base>& object)
 void checkRigidState(const Body& body)
 {
 	const State& state = *body.state;
-	const Real sum =
-		state.pos.sum() + state.ori.coeffs().sum() + state.vel.sum() + state.angVel.sum();
-	if (math::isfinite(sum)) return;
-	auto isFinite = [](const auto& v) { return math::isfinite(Real(v.sum())); };
-	const string which = !isFinite(state.pos)            ? "pos"
-			     : !isFinite(state.ori.coeffs()) ? "ori"
-			     : !isFinite(state.vel)          ? "vel"
-							     : "angVel";
-	throw std::invalid_argument(name(body) + ": state." + which +
-				    " is not finite; admissible: finite numbers");
+	const std::pair<const char*, Real> sums[] { { "pos", state.pos.sum() },
+						    { "ori", state.ori.coeffs().sum() },
+						    { "vel", state.vel.sum() },
+						    { "angVel", state.angVel.sum() } };
+	for (const auto& [which, sum] : sums)
+		if (!math::isfinite(sum))
+			throw std::invalid_argument(name(body) + ": state." + which +
+						    " is not finite; admissible: finite numbers");
 }
 
 void checkBody(const Body& body)

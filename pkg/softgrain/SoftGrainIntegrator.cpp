@@ -6,7 +6,6 @@
 #include "PushedWalls.hpp"
 #include "PythonContactProblem.hpp"
 #include "Require.hpp"
-#include "RigidTimeStep.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftBodies.hpp"
 #include "Timing.hpp"
@@ -24,29 +23,6 @@ CREATE_LOGGER(SoftGrainIntegrator);
 using softgrain::require;
 
 namespace {
-
-/// Relative rounding of the critical time step: how much a grain stiffens comes from the root of a
-/// difference of large numbers, 1e-8 in an undeformed grain.
-constexpr double timeStepRounding = 1e-6;
-
-/// Up to how far O.dt is kept below its fraction of the critical step, over that fraction: it
-/// changes seldom, since each change costs a little of the integrator's conservation of energy.
-constexpr double lowestTimeStep = 0.7;
-
-/// Steps in a row in which O.dt must have been shorter than that before it is raised, once it has
-/// been lowered: some periods of a grain. Raised and lowered with each swing of a vibration, it
-/// would feed that (doc/decisions/0003-time-step.md).
-constexpr int stepsBeforeRaise = 1000;
-
-/// Where O.dt is put anew, over that fraction. The nearer, the sooner the critical step falls below
-/// it, and grains have to be measured: the first as long as that takes at most `worthMeasuring` of
-/// the computations of forces that steps take, else the second (doc/decisions/0003-time-step.md,
-/// with what else was tried).
-constexpr double nearTimeStep = 0.99, roomyTimeStep = 0.9, worthMeasuring = 0.05;
-
-/// Relative difference up to which O.dt is the value that sg set before the first step, which is
-/// computed anew here.
-constexpr double sameTimeStep = 1e-9;
 
 /// Steps from one look at pressures to the next, so that the stresses of one grain cost nothing.
 constexpr long pressureInterval = 100;
@@ -231,48 +207,6 @@ int SoftGrainIntegrator::threads() const
 #endif
 }
 
-void SoftGrainIntegrator::followDeformation(Real undeformed, bool hasStepper)
-{
-	if (dtSet == 0 || (dtSet != scene->dt && !hasStepper))
-		dtSet = std::min(timeStepFraction * undeformed, criticalDt);
-	const bool tooShort = dtSet < lowestTimeStep * timeStepFraction * criticalDt;
-	const bool isRaised = tooShort && stepsToRaise == 0;
-	if (isRaised)
-		measureCriticalStep(std::numeric_limits<Real>::infinity());
-	else if (stepsToRaise > 0)
-		stepsToRaise = tooShort ? stepsToRaise - 1 : stepsBeforeRaise;
-	const Real limit = timeStepFraction * criticalDt;
-	if (!isRaised && dtSet <= limit * (1 + timeStepRounding)) return;
-	if (!isRaised) stepsToRaise = stepsBeforeRaise;
-	const bool near = pointsMeasured <= worthMeasuring * pointsUpdated;
-	dtSet = (near ? nearTimeStep : roomyTimeStep) * limit;
-}
-
-/// (To measure grains takes time: what matters is whether a step is stable.)
-void SoftGrainIntegrator::measureCriticalStep(Real enough)
-{
-	criticalDt = assembly_->presentCriticalTimeStep(enough, threads());
-	pointsMeasured += assembly_->takeMeasuredPoints();
-}
-
-/// Once: where rigid bodies touch by a stiffness that the step of the soft grains is too long for.
-/// (It becomes longer where stiff grains go, or the first soft ones come.)
-void SoftGrainIntegrator::warnOfStiffSpheres()
-{
-	if (warnedOfStiffness_ || scene->dt <= longestDt_) return;
-	longestDt_ = scene->dt;
-	const Real admissible = rigidTimeStep(*scene);
-	if (scene->dt <= admissible) return;
-	warnedOfStiffness_ = true;
-	LOG_WARN("O.dt = " << scene->dt
-			   << " s follows from the soft grains, but the stiffest rigid sphere asks "
-			      "for less than "
-			   << admissible
-			   << " s, as utils.PWaveTimeStep() has it: where it touches another rigid "
-			      "body both may fly apart. Assign O.dt, give it a lower young, or use "
-			      "sg.engines(rigid='nonsmooth')");
-}
-
 /// Once: grains stay pressed.
 void SoftGrainIntegrator::warnOfPressure()
 {
@@ -281,46 +215,6 @@ void SoftGrainIntegrator::warnOfPressure()
 	if (message.empty()) return;
 	warnedOfPressure_ = true;
 	LOG_WARN("step " << scene->iter << ": " << message);
-}
-
-/// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
-/// set for the undeformed scene before the first step); a value of the user's is only checked.
-void SoftGrainIntegrator::chooseTimeStep()
-{
-	if (assembly_->grains() == 0) {
-		if (rigidContacts_.hasLaw() && scene->dt == defaultTimeStep())
-			throw std::runtime_error(
-				"O.dt is not set, and contact dynamics of rigid bodies alone has "
-				"no critical time step: assign O.dt such that no body moves "
-				"further than 0.05 of its radius in a step");
-		require(scene->dt > 0 && math::isfinite(scene->dt), "O.dt", scene->dt,
-			"(0, inf) s");
-		return;
-	}
-	const Real undeformed = assembly_->criticalTimeStep();
-	const Real own = dtSet > 0 ? dtSet : timeStepFraction * undeformed;
-	const bool automatic = scene->dt == dtSet || scene->dt == defaultTimeStep() ||
-			       std::abs(scene->dt - own) <= sameTimeStep * own;
-	const bool hasStepper = hasTimeStepper(*scene);
-	measureCriticalStep(automatic || hasStepper ? own / timeStepFraction : scene->dt);
-	if (hasStepper) {
-		const Real ofRigidBodies = scene->dt;
-		followDeformation(undeformed, hasStepper);
-		scene->dt = std::min(dtSet, ofRigidBodies);
-	} else if (automatic) {
-		followDeformation(undeformed, hasStepper);
-		scene->dt = dtSet;
-		warnOfStiffSpheres();
-	} else if (!(scene->dt <= criticalDt * (1 + timeStepRounding) && scene->dt > 0)) {
-		std::ostringstream message;
-		message.precision(8); // tells numbers apart that differ by more than rounding
-		message << "O.dt = " << scene->dt << " s is outside the admissible range (0, "
-			<< criticalDt
-			<< "] s for the soft grains as deformed and bonded now; assign a smaller "
-			   "O.dt or call "
-			   "sg.set_time_step()";
-		throw std::runtime_error(message.str());
-	}
 }
 
 /// The balance of energies of rigid bodies is that of all contacts they have had, and of their
@@ -410,12 +304,6 @@ py::dict SoftGrainIntegrator::contactProblem() const
 {
 	return softgrain::toDict(assembly_ ? assembly_->contactProblem()
 					   : softgrain::ContactProblemArrays());
-}
-
-Real criticalTimeStep(Scene& scene)
-{
-	const auto assembly = assembleScene(scene);
-	return assembly ? assembly->criticalTimeStep() : 0;
 }
 
 } // namespace yade

@@ -39,9 +39,6 @@ Vector3r gravityOf(const Scene& scene)
 	return newton ? newton->gravity : Vector3r(Vector3r::Zero());
 }
 
-/// blockedDOFs of a wall that is pushed.
-int freeAlong(int axis) { return State::DOF_ALL & ~State::axisDOF(axis); }
-
 /// Half the thickness of a wall along an axis.
 Real halfThickness(const Body& body, int axis)
 {
@@ -153,7 +150,7 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 	State& state = *body.state;
 	const Real surface = area(axis), dashpot = drag * packing.impedance * surface;
 	if (state.blockedDOFs == State::DOF_ALL) {
-		freeToPush(*scene, body, axis);
+		freeWall(body, axis);
 		state.mass = drag * packing.density * surface * packing.radius;
 	}
 	notePush(*scene, body, axis);

@@ -71,20 +71,16 @@ def array(name, value):
         raise ValueError(f"{name} = {value!r}: admissible is an array of numbers") from None
 
 
-def mapping(name, value, content):
-    """An argument as it is, a dict or the like.
+def require_mapping(name, value, content):
+    """ValueError for an argument that is no dict or the like.
 
     Args:
         name (str): of the argument, for the message.
         value (mapping): to be checked.
         content (str): what is in it, for the message.
-
-    Raises:
-        ValueError: something else.
     """
     if not isinstance(value, Mapping):
         raise ValueError(f"{name} = {value!r}: admissible is a dict of {content}")
-    return value
 
 
 def _numbers(value):

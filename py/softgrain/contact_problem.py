@@ -3,7 +3,7 @@
 import numpy as np
 
 from softgrain import _softgrain
-from softgrain.checks import index, mapping, number
+from softgrain.checks import index, number, require_mapping
 
 #: Arrays of a problem with a vector, and a number, for each contact.
 _VECTORS, _NUMBERS = ("free_velocity", "start"), ("bias", "friction")
@@ -27,12 +27,12 @@ def solve_contact_problem(problem, tolerance=1e-10, max_sweeps=100_000):
         ``converged``, whether the residual is within the tolerance.
 
     Raises:
-        ValueError: arrays that do not fit together, or a value outside its range.
+        ValueError: no mapping, arrays that do not fit together, or a value outside its range.
         KeyError: an array is missing.
     """
     tolerance = number("tolerance", tolerance, "(0, inf)")
     max_sweeps = index("max_sweeps", max_sweeps)
-    mapping("problem", problem, "arrays, as SoftGrainIntegrator.contactProblem gives them")
+    require_mapping("problem", problem, "arrays, as SoftGrainIntegrator.contactProblem gives them")
     arrays = {name: np.asarray(problem[name]) for name in ("normal", *_VECTORS, *_NUMBERS)}
     shape = arrays["normal"].shape
     if len(shape) != 2 or shape[1] not in (2, 3):

@@ -94,7 +94,7 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
         RuntimeError: a run is going on in the background. Nothing has been changed then.
     """
     refuse_background_run("harden")
-    if into not in tuple(_MAKERS):
+    if into not in tuple(_MAKERS):  # what cannot be hashed is unknown, too
         raise ValueError(f"into = {into!r} is unknown; known: {', '.join(map(repr, _MAKERS))}")
     bodies = _grains(ids)
     material = _rigid_material(material)

@@ -154,8 +154,8 @@ def scale_mass(factor, materials=None):
         float: the new critical time step of the undeformed grains [s].
 
     Raises:
-        ValueError: the factor is out of its range, a material is no ``SoftMat``, or the scene has
-            no soft grain. Nothing has been changed then.
+        ValueError: the factor is out of its range, there is no material or one that is no
+            ``SoftMat``, or the scene has no soft grain. Nothing has been changed then.
 
     Warns:
         UserWarning: the grains move: their velocities stay, so that their momentum and kinetic
@@ -167,11 +167,10 @@ def scale_mass(factor, materials=None):
         materials = [b.material for b in bodies]
     elif isinstance(materials, (Material, int, str, np.integer)):
         materials = [materials]
-    elif not isinstance(materials, Iterable):
-        materials = []
-    materials = [found_material(material) for material in materials]
+    given = materials
+    materials = list(map(found_material, given)) if isinstance(given, Iterable) else []
     if not materials:
-        raise ValueError("materials: admissible are SoftMats, one or more, or None")
+        raise ValueError(f"materials = {given}: admissible are SoftMats, one or more, or None")
     for material in materials:
         if not isinstance(material, wrapper.SoftMat):
             raise ValueError(f"materials: {type(material).__name__} is no SoftMat")

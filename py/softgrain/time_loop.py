@@ -30,7 +30,7 @@ from yade import (
 )
 
 from softgrain import _softgrain
-from softgrain.checks import finite_vector, index, made, mapping, number
+from softgrain.checks import finite_vector, index, made, number, require_mapping
 
 #: Tag of the scene: ``O.dt`` as last set by set_time_step [s] and the fraction of the critical step
 #: that it was.
@@ -114,7 +114,7 @@ def engines(
 
     Raises:
         ValueError: an attribute is out of its range, there is no grain and no verlet_distance, a
-            wall in a periodic cell, or ``interface`` has an unknown attribute.
+            wall in a periodic cell, or ``interface`` is no dict, or has an unknown attribute.
     """
     if rigid not in _RIGID_LAWS:
         raise ValueError(f"rigid = {rigid!r} is not one of {', '.join(map(repr, _RIGID_LAWS))}")
@@ -185,7 +185,7 @@ def _present_velocity_gradient():
 
 def _checked_interface(interface):
     """The attributes, numbers as MatchMakers."""
-    mapping("interface", interface, "attributes of Ip2_SoftPhys")
+    require_mapping("interface", interface, "attributes of Ip2_SoftPhys")
     known = set(wrapper.Ip2_SoftPhys().dict()) - set(wrapper.IPhysFunctor().dict())
     unknown = sorted(set(interface) - known)
     if unknown:

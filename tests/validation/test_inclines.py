@@ -95,6 +95,13 @@ def test_disk_rolls_without_slip():
     assert abs(slip) < 0.03
 
 
+@pytest.mark.parametrize("zeta, least, most", [(0.1, 0.04, 0.1), (0.2, 0.15, 0.3)])
+def test_rolling_friction_of_the_outline_on_a_gentle_slope(zeta, least, most):
+    """It does not fall with the slope, here of 2 degrees."""
+    error, _ = rolling_error(zeta, degrees=2.0)
+    assert -most < error < -least
+
+
 def test_disk_rolls_with_the_exact_acceleration():
     error, slip = rolling_error(0.05)
     assert abs(error) < 0.02

@@ -13,6 +13,7 @@ import softgrain as sg
 from yade import FrictMat, O, utils
 
 RADIUS = 0.01  # m
+WIDE = 20 * RADIUS  # half the width of facets across the plane of 2D grains, m
 ZETA = 0.25  # coarse: accuracy is not the point
 DENSITY = 1000.0  # kg/m^3
 YOUNG = 1e6  # Pa
@@ -42,6 +43,13 @@ def add_wall(position, axis, friction=0.0, velocity=(0, 0, 0), sense=0):
     wall.state.vel = velocity
     O.bodies.append(wall)
     return wall
+
+
+def add_facets(start, end, material):
+    """Two, that cut the plane of 2D grains in the way from `start` to `end` (over R)."""
+    ways = ((start, -1), (end, -1), (end, 1), (start, 1))
+    a, b, c, d = ((x * RADIUS, y * RADIUS, z * WIDE) for (x, y), z in ways)
+    O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
 
 
 def ready(**engines):

@@ -3,12 +3,10 @@
 import math
 
 import pytest
-from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
+from scenes import RADIUS, WIDE, add_disk, add_facets, add_wall, ready, run, soft_material
 from yade import FrictMat, O, Quaternion, Vector3, utils
 
 import softgrain as sg
-
-WIDE = 20 * RADIUS
 
 
 def triangle():
@@ -23,13 +21,6 @@ def cube():
 
 def rough():
     return soft_material(massDamping=1000, frictionAngle=0.3)
-
-
-def add_facets(start, end, material):
-    """Two, that cut the plane of 2D grains in the way from `start` to `end` (over R)."""
-    ways = ((start, -1), (end, -1), (end, 1), (start, 1))
-    a, b, c, d = ((x * RADIUS, y * RADIUS, z * WIDE) for (x, y), z in ways)
-    O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
 
 
 def add_floor(kind):
@@ -207,9 +198,7 @@ def test_corner_that_is_squeezed_flat(angle, speed, damping, spin):
         (1.2 * RADIUS * math.cos(a), RADIUS * (1.5 + 1.2 * math.sin(a))) for a in angles
     ]
     friction = math.atan(0.5)
-    soft = soft_material(
-        young=1e5, poisson=0.3, massDamping=damping, frictionAngle=friction
-    )
+    soft = soft_material(young=1e5, poisson=0.3, massDamping=damping, frictionAngle=friction)
     grain = sg.soft_polygon(vertices, soft, zeta=0.15)
     O.bodies.append(grain)
     add_facets((-20, 0), (20, 0), FrictMat(frictionAngle=friction))

@@ -216,10 +216,10 @@ def test_nothing_is_timed_unless_asked_for():
 
 def sides_of_a_cube(kind):
     """About a ball that they touch, as walls, boxes or pairs of facets."""
-    material, reach, far = FrictMat(), RADIUS, 5 * RADIUS
+    material, far = FrictMat(), 5 * RADIUS
     for axis, side in itertools.product(range(3), (-1, 1)):
         centre, across = np.zeros(3), np.eye(3)[[a for a in range(3) if a != axis]] * far
-        centre[axis] = side * reach
+        centre[axis] = side * RADIUS
         if kind == "walls":
             O.bodies.append(utils.wall(tuple(centre), axis, sense=-side, material=material))
         elif kind == "boxes":

@@ -3,19 +3,10 @@
 import math
 
 import pytest
-from scenes import RADIUS, ready, run, soft_material
+from scenes import RADIUS, add_facets, ready, run, soft_material
 from yade import FrictMat, O, utils
 
 import softgrain as sg
-
-WIDE = 10 * RADIUS
-
-
-def add_segment(start, end, material):
-    """Two facets that cut the plane of 2D grains in the way from `start` to `end` (over R)."""
-    ways = ((start, -1), (end, -1), (end, 1), (start, 1))
-    a, b, c, d = ((x * RADIUS, y * RADIUS, z * WIDE) for (x, y), z in ways)
-    O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
 
 
 def materials(young, friction, damping):
@@ -41,7 +32,7 @@ def test_disks_fall_over_an_upright_edge():
     soft, rigid = materials(young=5e3, friction=0.3, damping=50)
     box = [((-6, -5), (6, -5)), ((-4, -5), (-4, 20)), ((4, -5), (4, 20))]
     for start, end in [((0, -5), (0, 0)), *box]:
-        add_segment(start, end, rigid)
+        add_facets(start, end, rigid)
     for k in range(12):
         row, column = divmod(k, 3)
         place = ((column - 1) * 2.15 + 0.07 * row, 1.25 + 2.05 * row, 0)
@@ -57,8 +48,8 @@ def test_disks_fall_over_an_upright_edge():
 def test_disk_is_pressed_on_the_end_of_a_floor(zeta):
     """It is bent about the edge, which cuts into it by half of its height."""
     soft, rigid = materials(young=1e6, friction=0, damping=500)
-    add_segment((0, 0), (6, 0), rigid)
-    add_segment((-6, -0.6), (0, -0.6), rigid)
+    add_facets((0, 0), (6, 0), rigid)
+    add_facets((-6, -0.6), (0, -0.6), rigid)
     disk = sg.soft_disk((0, 1.001 * RADIUS, 0), RADIUS, soft, zeta=zeta)
     O.bodies.append(disk)
     O.bodies.append(utils.wall(-1.3 * RADIUS, axis=0, sense=1, material=rigid))
@@ -72,7 +63,7 @@ def test_disk_is_pressed_through_a_slot(slope, height):
     along = 4 * math.cos(math.radians(slope)), 4 * math.sin(math.radians(slope))
     for side in (-1, 1):
         start = (side * 0.4, 0)
-        add_segment(start, (start[0] + side * along[0], along[1]), rigid)
+        add_facets(start, (start[0] + side * along[0], along[1]), rigid)
     disk = sg.soft_disk((0.03 * RADIUS, height * RADIUS, 0), RADIUS, soft, zeta=0.3)
     O.bodies.append(disk)
     assert press(disk, to=0.36) < 0.7

@@ -79,6 +79,9 @@ template <int dim> struct ContactOutline {
 	{
 		return std::min(inradius, 0.5 * (box.high - box.low).minCoeff());
 	}
+	/// Of a ball about the centre of the box that holds the outline, m: that bulges out of its
+	/// facets by less than an eighth of the longest edge (3D: 0.29 of it).
+	double outerRadius() const { return circumradius + nodeRadius + 0.3 * longestEdge; }
 	/// Whether a ball, or a grain that may hold one, is inside this grain or on it, concentric,
 	/// where no place near an outline tells. For grains whose box has its centre inside them.
 	bool holds(const Vec<dim>& centre, double radius) const;

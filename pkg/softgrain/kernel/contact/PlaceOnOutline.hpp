@@ -143,9 +143,8 @@ std::vector<int> nodesNear(const ContactOutline<dim>& body, const ContactOutline
 			   double reach, double margin)
 {
 	const Box<dim> around = other.box.grown(margin);
-	// The ball is the tighter of the two for round grains. The outline bulges out of its facets
-	// by less than an eighth of the longest edge (3D: 0.29 of it).
-	const double radius = other.circumradius + reach + 0.3 * other.longestEdge;
+	// the ball is the tighter of the two for round grains
+	const double radius = other.outerRadius() + reach;
 	const Vec<dim> centre = other.box.centre();
 	return numbersThat(body.nodes(), [&](int s) {
 		const Vec<dim>& x = body.position[s];

@@ -60,7 +60,7 @@ template <int dim> bool facesMore(const Vec<dim>& direction, const Facing<dim>& 
 /// Whether a side of a block is none: the block is so thin, by what a place may have sunk into it,
 /// that it is as a plate, and the outline faces the opposite side more.
 template <int dim>
-bool isOfThinOther(const BlockSurface<dim>& block, int a, const Vec<dim>& normal, double sunk,
+bool isBackOfSheet(const BlockSurface<dim>& block, int a, const Vec<dim>& normal, double sunk,
 		   const Facing<dim>& facing)
 {
 	return block.halfSides[a] <= sunk && facing(normal) < facing(-normal);
@@ -232,7 +232,7 @@ bool isInCorner(const BlockSurface<dim>& block, int a, const Vec<dim>& y, const 
 }
 
 template <int dim> struct PlaceOnSide {
-	const SurfacePlace<dim>& place;
+	SurfacePlace<dim> place;
 	bool isInCorner;
 };
 
@@ -262,8 +262,7 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 		sidesBeyond > 1
 			? placeBeyondEdge<dim>(block.centre + block.axes * nearest, x, facing)
 			: std::nullopt;
-	Place<dim> best;
-	bool bestInCorner = false;
+	std::optional<PlaceOnSide<dim>> best;
 	for (int a = 0; a < dim; ++a) {
 		Vec<dim> beside = beyond; // of this side
 		beside[a] = 0;
@@ -271,13 +270,12 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 		for (const double side : { 1., -1. }) {
 			auto place = placeOnSide<dim>(block, y, a, side);
 			if (facing(place.normal) <= alongSide) continue;
-			if (isOfThinOther<dim>(block, a, place.normal, sunk, facing)) continue;
+			if (isBackOfSheet<dim>(block, a, place.normal, sunk, facing)) continue;
 			const Vec<dim> foot = x - place.gap * place.normal;
 			const Vec<dim> out = block.axes * beside;
 			const bool inCorner =
 				isInCorner<dim>(block, a, y, foot, place, facing, goesOn, sunk);
-			if (best && !comesFirst<dim>({ place, inCorner }, { *best, bestInCorner },
-						     facing, sunk))
+			if (best && !comesFirst<dim>({ place, inCorner }, *best, facing, sunk))
 				continue;
 			if (edge && !inCorner) continue;
 			if (isBeside && !inCorner &&
@@ -288,11 +286,10 @@ Place<dim> placeOnSurface(const BlockSurface<dim>& block, const Vec<dim>& x,
 			if (place.isBehind &&
 			    pokesIn<dim>(block, a, y, foot, place, facing, goesOn))
 				continue;
-			best = place;
-			bestInCorner = inCorner;
+			best = { place, inCorner };
 		}
 	}
-	return best ? best : edge;
+	return best ? best->place : edge;
 }
 
 } // namespace

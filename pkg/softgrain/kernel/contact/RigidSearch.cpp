@@ -1,5 +1,5 @@
 #include "contact/RigidSearch.hpp"
-#include "contact/OutlineSearch.hpp"
+#include "contact/PlaceOnOutline.hpp"
 #include "contact/PlaceOnRigid.hpp"
 #include "contact/RigidSeams.hpp"
 #include "contact/RigidTips.hpp"
@@ -56,19 +56,6 @@ bool liesBefore(const ContactOutline<dim>& body, int node, const Flat<dim>* flat
 	return std::abs(height) < upon * body.pointSpacing &&
 	       body.facing(node, normal) > squeezed && body.facing(node, -normal) > squeezed &&
 	       (body.box.centre() - flat->point).dot(normal) > 0;
-}
-
-/// How far contacts are before or behind a surface.
-template <int dim> double marginOf(const ContactOutline<dim>& body, double reach)
-{
-	return std::max(reach, contactDepth(body, body));
-}
-
-/// A ball that holds the outline. (It bulges out of its facets by less than 0.3 of their longest
-/// edge.)
-template <int dim> BallSurface<dim> ballAbout(const ContactOutline<dim>& body)
-{
-	return { body.box.centre(), body.circumradius + body.nodeRadius + 0.3 * body.longestEdge };
 }
 
 /// What lies deeper than a contact is none, but is known by its depth. Behind a plate or a block
@@ -156,24 +143,19 @@ placeOfNode(const ContactOutline<dim>& body, int s, double reach, const RigidSur
 	return touched;
 }
 
-/// Whether a block is so thin that what has come through it is known on its far side.
-template <int dim> bool isThin(const RigidSurface<dim>& surface, double depth)
-{
-	const auto* block = std::get_if<BlockSurface<dim>>(&surface);
-	return block && 2 * block->halfSides.minCoeff() < depth;
-}
-
-/// Whether a contact node that is outside of a surface can only be before it, not behind.
+/// Whether a contact node that is outside of a surface can only be before it, not behind: what has
+/// come through a block of less than the depth of a contact is known on its far side.
 template <int dim>
 bool isBefore(const ContactOutline<dim>& body, int node, const RigidSurface<dim>& surface)
 {
+	if (const auto* block = std::get_if<BlockSurface<dim>>(&surface))
+		return 2 * block->halfSides.minCoeff() >= contactDepth(body, body);
 	const auto* plate = std::get_if<PlateSurface<dim>>(&surface);
-	if (!plate) return !isThin<dim>(surface, contactDepth(body, body));
-	if (!body.hasFacets() || body.isSharp(node)) return false;
+	if (!plate) return true;
+	if (!body.hasFacets() || body.isSharp(node)) return false; // they may face both sides
 	const Vec<dim> normal = normalOf<dim>(*plate);
-	return (body.position[node] - plate->corner[0]).dot(normal) *
-		       body.normal[node].dot(normal) <
-	       0;
+	const double height = (body.position[node] - plate->corner[0]).dot(normal);
+	return height * body.normal[node].dot(normal) < 0;
 }
 
 template <int dim>
@@ -183,7 +165,7 @@ void nodesOnSurface(const ContactOutline<dim>& body, double reach, RigidSeams<di
 	const RigidSurface<dim>& surface = list.rigid->surface;
 	const auto thin = flatOf<dim>(surface, body.pointSpacing);
 	const BallSurface<dim> about = ballAbout<dim>(surface);
-	const double within = body.nodeRadius + marginOf(body, reach);
+	const double within = body.nodeRadius + marginOf(body, body, reach);
 	const double before = body.nodeRadius + std::max(reach, seams.tolerance());
 	const auto around = Box<dim> { about.centre, about.centre }.grown(about.radius + within);
 	for (int s : body.nodesIn(around)) {
@@ -204,15 +186,14 @@ template <int dim>
 void tipsOnOutline(const ContactOutline<dim>& body, double reach, RigidSeams<dim>& seams,
 		   ContactList<dim>& list)
 {
-	const double margin = marginOf(body, reach);
+	const double margin = marginOf(body, body, reach);
 	const double turn = body.pointSpacing / body.inradius; // of the outline, from node to node
 	const bool isPlate = std::holds_alternative<PlateSurface<dim>>(list.rigid->surface);
 	const auto tips =
 		tipsOf<dim>(list.rigid->surface, body.box.grown(margin), body.pointSpacing);
-	const BallSurface<dim> about = ballAbout(body);
 	for (const Tip<dim>& tip : tips) {
-		const double within = about.radius + tip.ball.radius + reach;
-		if ((tip.ball.centre - about.centre).squaredNorm() > within * within) continue;
+		const double within = body.outerRadius() + tip.ball.radius + reach;
+		if ((tip.ball.centre - body.box.centre()).squaredNorm() > within * within) continue;
 		auto contact = ballOnOutline<dim>(tip.ball.centre, tip.ball.radius, body, reach);
 		if (!contact) continue;
 		const bool isPoint = tip.ball.radius == 0;
@@ -226,10 +207,8 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, RigidSeams<dim
 template <int dim>
 void findRigidContacts(const ContactOutline<dim>& body, double reach, ContactList<dim>& list)
 {
-	const BallSurface<dim> about = ballAbout(body);
-	if (distanceTo<dim>(list.rigid->surface, about.centre) >
-	    about.radius + marginOf(body, reach))
-		return;
+	const double within = body.outerRadius() + marginOf(body, body, reach);
+	if (distanceTo<dim>(list.rigid->surface, body.box.centre()) > within) return;
 	RigidSeams<dim> seams(body, *list.rigid);
 	nodesOnSurface<dim>(body, reach, seams, list);
 	if (body.isSurface()) tipsOnOutline<dim>(body, reach, seams, list);

@@ -189,8 +189,7 @@ template <int dim> typename Surfaces<dim>::Ball Surfaces<dim>::ballAbout(int g) 
 		return { bounds.centre, bounds.radius + bounds.bulge };
 	}
 	const ContactBody<dim>& own = body(g);
-	// the outline bulges out of its facets by less than half of an edge
-	return { own.box.centre(), own.circumradius + own.nodeRadius + 0.5 * own.longestEdge };
+	return { own.box.centre(), own.outerRadius() };
 }
 
 /// Of two outlines that are further apart nothing is a contact: on the common grid each gives mass
