@@ -72,13 +72,13 @@ def test_block_slides_with_the_exact_acceleration(degrees, friction):
     assert acceleration(times, velocities) == pytest.approx(exact, rel=1e-3)
 
 
-def rolling_error(zeta, degrees=20.0):
+def rolling_error(zeta, degrees=20.0, seconds=0.15):
     """Relative error of the acceleration 2/3 g sin(angle), and slip over the way rolled."""
     radius = 0.01
     disk = sg.soft_disk((0, radius, 0), radius, soft(0.5), zeta=zeta)
     angle = math.radians(degrees)
     rest_on_incline(disk, 0.5, angle, 0.1, False, tolerance=1e-3)
-    times, _, velocities, spins = motion_for(disk, 0.15)
+    times, _, velocities, spins = motion_for(disk, seconds)
     exact = 2 / 3 * GRAVITY * math.sin(angle)
     slip = np.mean(velocities) / (radius * np.mean(spins)) - 1
     return acceleration(times, velocities) / exact - 1, slip
@@ -95,10 +95,10 @@ def test_disk_rolls_without_slip():
     assert abs(slip) < 0.03
 
 
-@pytest.mark.parametrize("zeta, least, most", [(0.1, 0.04, 0.1), (0.2, 0.15, 0.3)])
+@pytest.mark.parametrize("zeta, least, most", [(0.1, 0.02, 0.06), (0.2, 0.1, 0.25)])
 def test_rolling_friction_of_the_outline_on_a_gentle_slope(zeta, least, most):
-    """It does not fall with the slope, here of 2 degrees."""
-    error, _ = rolling_error(zeta, degrees=2.0)
+    """It does not fall with the slope, here of 2 degrees. (Damped disks lose twice as much.)"""
+    error, _ = rolling_error(zeta, degrees=2.0, seconds=0.6)
     assert -most < error < -least
 
 
