@@ -10,13 +10,13 @@ namespace softgrain {
 namespace {
 
 /// Outward normal of a facet, its length the measure of the facet (3D: twice).
-Vec<2> facetNormal(const std::vector<Vec<2>>& x, const std::array<int, 2>& f)
+Vec<2> normalOf(const std::vector<Vec<2>>& x, const std::array<int, 2>& f)
 {
 	const Vec<2> edge = x[f[1]] - x[f[0]];
 	return { edge[1], -edge[0] };
 }
 
-Vec<3> facetNormal(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
+Vec<3> normalOf(const std::vector<Vec<3>>& x, const std::array<int, 3>& f)
 {
 	return (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
 }
@@ -67,9 +67,9 @@ template <int dim> void ContactOutline<dim>::updateGeometry()
 	normal.assign(position.size(), Vec<dim>::Zero());
 	double squaredEdge = 0;
 	double leastTurn = 0; // without a branch: it is asked of all facets in every step
-	Vec<dim> last = facetNormal(position, mesh->facet.back());
+	Vec<dim> last = normalOf(position, mesh->facet.back());
 	for (const auto& facet : mesh->facet) {
-		const Vec<dim> n = facetNormal(position, facet);
+		const Vec<dim> n = normalOf(position, facet);
 		if constexpr (dim == 2) leastTurn = std::min(leastTurn, outwardTurn(last, n));
 		last = n;
 		for (int node : facet)
@@ -79,6 +79,10 @@ template <int dim> void ContactOutline<dim>::updateGeometry()
 	longestEdge = std::sqrt(squaredEdge);
 	folded = leastTurn < 0;
 	normalizeAll(normal);
+	facetNormal.clear();
+	if (mesh->sharp.empty()) return;
+	for (std::size_t f = 0; f < mesh->facet.size(); ++f)
+		facetNormal.push_back(areaOfFacet(static_cast<int>(f)).normalized());
 }
 
 template <int dim> std::vector<int> ContactOutline<dim>::nodesIn(const Box<dim>& region) const
@@ -88,7 +92,7 @@ template <int dim> std::vector<int> ContactOutline<dim>::nodesIn(const Box<dim>&
 
 template <int dim> Vec<dim> ContactOutline<dim>::areaOfFacet(int facet) const
 {
-	return (dim == 2 ? 1. : 0.5) * facetNormal(position, mesh->facet[facet]);
+	return (dim == 2 ? 1. : 0.5) * normalOf(position, mesh->facet[facet]);
 }
 
 template <int dim> double ContactOutline<dim>::facing(int node, const Vec<dim>& direction) const
@@ -97,7 +101,7 @@ template <int dim> double ContactOutline<dim>::facing(int node, const Vec<dim>& 
 	if (corner == mesh->sharp.end()) return -normal[node].dot(direction);
 	double most = -1;
 	for (int facet : corner->second)
-		most = std::max(most, -areaOfFacet(facet).normalized().dot(direction));
+		most = std::max(most, -normalOfFacet(facet).dot(direction));
 	return most;
 }
 

@@ -19,9 +19,10 @@ template <int dim> struct ContactOutline {
 
 	std::vector<Vec<dim>> position; ///< xs at t_n, m
 	std::vector<Vec<dim>>
-		normal;         ///< outward unit normals at the contact nodes; empty without facets
-	Box<dim> box;           ///< of the positions, node radii included
-	double longestEdge = 0; ///< of a facet, m
+		normal; ///< outward unit normals at the contact nodes; empty without facets
+	std::vector<Vec<dim>> facetNormal; ///< the same of the facets, where nodes are sharp
+	Box<dim> box;                      ///< of the positions, node radii included
+	double longestEdge = 0;            ///< of a facet, m
 	/// 2D: the outline turns inwards so sharply somewhere that to a node close by two places on
 	/// it may be nearest, each of those around.
 	bool folded = false;
@@ -53,11 +54,17 @@ template <int dim> struct ContactOutline {
 	std::vector<int> nodesIn(const Box<dim>& region) const;
 	/// Outward normal of a facet; its length is the area (2D: length) of the facet.
 	Vec<dim> areaOfFacet(int facet) const;
+	/// The same, of unit length.
+	Vec<dim> normalOfFacet(int facet) const
+	{
+		return facetNormal.empty() ? Vec<dim>(areaOfFacet(facet).normalized())
+					   : facetNormal[facet];
+	}
 	/// Outward unit normal at a node of a facet: that of the smooth outline, at a sharp node
 	/// that of the facet itself.
 	Vec<dim> normalAt(int facet, int node) const
 	{
-		return isSharp(node) ? areaOfFacet(facet).normalized() : normal[node];
+		return isSharp(node) ? normalOfFacet(facet) : normal[node];
 	}
 	/// Cosine of the angle by which the outline at a node faces against `direction` (unit): 1
 	/// where it faces it head-on, below 0 where it turns away. At a corner of the facet that

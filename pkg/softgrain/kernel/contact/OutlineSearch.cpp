@@ -104,7 +104,7 @@ bool isBeyondEdge(const Vec<dim>& x, const ContactOutline<dim>& body,
 		indented = indented || isIndented(body, vertex);
 	}
 	const Vec<dim> apart = x - foot;
-	const Vec<dim> normal = body.areaOfFacet(place.facet).normalized();
+	const Vec<dim> normal = body.normalOfFacet(place.facet);
 	const double beyond = (apart - apart.dot(normal) * normal).norm();
 	if (beyond < (indented ? noWidth : width) * body.pointSpacing) return false;
 	const double sign = indented && body.encloses(x) ? -1 : 1;
@@ -118,8 +118,7 @@ bool isBeyondEdge(const Vec<dim>& x, const ContactOutline<dim>& body,
 bool isBefore(const Vec<2>& x, const ContactOutline<2>& body, int facet)
 {
 	const Vec<2>& start = body.position[body.mesh->facet[facet][0]];
-	return (x - start).dot(body.areaOfFacet(facet).normalized()) >=
-	       -OutlineCurve(body, facet).bulge();
+	return (x - start).dot(body.normalOfFacet(facet)) >= -OutlineCurve(body, facet).bulge();
 }
 
 /// In 3D no grain has thin arms.
@@ -175,7 +174,7 @@ void nodesFacingOutline(const ContactOutline<dim>& body, const ContactOutline<di
 		const Vec<dim>& x = body.position[s];
 		const bool mayBeInside = !other.mesh->irregular || other.encloses(x);
 		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, [&](int f) {
-			return body.facesAgainst(s, other.areaOfFacet(f).normalized()) &&
+			return body.facesAgainst(s, other.normalOfFacet(f)) &&
 			       (mayBeInside || isBefore(x, other, f));
 		});
 		// None near: the node lies against no side of the grain, but it may be inside.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "grain/BlockField.hpp"
+#include "grain/HourglassForces.hpp"
 #include "grain/Strip.hpp"
 
 namespace softgrain {
@@ -227,6 +228,16 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void handToFollowed(const PointLines<dim>& li
 		lines, [&](int place, int a) -> Lanes& { return force.at(place, a); });
 }
 
+template <int dim>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
+holdHourglasses(const std::vector<HourglassStencil>& stencils, const Lanes& mu,
+		const BlockField<dim>& x, BlockField<dim>& forces, Lanes& energy)
+{
+	addHourglassForces<Lanes, dim>(
+		stencils, mu, [&](int place, int a) -> const Lanes& { return x.at(place, a); },
+		[&](int place, int a) -> Lanes& { return forces.at(place, a); }, energy);
+}
+
 } // namespace detail
 
 /// A nodal field of one block of a batch: every lane is a grain; lanes without one repeat the
@@ -242,6 +253,7 @@ public:
 	GrainsInLanes(const Batch<dim>& batch, int block, const NodalField<dim>& field)
 		: lines_(batch.reference->pointLines)
 		, shapes_(batch.reference->pointShapes)
+		, hourglass_(batch.reference->hourglass)
 		, order_(batch.reference->recipe.order)
 		, block_(block)
 		, lame_(batch.lame[block])
@@ -308,6 +320,11 @@ public:
 				});
 		});
 	}
+	/// Adds the forces that hold patterns of nodes, and their energy over radii^dim.
+	void holdHourglasses(Forces& forces, Lanes& energy) const
+	{
+		detail::holdHourglasses<dim>(hourglass_, lame_.mu, x_, forces, energy);
+	}
 	/// The sum of all that was scattered.
 	void storeForces(Forces& forces, const Batch<dim>& batch, NodalField<dim>& to) const
 	{
@@ -318,6 +335,7 @@ public:
 private:
 	const PointLines<dim>& lines_;
 	const SparseRows<ShapeFunction<dim>>& shapes_;
+	const std::vector<HourglassStencil>& hourglass_;
 	int order_, block_;
 	const LameConstants& lame_;
 	Lanes inverseRadius_, volume_; ///< volume_: R^dim

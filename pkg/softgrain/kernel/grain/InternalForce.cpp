@@ -113,6 +113,7 @@ void forceOf(Batch<dim>& batch, const Side& side)
 		stressesOfStrip(law, side, strip, sums);
 		side.scatter(strip, forces);
 	});
+	side.holdHourglasses(forces, sums.energy);
 	side.storeForces(forces, batch, batch.force);
 	side.forEachGrain(batch, [&](int g, int begin, int end) {
 		batch.report[g] = sums.report(begin, end, batch.pointScale[g]);

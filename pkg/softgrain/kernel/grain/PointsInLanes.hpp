@@ -4,6 +4,7 @@
 #pragma once
 
 #include "grain/Batch.hpp"
+#include "grain/HourglassForces.hpp"
 #include "grain/Strip.hpp"
 #include "lanes/FourNumbers.hpp"
 
@@ -186,6 +187,7 @@ public:
 	PointsInLanes(const Batch<dim>& batch, int g, const NodalField<dim>& field)
 		: lines_(batch.reference->pointLines)
 		, shapes_(batch.reference->pointShapes)
+		, hourglass_(batch.reference->hourglass)
 		, order_(batch.reference->recipe.order)
 		, grain_(g)
 	{
@@ -255,6 +257,17 @@ public:
 				detail::scatterPoints<dim, order>(lines_, strip, force);
 			});
 	}
+	/// (The energy is in the first lane.)
+	void holdHourglasses(Forces& forces, Lanes& energy) const
+	{
+		const auto x = components<const double>(x_);
+		const auto force = components<double>(forces);
+		double sum = 0;
+		addHourglassForces<double, dim>(
+			hourglass_, lame_.mu[0], [&](int place, int a) { return x[a][place]; },
+			[&](int place, int a) -> double& { return force[a][place]; }, sum);
+		energy[0] += sum;
+	}
 	void storeForces(Forces& forces, const Batch<dim>& batch, NodalField<dim>& to) const
 	{
 		const auto force = components<double>(forces);
@@ -280,6 +293,7 @@ private:
 
 	const PointLines<dim>& lines_;
 	const SparseRows<ShapeFunction<dim>>& shapes_;
+	const std::vector<HourglassStencil>& hourglass_;
 	int order_, grain_;
 	LameConstants lame_;
 	std::vector<double>

@@ -120,6 +120,10 @@ template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>&
 				 ? balancedNodeMass<dim>(grid.position(), grid.mass(), quadrature,
 							 grain.pointShapes)
 				 : grid.mass();
+	const bool isProjected = recipe.volumetric == VolumetricStrain::projected;
+	grain.hourglass = hourglassStencils<dim>(grid, grain.pointLines, grain.nodeMass,
+						 isProjected ? hourglassStiffnessProjected
+							     : hourglassStiffness);
 
 	SparseRows<ShapeFunction<dim>> shapes;
 	for (const Vec<dim>& X : grain.contactMesh.vertex)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Vector.hpp"
+#include "reference/Hourglass.hpp"
 #include "reference/NodeMass.hpp"
 #include "reference/NodeRows.hpp"
 #include "reference/Outline.hpp"
@@ -87,6 +88,7 @@ template <int dim> struct GrainTemplate {
 	std::vector<double> pointVolume;            ///< Vp0, in radii^dim
 	SparseRows<ShapeFunction<dim>> pointShapes; ///< row p: nodes I with N_I(Xp), G_I(Xp)
 	PointLines<dim> pointLines;                 ///< the same for the bulk pass
+	std::vector<HourglassStencil> hourglass;    ///< in the box of pointLines
 
 	PressureSpace pressureSpace; ///< of the volumetric strain; empty where it is pointwise
 
