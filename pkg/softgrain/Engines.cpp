@@ -86,6 +86,9 @@ void checkEngineOrder(const Scene& scene, const SoftGrainIntegrator& integrator)
 	    }) > 1)
 		refuse("O.engines holds two SoftGrainIntegrators; each moves all soft grains: "
 		       "leave one");
+	if (countLive<ForceResetter>(begin, self) == 0)
+		refuse("there is no ForceResetter before it in O.engines that is not dead: contact "
+		       "forces would act again as loads in the next step. See sg.engines()");
 	if (countLive<InteractionLoop>(begin, self) == 0)
 		refuse("there is no InteractionLoop before it in O.engines that is not dead: it "
 		       "finds the contacts. See sg.engines()");

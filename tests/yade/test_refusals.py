@@ -123,6 +123,19 @@ def two_integrators():
     add_engine(sg.SoftGrainIntegrator(), place=3)
 
 
+def no_resetter():
+    O.engines = list(O.engines)[1:]
+
+
+def dead_resetter():
+    O.engines[0].dead = True
+
+
+def resetter_behind():
+    engines = list(O.engines)
+    O.engines = engines[1:] + engines[:1]
+
+
 def dead_loop():
     O.engines[2].dead = True
 
@@ -164,6 +177,9 @@ REFUSED = [
     (two_integrators, "two SoftGrainIntegrators"),
     (stepper_behind, "GlobalStiffnessTimeStepper stands after SoftGrainIntegrator"),
     (controller_behind, "WallStressController stands after SoftGrainIntegrator"),
+    (no_resetter, "no ForceResetter before it in O.engines that is not dead"),
+    (dead_resetter, "no ForceResetter before it .* that is not dead: contact forces"),
+    (resetter_behind, "no ForceResetter before it .* would act again as loads"),
     (dead_loop, "no InteractionLoop before it in O.engines that is not dead"),
     (loop_behind, "no InteractionLoop before it"),
     (wall_in_the_plane, "#0: a Wall of axis = 2 lies in the plane"),
