@@ -72,6 +72,14 @@ bool hasTimeStepper(const Scene& scene)
 			   [](const auto& engine) { return isActiveTimeStepper(*engine); });
 }
 
+/// (Between two steps the last reset is that of the step before.)
+bool hasForcesOfLastStep(const Scene& scene)
+{
+	const auto* integrator = softGrainIntegratorOf(scene);
+	if (!integrator || integrator->dead) return true;
+	return scene.forces.lastReset == scene.iter - 1 || integrator->hasPublishedIn(scene.iter);
+}
+
 void checkEngineOrder(const Scene& scene, const SoftGrainIntegrator& integrator)
 {
 	const auto begin = scene.engines.begin(), end = scene.engines.end();

@@ -1,5 +1,6 @@
 // The shared object is both: an extension module of Python and a plugin of YADE. Importing it
 // registers our classes with a YADE that has already started.
+#include "Engines.hpp"
 #include "Hardening.hpp"
 #include "PythonContactProblem.hpp"
 #include "SceneAssembly.hpp"
@@ -60,6 +61,11 @@ void letColliderReadBodies()
 
 double criticalTimeStep() { return yade::criticalTimeStep(*yade::Omega::instance().getScene()); }
 
+bool hasForcesOfLastStep()
+{
+	return yade::hasForcesOfLastStep(*yade::Omega::instance().getScene());
+}
+
 yade::Vector3r contactForce(int id)
 {
 	const auto& bodies = *yade::Omega::instance().getScene()->bodies;
@@ -84,6 +90,8 @@ BOOST_PYTHON_MODULE(_softgrain)
 		"none.");
 	py::def("contactForce", contactForce,
 		"Sum of the contact forces on a body in the last step, from its interactions [N].");
+	py::def("hasForcesOfLastStep", hasForcesOfLastStep,
+		"Whether O.forces holds the forces of the last step, or of the present one.");
 	py::def("letColliderReadBodies", letColliderReadBodies,
 		"Has the next run of the collider take the bodies from their list.");
 	py::def("presentOutline", yade::presentOutline,

@@ -48,6 +48,7 @@ void SoftGrainIntegrator::action()
 	try {
 		lastError = "";
 		advance();
+		publishedIn_ = scene->iter;
 	} catch (const softgrain::StepError& e) {
 		std::ostringstream message;
 		message << "SoftGrainIntegrator, step " << scene->iter << ": soft grain #"

@@ -17,6 +17,8 @@ public:
 	void action() override;
 	void
 	postLoad(SoftGrainIntegrator&); ///< checks all attributes, throws std::invalid_argument
+	/// Whether it has done its part of this step.
+	bool hasPublishedIn(long step) const { return publishedIn_ == step; }
 	py::dict energyDict() const;
 	py::dict contactProblem() const;
 	py::dict ratesDict() const;
@@ -102,7 +104,8 @@ private:
 	RigidContacts rigidContacts_;
 	EnergyBooks energyBooks_;
 	softgrain::PhaseClock clock_;
-	Real longestDt_ = 0; ///< that the soft grains have asked for since it began to run, s
+	long publishedIn_ = -1; ///< step in which it last came to its end
+	Real longestDt_ = 0;    ///< that the soft grains have asked for since it began to run, s
 	bool warnedOfPressure_ = false, warnedOfStiffness_ = false;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
 };

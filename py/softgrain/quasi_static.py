@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 
-from softgrain import time_loop
+from softgrain import _softgrain, time_loop
 from softgrain.checks import number
 from softgrain.materials import found_material
 from softgrain.observe import has_own_motion, some_soft_bodies
@@ -28,7 +28,9 @@ def quasi_static():
         *unbalanced_force* [-], mean magnitude of the sum of forces on a soft grain (contacts,
         ``O.forces``, weight) over mean magnitude of the contact forces, as
         ``utils.unbalancedForce`` has it for rigid bodies, inf where grains are accelerated without
-        any contact. Both ratios are 0 where there is neither motion nor force.
+        any contact, nan where the forces of the last step are not there: before the first step and
+        between ``ForceResetter`` and ``SoftGrainIntegrator`` (an engine put in by
+        ``sg.insert_before_solve``). Both ratios are 0 where there is neither motion nor force.
 
     Raises:
         ValueError: the scene has no soft grain.
@@ -41,7 +43,7 @@ def quasi_static():
         "kinetic": kinetic,
         "elastic": elastic,
         "kinetic_over_elastic": _ratio(kinetic, elastic),
-        "unbalanced_force": _ratio(_mean(_net_forces(bodies)), _mean_contact_force()),
+        "unbalanced_force": _over_present_forces(_mean(_net_forces(bodies)), _mean_contact_force()),
     }
 
 
@@ -54,13 +56,18 @@ def unbalanced_force(largest=False):
         largest (bool): the largest sum of forces on a body in place of their mean.
 
     Returns:
-        float: 0 without any force, inf where something is accelerated without any contact [-].
+        float: 0 without any force, inf where something is accelerated without any contact, nan
+        where the forces of the last step are not there (see :func:`quasi_static`) [-].
     """
     phys = [i.phys for i in O.interactions if i.isReal and isinstance(i.phys, NormShearPhys)]
     forces = [(p.normalForce + p.shearForce).norm() for p in phys]
     carried = _mean([force for force in forces if force > 0])
     net = _net_forces([b for b in O.bodies if b and has_own_motion(b)])
-    return _ratio(max(net, default=0.0) if largest else _mean(net), carried)
+    return _over_present_forces(max(net, default=0.0) if largest else _mean(net), carried)
+
+
+def _over_present_forces(net, carried):
+    return _ratio(net, carried) if _softgrain.hasForcesOfLastStep() else math.nan
 
 
 def _ratio(numerator, denominator):

@@ -38,7 +38,8 @@ def unbalancedForce(useMaxForce=False):
         useMaxForce (bool): the largest sum of forces on a body in place of their mean.
 
     Returns:
-        float: 0 without any force, inf where something is accelerated without any contact [-].
+        float: 0 without any force, inf where something is accelerated without any contact, nan
+        where the forces of the last step are not there [-].
     """
     if soft_bodies():
         return unbalanced_force(largest=useMaxForce)

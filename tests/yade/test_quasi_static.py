@@ -3,6 +3,7 @@
 import math
 import warnings
 
+import __main__
 import numpy as np
 import pytest
 from scenes import (
@@ -16,7 +17,7 @@ from scenes import (
     run,
     soft_material,
 )
-from yade import FrictMat, O
+from yade import FrictMat, O, PyRunner, utils
 
 import softgrain as sg
 
@@ -201,6 +202,7 @@ def test_no_soft_grain():
 def test_indicator_of_a_free_grain():
     disk = add_disk()
     ready()
+    run(1)
     nothing = sg.quasi_static()
     assert nothing["kinetic_over_elastic"] == nothing["unbalanced_force"] == 0
     disk.state.vel = (3, 4, 0)
@@ -231,6 +233,48 @@ def test_indicator_counts_weight():
     """A grain at rest on the floor is in balance; without its weight it would not be."""
     weigh(massScaling=5)
     assert sg.quasi_static()["unbalanced_force"] < 1e-2
+
+
+def unbalanced():
+    return sg.quasi_static()["unbalanced_force"], sg.unbalanced_force(), utils.unbalancedForce()
+
+
+def test_unbalanced_force_is_known_from_the_solve_on():
+    """Until the next ForceResetter; nan does not pass for rest."""
+    squeezed_disk(steps=100)
+    seen = {}
+
+    def look(place):
+        return PyRunner(command=f"look('{place}')", iterPeriod=1)
+
+    __main__.look = lambda place: seen.update({place: unbalanced()})
+    resetter, *others = O.engines
+    O.engines = [look("first"), resetter, *others, look("last")]
+    sg.insert_before_solve(look("solve"))
+    between = unbalanced()
+    run(1)
+    assert np.isnan(seen["solve"]).all()
+    assert seen["first"] == between and min(between) > 0
+    assert seen["last"] == unbalanced() != between
+
+
+def test_unbalanced_force_after_what_forgets_forces(tmp_path):
+    """Not before a step has made them anew; engines alone forget nothing."""
+    squeezed_disk(steps=100)
+    before = unbalanced()
+    O.engines = sg.engines()
+    assert unbalanced() == before
+    O.save(str(tmp_path / "scene.yade.gz"))
+    O.load(str(tmp_path / "scene.yade.gz"))
+    assert np.isnan(unbalanced()).all()
+    run(1)
+    assert min(unbalanced()) > 0
+    O.forces.reset()
+    assert np.isnan(unbalanced()).all()
+    O.reset()
+    add_disk()
+    ready()
+    assert np.isnan(unbalanced()).all()
 
 
 def test_what_a_wall_is_held_by_is_no_imbalance():
