@@ -108,8 +108,7 @@ namespace {
 /// The step refuses what is no number.
 Real tangentOf(Real angle)
 {
-	const bool admissible = angle >= 0 && angle < Mathr::PI / 2;
-	return admissible ? std::tan(angle) : std::numeric_limits<Real>::quiet_NaN();
+	return isFrictionAngle(angle) ? std::tan(angle) : std::numeric_limits<Real>::quiet_NaN();
 }
 
 } // namespace

@@ -110,6 +110,30 @@ void describePair(const Scene& scene, const Interaction& I, const Vec3& normal, 
 	if (soft2 && !soft1 && !YADE_PTR_DYN_CAST<Sphere>(b1.shape)) geom.refR1 = geom.refR2;
 }
 
+Real frictionAngleOf(const Material& material)
+{
+	const auto* rigid = dynamic_cast<const FrictMat*>(&material);
+	return rigid ? rigid->frictionAngle : static_cast<const SoftMat&>(material).frictionAngle;
+}
+
+/// What is wrong with the frictionAngle of a material, of which the functors, which must not throw,
+/// made a coefficient of a pair that is no number; empty if nothing is.
+string badAngleOf(const Scene& scene, const Interaction& I)
+{
+	if (!std::isnan(static_cast<const SoftPhys&>(*I.phys).tangensOfFrictionAngle)) return "";
+	try {
+		for (const Body::id_t id : { I.getId1(), I.getId2() }) {
+			const Material& material = *(*scene.bodies)[id]->material;
+			requireFrictionAngle("frictionAngle of " + material.getClassName() + " '" +
+						     material.label + "'",
+					     frictionAngleOf(material));
+		}
+	} catch (const std::invalid_argument& e) {
+		return e.what();
+	}
+	return "";
+}
+
 } // namespace
 
 template <class Belongs>
@@ -231,8 +255,10 @@ void SoftInteractions::checkInterfaces() const
 		try {
 			pairs_[k]->checkInterface();
 		} catch (const std::invalid_argument& e) {
-			throw std::runtime_error("interaction of " + namesOf(*interactions_[k]) +
-						 ": " + e.what());
+			const Interaction& I = *interactions_[k];
+			const string ofMaterial = badAngleOf(scene_, I);
+			throw std::runtime_error("interaction of " + namesOf(I) + ": " +
+						 (ofMaterial.empty() ? e.what() : ofMaterial));
 		}
 }
 

@@ -5,6 +5,13 @@ namespace yade {
 
 YADE_PLUGIN((SoftMat));
 
+bool isFrictionAngle(Real angle) { return angle >= 0 && angle < Mathr::PI / 2; }
+
+void requireFrictionAngle(const string& parameter, Real angle)
+{
+	softgrain::require(isFrictionAngle(angle), parameter, angle, "[0, pi/2) rad");
+}
+
 void SoftMat::postLoad(SoftMat&)
 {
 	softgrain::require(massScaling >= 1 && math::isfinite(massScaling), "massScaling",
@@ -13,8 +20,7 @@ void SoftMat::postLoad(SoftMat&)
 	damping().validate();
 	constitutiveLaw();
 	softgrain::conditionByName(condition);
-	softgrain::require(frictionAngle >= 0 && frictionAngle < Mathr::PI / 2, "frictionAngle",
-			   frictionAngle, "[0, pi/2) rad");
+	requireFrictionAngle("frictionAngle", frictionAngle);
 }
 
 softgrain::Condition SoftMat::conditionIn(int dim) const

@@ -13,6 +13,11 @@ struct AssembledMaterial {
 	string law, condition;
 };
 
+/// Whether friction has a coefficient with it.
+bool isFrictionAngle(Real angle);
+/// Throws std::invalid_argument unless it is one.
+void requireFrictionAngle(const string& parameter, Real angle);
+
 class SoftMat : public Material {
 public:
 	AssembledMaterial assembled() const { return { constants(), damping(), law, condition }; }

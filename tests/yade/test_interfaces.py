@@ -249,7 +249,7 @@ def test_no_number_from_the_materials():
     add_block(0)
     add_wall(0, 1).material.frictionAngle = math.nan
     ready(interface={"frictAngle": MatchMaker(algo="avg")})
-    with pytest.raises(RuntimeError, match="friction = nan is outside"):
+    with pytest.raises(RuntimeError, match="frictionAngle of .*FrictMat.* = nan is outside"):
         run(2)
 
 
@@ -282,7 +282,10 @@ def test_bad_input():
         with pytest.raises(RuntimeError, match=message):
             run(2)
 
-    stops("#1 and #0: dynamicFriction = .* outside", {"dynamicFrictAngle": 0.5})
+    stops(
+        r"#1 and #0: dynamicFrictAngle = 0.5 is outside .*\[0, 0.291457\] rad",
+        {"dynamicFrictAngle": 0.5},
+    )
     stops("cohesion = -1 ", {}, {"cohesion": -1.0})
     stops("cohesionRange = 0 ", {"cohesion": 1e3})
     stops("bondEnergy = 0 ", {"bondStrength": 1e3})
@@ -391,6 +394,8 @@ def test_angle_of_a_material_is_checked():
     add_disk((0, 0.99 * RADIUS, 0), material=soft_material(frictionAngle=0.5))
     wall = add_wall(0, 1)
     wall.material.frictionAngle = -3
+    wall.material.label = "rough"
     ready()
-    with pytest.raises(RuntimeError, match="friction = nan"):
+    message = r"#1 and #0: frictionAngle of FrictMat 'rough' = -3 is outside .*\[0, pi/2\) rad"
+    with pytest.raises(RuntimeError, match=message):
         run(2)

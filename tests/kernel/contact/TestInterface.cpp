@@ -57,7 +57,9 @@ TEST_CASE("a bad interface law is refused with its name", "[interface]")
 	CHECK(complaint([](InterfaceLaw&) {}, -0.1).starts_with("friction = -0.1"));
 	CHECK(complaint([](InterfaceLaw&) {}, infinity).starts_with("friction = inf"));
 	using Law = InterfaceLaw;
-	CHECK(complaint([](Law& l) { l.dynamicFriction = 0.6; }).starts_with("dynamicFriction"));
+	CHECK(complaint([](Law& l) { l.dynamicFriction = 0.6; })
+		      .starts_with("dynamicFrictAngle = 0.54042 is outside the admissible range "
+				   "[0, 0.463648] rad"));
 	CHECK(complaint([](Law& l) { l.cohesion = -1; }).starts_with("cohesion = -1"));
 	CHECK(complaint([](Law& l) { l.cohesionRange = 0; }).starts_with("cohesionRange = 0"));
 	CHECK(complaint([&](Law& l) { l.bondStrength = infinity; }).starts_with("bondStrength"));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <tuple>
 
 namespace softgrain {
@@ -17,13 +18,21 @@ void requireNonNegative(const char* parameter, double value, const char* range)
 	require(value >= 0 && std::isfinite(value), parameter, value, range);
 }
 
+/// As angles, which is what users give.
+void requireDynamicFriction(double dynamicFriction, double friction)
+{
+	if (dynamicFriction <= friction) return;
+	std::ostringstream range;
+	range << "[0, " << std::atan(friction) << "] rad, up to the angle of static friction";
+	refuse("dynamicFrictAngle", std::atan(dynamicFriction), range.str());
+}
+
 } // namespace
 
 void InterfaceLaw::validate(double friction) const
 {
 	require(friction >= 0 && std::isfinite(friction), "friction", friction, "[0, inf)");
-	require(dynamicFriction <= friction, "dynamicFriction", dynamicFriction,
-		"[0, static friction] (negative: as the static one)");
+	requireDynamicFriction(dynamicFriction, friction);
 	requireNonNegative("cohesion", cohesion, "[0, inf) Pa");
 	requireNonNegative("cohesionRange", cohesionRange, "[0, inf) m");
 	require(!hasCohesion() || cohesionRange > 0, "cohesionRange", cohesionRange,
