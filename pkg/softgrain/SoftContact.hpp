@@ -60,8 +60,10 @@ public:
 			 restitution };
 	}
 
+	void check(Real friction) const { law().validate(friction); }
+
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(SoftInterface, Serializable,
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftInterface, Serializable,
 		"What the surfaces of a pair do to each other besides unilateral contact with one coefficient of friction: dynamic friction, cohesion, bonds, restitution; those that are 0 do not act. Values are checked in the step, which refuses what is not admissible. Cohesion and bonds need grains with contact = 'surface' and :yref:`SoftGrainIntegrator.interfaceRange`. See doc/theory.md, Interfaces.",
 		((Real, tangensOfDynamicFrictionAngle, -1, , "Coefficient of friction μ_d of contact points that slid in the last step, in [0, μ_s] [-]; those that stuck have μ_s = :yref:`SoftPhys.tangensOfFrictionAngle`. A point that carries less than μ_d times its pressure sticks again. Negative: μ_s for all."))
 		((Real, cohesion, 0, , "Constant traction σ_c by which the surfaces attract each other wherever they are nearer than *cohesionRange*, ≥ 0 [Pa] (Dugdale). Work of separation: σ_c × cohesionRange."))
@@ -70,7 +72,9 @@ public:
 		((Real, bondEnergy, 0, , "Energy to break a bond, in whatever mixture of opening and slip, > 0 where there are bonds [J/m²]; its traction falls to nothing at the opening 2 bondEnergy/bondStrength."))
 		((Real, bondStiffness, 0, , "Traction over opening (and slip) of an undamaged bond, > bondStrength²/(2 bondEnergy) [Pa/m]; 0: such that *bondStrength* is met at a tenth of the final opening. Stiff bonds shorten the critical time step, which knows of them."))
 		((bool, bondAtTouch, true, , "Whether contact points bond as soon as they touch. A broken bond does not form again before its point has been out of reach. False: only by SoftGeom.bond()."))
-		((Real, restitution, 0, , "Coefficient of restitution e, in [0, 1] [-], between a soft grain and a rigid body: what comes into contact in a step leaves with e times the speed at which it came, point by point."))
+		((Real, restitution, 0, , "Coefficient of restitution e, in [0, 1] [-], between a soft grain and a rigid body: what comes into contact in a step leaves with e times the speed at which it came, point by point.")),
+		/* ctor */,
+		.def("check", &SoftInterface::check, "ValueError naming the attribute that is not admissible beside a coefficient of static friction, the argument [-].")
 	);
 	// clang-format on
 };

@@ -48,6 +48,13 @@ _INTERFACE_RANGES = {
     "bondStiffness": ("[0, inf)", "Pa/m"),
     "restitution": ("[0, 1]", ""),
 }
+#: Attributes of ``engines(interface=)`` that act together; those behind the first do nothing
+#: without it.
+_INTERFACE_LAWS = (
+    ("cohesion", "cohesionRange"),
+    ("bondStrength", "bondEnergy", "bondStiffness", "bondAtTouch"),
+    ("restitution",),
+)
 #: Radii that bounding boxes of spheres have, so that the functors "ahead" are asked in time.
 _AHEAD = 1.05
 #: Distance by which bounding boxes are enlarged, over the smallest radius, if nothing else is said.
@@ -114,7 +121,9 @@ def engines(
 
     Raises:
         ValueError: an attribute is out of its range, there is no grain and no verlet_distance, a
-            wall in a periodic cell, or ``interface`` is no dict, or has an unknown attribute.
+            wall in a periodic cell, or ``interface`` is no dict, or has an unknown attribute, one
+            that does nothing without another, or numbers for all pairs that do not fit together or
+            to the contact geometry of the grains.
     """
     if rigid not in _RIGID_LAWS:
         raise ValueError(f"rigid = {rigid!r} is not one of {', '.join(map(repr, _RIGID_LAWS))}")
@@ -204,7 +213,65 @@ def _checked_interface(interface):
         else:
             value = number(f"interface: {name}", value, *_INTERFACE_RANGES[name])
             checked[name] = MatchMaker(algo="val", val=value)
+    _refuse_idle_attributes(checked)
+    _check_law_of_all_pairs(checked)
     return checked
+
+
+def _refuse_idle_attributes(interface):
+    for first, *others in _INTERFACE_LAWS:
+        idle = [name for name in others if name in interface]
+        if idle and first not in interface:
+            raise ValueError(f"interface: {idle[0]} does nothing without {first}; give both")
+
+
+def _check_law_of_all_pairs(interface):
+    """What a step would refuse of any pair, which the first contact may show late."""
+    law, friction = _law_of_all_pairs(interface)
+    try:
+        law.check(friction)
+    except ValueError as error:
+        raise ValueError(f"interface: {error}") from None
+    if _acts(law):
+        _require_surfaces()
+
+
+def _acts(law):
+    slides = law.tangensOfDynamicFrictionAngle >= 0
+    return slides or law.cohesion > 0 or law.bondStrength > 0 or law.restitution > 0
+
+
+def _require_surfaces():
+    for body in O.bodies:
+        if body and isinstance(body.shape, wrapper.SoftGrain) and body.shape.contact != "surface":
+            raise ValueError(
+                f"interface: soft grain #{body.id} has contact = {body.shape.contact!r}; "
+                "interface laws need soft grains with contact = 'surface'"
+            )
+
+
+def _law_of_all_pairs(interface):
+    """A SoftInterface with the laws whose numbers are the same for all pairs, and the coefficient
+    of static friction, 0 where it depends on the pair."""
+    known = {}
+    for names in _INTERFACE_LAWS:
+        given = {name: _value_of_all(interface[name]) for name in names if name in interface}
+        if None not in given.values():
+            known.update(given)
+    law = wrapper.SoftInterface(**known)
+    static, dynamic = (
+        _value_of_all(interface.get(name)) for name in ("frictAngle", "dynamicFrictAngle")
+    )
+    if None not in (static, dynamic) and static != dynamic:
+        law.tangensOfDynamicFrictionAngle = math.tan(dynamic)
+    return law, math.tan(static or 0)
+
+
+def _value_of_all(match):
+    """What an attribute is for all pairs; None where that depends on the pair."""
+    if not isinstance(match, MatchMaker):
+        return match
+    return match.val if match.algo == "val" and not match.matches else None
 
 
 def _values(match):

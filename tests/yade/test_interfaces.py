@@ -244,6 +244,58 @@ def test_numbers_are_refused_at_once(name, value, admissible):
         sg.engines(interface={name: value})
 
 
+@pytest.mark.parametrize(
+    "law, message",
+    [
+        (
+            {"dynamicFrictAngle": 0.5, "frictAngle": 0.2},
+            r"dynamicFrictAngle = 0.5 is outside the admissible range \[0, 0.2\] rad",
+        ),
+        ({"cohesion": 1e3, "cohesionRange": 0}, r"cohesionRange = 0 is outside .* \(0, inf\) m"),
+        ({"cohesion": 1e3}, "cohesionRange = 0 is outside"),
+        ({"bondStrength": 1e3}, r"bondEnergy = 0 is outside .* \(0, inf\) J"),
+        ({"bondStiffness": 1e3, **BOND}, r"bondStiffness = 1000 is outside .* \(bondStrength"),
+        ({"cohesionRange": 1e-4}, "cohesionRange does nothing without cohesion; give both"),
+        ({"bondEnergy": 1.0}, "bondEnergy does nothing without bondStrength; give both"),
+        ({"bondStiffness": 1e9}, "bondStiffness does nothing without bondStrength"),
+        ({"bondAtTouch": False}, "bondAtTouch does nothing without bondStrength"),
+    ],
+)
+@pytest.mark.parametrize("matched", (False, True))
+def test_what_does_not_fit_together_is_refused_at_once(law, message, matched):
+    """Numbers for all pairs of materials, however they are given."""
+    add_block(0)
+    if matched:
+        law = {n: v if isinstance(v, bool) else of_all(v) for n, v in law.items()}
+    with pytest.raises(ValueError, match=f"interface: {message}"):
+        sg.engines(interface=law)
+
+
+def test_what_depends_on_the_pair_is_left_to_the_step():
+    add_block(0)
+    none = MatchMaker(matches=((7, 8, 1e3),), algo="zero")
+    for law in (
+        {"cohesion": none, "cohesionRange": 1e-4},
+        {"cohesion": 1e3, "cohesionRange": none},
+        {"bondStrength": 1e3, "bondEnergy": none},
+        {"bondStrength": none, "bondEnergy": 0.1, "bondStiffness": none},
+        {"dynamicFrictAngle": 0.5},
+        {"dynamicFrictAngle": 0.5, "frictAngle": MatchMaker(algo="max")},
+        {"cohesion": 0, "cohesionRange": 1e-4, "bondStrength": 0, "bondEnergy": 0.1},
+    ):
+        sg.engines(interface=law)
+
+
+@pytest.mark.parametrize(
+    "law", [COHESION, BOND, {"restitution": 0.5}, {"frictAngle": 0.3, "dynamicFrictAngle": 0.2}]
+)
+def test_geometries_without_laws_are_refused_at_once(law):
+    O.bodies.append(sg.soft_disk((0, RADIUS, 0), RADIUS, damped(), zeta=0.25, contact="points"))
+    with pytest.raises(ValueError, match="#0 has contact = 'points'; .* need .* 'surface'"):
+        sg.engines(interface=law)
+    sg.engines(interface={"frictAngle": 0.3, "dynamicFrictAngle": 0.3})
+
+
 def test_no_number_from_the_materials():
     """An exception of MatchMaker in the loop would end the process."""
     add_block(0)
@@ -254,11 +306,12 @@ def test_no_number_from_the_materials():
 
 
 def test_refused_geometry_stays_readable():
+    O.engines = sg.engines(interface=COHESION, verlet_distance=0.1 * RADIUS)
     for height in (0, -SIDE):
         O.bodies.append(
             sg.soft_block((0, height, 0), (SIDE, SIDE), damped(), zeta=0.25, contact="nodes")
         )
-    ready(interface=COHESION)
+    sg.set_time_step(0.5)
     with pytest.raises(RuntimeError, match="contact = 'surface'"):
         run(1)
     contacts = interaction().geom.contacts()
@@ -287,12 +340,12 @@ def test_bad_input():
         {"dynamicFrictAngle": 0.5},
     )
     stops("cohesion = -1 ", {}, {"cohesion": -1.0})
-    stops("cohesionRange = 0 ", {"cohesion": 1e3})
-    stops("bondEnergy = 0 ", {"bondStrength": 1e3})
-    stops("bondStiffness = 1000 ", {"bondStiffness": 1e3, **BOND})
+    stops("cohesionRange = 0 ", {}, {"cohesion": 1e3})
+    stops("bondEnergy = 0 ", {}, {"bondStrength": 1e3})
+    stops("bondStiffness = 1000 ", BOND, {"bondStiffness": 1e3})
     stops("restitution = 2 ", {}, {"restitution": 2.0})
     stops("restitution = 0.5 .*two soft grains", {}, {"restitution": 0.5}, pair="soft")
-    stops("contact = 'surface'", {"restitution": 0.5}, contact="points")
+    stops("contact = 'surface'", {}, {"restitution": 0.5}, contact="points")
     with pytest.raises(ValueError, match="unknown .'stickiness'"):
         sg.engines(interface={"stickiness": 1})
     O.reset()
