@@ -1,9 +1,9 @@
 """The same packing and loading with rigid, bonded, finite-element and soft grains.
 
-Run it in the platform, not in YADE: ``scripts/platform/shell python3 scripts/compare_rigid.py --out
-DIR``. Every model runs in a YADE of its own (``scripts/rigid_and_soft/run.py``), on two problems:
-one grain in a closing square box, where converged finite elements say what is right, and the
-uniaxial compaction of a packing. Leaves ``result.json``, ``comparison.md`` and ``comparison.png``.
+Run it with YADE: ``scripts/yade -n -x scripts/compare_rigid.py --out DIR``. Every model runs in a
+YADE of its own (``scripts/rigid_and_soft/run.py``), on two problems: one grain in a closing square
+box, where converged finite elements say what is right, and the uniaxial compaction of a packing.
+Leaves ``result.json``, ``comparison.md`` and ``comparison.png``.
 """
 
 import json
@@ -14,15 +14,16 @@ from pathlib import Path
 import matplotlib.figure
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).resolve().parent)]
+sys.path.append(str(Path(sys.argv[0]).resolve().parent))  # in YADE, __file__ is its start script
 
+from rigid_and_soft import models  # noqa: E402
 from rigid_and_soft.models import MODELS  # noqa: E402
 from rigid_and_soft.options import add_case_options, case_arguments  # noqa: E402
 
 from softgrain import command_line, finite_elements  # noqa: E402
 from softgrain.runs import markdown_table  # noqa: E402
 
-RUN = Path(__file__).parent / "rigid_and_soft" / "run.py"
+RUN = Path(models.__file__).with_name("run.py")
 
 
 def parse_options(arguments=None):

@@ -20,6 +20,19 @@ UNITS = {
     "square_cell": ("[-]", "[m/s]", "[Pa]", "[kg/m3]", "[m]", "[degrees]"),
     "hexagonal_cell": ("[-]", "[m/s]", "[Pa]", "[kg/m3]", "[m]", "[degrees]"),
 }
+#: Of README.md's table, where all run in the same way.
+OTHERS = (
+    "image_grains",
+    "stress_control",
+    "interfaces",
+    "adhesion",
+    "rigid_partners",
+    "harden_packing",
+    "rigid_packing",
+    "rigid_column",
+    "compare_rigid",
+    "periodic_lattice",
+)
 
 
 def yade_script(name, *options):
@@ -36,6 +49,13 @@ def test_help_names_units(name):
     process = yade_script(name, "--help")
     assert process.returncode == 0
     assert all(unit in process.stdout for unit in UNITS[name])
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_runs_in_yade(name):
+    process = yade_script(name, "--help")
+    assert process.returncode == 0, process.stderr
+    assert "--out" in process.stdout
 
 
 def test_exit_status(tmp_path):
