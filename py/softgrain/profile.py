@@ -28,7 +28,7 @@ def contact_profile(interaction):
         of undeformed thickness.
 
     Raises:
-        ValueError: the interaction is not one of a soft grain in 2D.
+        ValueError: the interaction is not one of a soft grain in 2D, or not real (any more).
     """
     _require_soft(interaction)
     contacts = interaction.geom.contacts()
@@ -50,11 +50,14 @@ def contact_profile(interaction):
 def _require_soft(interaction):
     if not isinstance(interaction, Interaction):
         raise ValueError(f"interaction = {interaction!r}: admissible is one of O.interactions")
-    shapes = [O.bodies[i].shape for i in (interaction.id1, interaction.id2)]
+    ids = (interaction.id1, interaction.id2)
+    name = f"interaction = #{ids[0]}, #{ids[1]}"
+    present = all(i < len(O.bodies) and O.bodies[i] for i in ids)
+    if not (present and interaction.isReal):
+        raise ValueError(f"{name}: not in contact; admissible is a real one of O.interactions")
+    shapes = [O.bodies[i].shape for i in ids]
     if not any(isinstance(s, wrapper.SoftGrain) and s.dim == 2 for s in shapes):
-        raise ValueError(
-            f"interaction = #{interaction.id1}, #{interaction.id2}: not one of a soft grain in 2D"
-        )
+        raise ValueError(f"{name}: not one of a soft grain in 2D")
 
 
 def _tangent(normal):

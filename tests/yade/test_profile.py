@@ -85,3 +85,20 @@ def test_balls_are_refused():
     run(3)
     with pytest.raises(ValueError, match="interaction = #0, #1: not one of a soft grain in 2D"):
         sg.contact_profile(O.interactions[0, 1])
+
+
+def test_pair_that_is_over():
+    """Of a body that was erased: at once, after a step, and after all others."""
+    for body in (0, 1):
+        O.reset()
+        add_disk()
+        add_wall(-RADIUS, axis=1, velocity=(0, 0.5, 0))
+        ready()
+        run(20)
+        interaction = O.interactions[0, 1]
+        assert len(sg.contact_profile(interaction)["force"]) > 0
+        O.bodies.erase(body)
+        for forget in (lambda: run(1), O.reset, lambda: None):
+            with pytest.raises(ValueError, match="interaction = #., #.: not in contact"):
+                sg.contact_profile(interaction)
+            forget()
