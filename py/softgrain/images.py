@@ -49,9 +49,9 @@ def grains_from_image(
     the first steps work off.
 
     Args:
-        image (str | Path | array): a picture file, or integers of shape (rows, columns), the
-            first row on top. Of grey or palette pictures the value is the label, of coloured ones
-            red + 256 green + 65536 blue.
+        image (str | Path | array): a picture file, or integers or bools (label 1) of shape (rows,
+            columns), the first row on top. Of grey or palette pictures the value is the label, of
+            coloured ones red + 256 green + 65536 blue.
         pixel (float): its side, > 0 [m].
         material (int | str | SoftMat): as for :func:`soft_disk`.
         origin (tuple): of the lower left corner of the image [m].
@@ -134,6 +134,6 @@ def read_labels(image):
         )
     if image.size == 0:
         raise ValueError(f"image: no pixels, its shape is {image.shape}")
-    if image.max() >= 2**63:
+    if int(image.max()) >= 2**63:
         raise ValueError(f"image: label {image.max()}; admissible: below 2^63")
     return image.astype(np.int64)

@@ -54,6 +54,18 @@ def test_grains_from_an_image(how, tmp_path):
     assert sg.integrator().largestOverlap < 0.1
 
 
+@pytest.mark.parametrize("how", ("array", "file"))
+def test_mask_of_one_grain(how, tmp_path):
+    """Bools, and a picture of one bit: label 1."""
+    mask = drawn_labels() == 70
+    image = mask
+    if how == "file":
+        image = tmp_path / "mask.png"
+        Image.fromarray(mask).save(image)
+    found = sg.grains_from_image(image, 1e-4, soft_material(), zeta=0.25)
+    assert found.labels == [1] and len(found.bodies) == 1
+
+
 def test_unusable_labels_are_refused_or_reported():
     labels = drawn_labels()
     labels[0:10, 0:10] = 3
