@@ -6,6 +6,7 @@ how far walls that are held by the stress have moved.
 """
 
 import math
+import sys
 
 import numpy as np
 from yade import FrictMat, O, pack, utils
@@ -19,6 +20,7 @@ FRICTION = 0.3
 DAMPING = 400  # 1/s, of the soft disks
 SAMPLES, STEPS_PER_SAMPLE = 40, 25  # of a mean
 CONSOLIDATION = 0.25  # s, longest
+LEAST_SHARE = 0.5  # of the stress, that every wall is to bear by then
 
 
 def parse_options(arguments=None):
@@ -113,6 +115,16 @@ def lengths(walls):
     return np.array([x[1] - x[0], x[3] - x[2]])
 
 
+def require_stress(options, walls, force):
+    """End the run where the walls have not met the grains in time: there is nothing to compare."""
+    share = force / (options.stress * np.repeat(lengths(walls)[::-1], 2))
+    if share.min() < LEAST_SHARE:
+        sys.exit(
+            f"--stress: after {CONSOLIDATION} s under {options.stress} Pa a wall bears "
+            f"{share.min():.2g} of it, less than {LEAST_SHARE}; give a higher one"
+        )
+
+
 def start(options):
     """From the consolidated packing."""
     O.loadTmp("consolidated")
@@ -163,6 +175,7 @@ def main():
     O.saveTmp("consolidated")
     start(options)
     before = mean_forces(walls)
+    require_stress(options, walls, before)
     treatments = [{"into": "clumps", "error": error} for error in options.errors]
     if options.which == "apart":  # fixed ones and walls do not feel each other
         treatments.append({"into": "fixed"})

@@ -123,12 +123,14 @@ def pressure(walls):
 def compact(options, walls):
     """Squeeze to the packing fraction; returns records of phi and mean normal stress over E."""
     record, samples = [], []
-    while sg.packing_fraction(area()) < options.phi:
-        for _ in range(STEPS_PER_RECORD):
-            O.step()
-            samples.append(pressure(walls))
-        record.append((sg.packing_fraction(area()), float(np.mean(samples))))
-        samples.clear()
+    phi = sg.packing_fraction(area())
+    while phi < options.phi:
+        O.step()
+        samples.append(pressure(walls))
+        phi = sg.packing_fraction(area())
+        if len(samples) == STEPS_PER_RECORD or phi >= options.phi:
+            record.append((phi, float(np.mean(samples))))
+            samples.clear()
     return record
 
 

@@ -12,6 +12,7 @@ import interfaces
 import pytest
 import square_cell
 import stress_control
+from runs import run_case
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 UNITS = {
@@ -141,6 +142,18 @@ def test_refusal(case, options, capsys, tmp_path):
         case.parse_options(["--out", str(tmp_path), *options.split()])
     assert caught.value.code == 2
     assert REFUSED[case][options] in capsys.readouterr().err
+
+
+def test_image_grains_ends_at_phi(tmp_path):
+    options = ("--columns", "2", "--zeta", "0.3", "--phi", "0.9")
+    phi = run_case("image_grains", tmp_path, *options)["phi"]
+    assert 0.9 <= phi[-1] < 0.901 and (phi[:-1] < 0.9).all()
+
+
+def test_stress_that_walls_do_not_bear_in_time(tmp_path):
+    process = yade_script("harden_packing", "--stress", "1", "--out", str(tmp_path))
+    assert process.returncode == 1, process.stdout + process.stderr
+    assert "--stress: after 0.25 s under 1.0 Pa a wall bears 0 of it" in process.stderr
 
 
 def test_good_options(tmp_path):
