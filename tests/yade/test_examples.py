@@ -54,7 +54,7 @@ def test_simple_scene(tmp_path):
             ),
             "o.save('/tmp/a.xml.bz2')": "o.engines = sg.engines(gravity=[0, 0, -9.81])",
         },
-        {"O.run(20000)": "O.run(6000, True)"},
+        {"O.run(20000)": "O.run(9000, True)"},
         """
 ball, weight = O.bodies[1], 9.81 * O.bodies[1].state.mass
 force = O.forces.f(0)

@@ -167,18 +167,23 @@ void nodesFacingOutline(const ContactOutline<dim>& body, const ContactOutline<di
 			double reach, ContactList<dim>& list)
 {
 	const double deep = contactDepth(body, other);
+	PlaceOnOutline<dim> within; // what is farther counts as no facing facet
+	within.squaredDistance = deep * deep;
 	// Near a corner or in a notch the nearest facet need not be the one that a node lies
 	// against: there only facets count that the node faces. One that is outside must be before
 	// them, not behind the far side of a thin arm.
 	forNodesNear(body, other, reach, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
 		const bool mayBeInside = !other.mesh->irregular || other.encloses(x);
-		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, [&](int f) {
-			return body.facesAgainst(s, other.normalOfFacet(f)) &&
-			       (mayBeInside || isBefore(x, other, f));
-		});
+		PlaceOnOutline<dim> place = nearestPlace(
+			x, other, facets,
+			[&](int f) {
+				return body.facesAgainst(s, other.normalOfFacet(f)) &&
+				       (mayBeInside || isBefore(x, other, f));
+			},
+			within);
 		// None near: the node lies against no side of the grain, but it may be inside.
-		const bool faces = place.squaredDistance <= deep * deep;
+		const bool faces = place.facet >= 0;
 		if (!faces && !mayBeInside) return;
 		if (!faces) place = nearestPlace(x, other, facets, anyFacet);
 		Contact<dim> contact = contactAt(x, other, place);
