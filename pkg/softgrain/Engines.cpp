@@ -72,12 +72,15 @@ bool hasTimeStepper(const Scene& scene)
 			   [](const auto& engine) { return isActiveTimeStepper(*engine); });
 }
 
-/// (Between two steps the last reset is that of the step before.)
+/// (Between two steps the last reset is that of the step before. It is 0 as well in a scene that
+/// was loaded.)
 bool hasForcesOfLastStep(const Scene& scene)
 {
 	const auto* integrator = softGrainIntegratorOf(scene);
 	if (!integrator || integrator->dead) return true;
-	return scene.forces.lastReset == scene.iter - 1 || integrator->hasPublishedIn(scene.iter);
+	if (integrator->hasPublishedIn(scene.iter)) return true;
+	const long last = scene.iter - 1;
+	return last > 0 ? scene.forces.lastReset == last : integrator->hasPublishedIn(0);
 }
 
 void checkEngineOrder(const Scene& scene, const SoftGrainIntegrator& integrator)

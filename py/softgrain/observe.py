@@ -154,7 +154,7 @@ def cell_stress(source="contacts"):
             undeformed thickness, as forces are. Less, in both, the momentum
             that grains carry relative to the mean flow, m c c with c = v - velGrad x less the mean
             of that by mass. They agree on the mean over a time that is long beside the vibrations
-            of the grains.
+            of the grains; in space within 1e-3 (doc/decisions/0030-hourglass.md).
 
     Returns:
         array (3, 3): [Pa]. In 2D the out-of-plane stress is that of the grains, 0 with 'contacts'.

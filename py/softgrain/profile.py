@@ -53,7 +53,7 @@ def _require_soft(interaction):
     ids = (interaction.id1, interaction.id2)
     name = f"interaction = #{ids[0]}, #{ids[1]}"
     present = all(i < len(O.bodies) and O.bodies[i] for i in ids)
-    if not (present and interaction.isReal):
+    if not (present and O.interactions.has(*ids) and interaction.isReal):
         raise ValueError(f"{name}: not in contact; admissible is a real one of O.interactions")
     shapes = [O.bodies[i].shape for i in ids]
     if not any(isinstance(s, wrapper.SoftGrain) and s.dim == 2 for s in shapes):

@@ -23,7 +23,8 @@ void requireDynamicFriction(double dynamicFriction, double friction)
 {
 	if (dynamicFriction <= friction) return;
 	std::ostringstream range;
-	range << "[0, " << std::atan(friction) << "] rad, up to the angle of static friction";
+	range << "[0, " << std::atan(friction) << "] rad, up to the angle of static friction "
+	      << "(tangensOfDynamicFrictionAngle: up to " << friction << ")";
 	refuse("dynamicFrictAngle", std::atan(dynamicFriction), range.str());
 }
 

@@ -325,7 +325,7 @@ public:
 	{
 		detail::holdHourglasses<dim>(hourglass_, lame_.mu, x_, forces, energy);
 	}
-	/// The sum of all that was scattered.
+	/// The sum of all that was added.
 	void storeForces(Forces& forces, const Batch<dim>& batch, NodalField<dim>& to) const
 	{
 		detail::handToFollowed(lines_, forces);

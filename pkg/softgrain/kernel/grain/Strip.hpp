@@ -24,7 +24,7 @@ template <int dim> struct Strip {
 
 /// What the pass finds in the points of each lane.
 struct BulkSums {
-	Lanes energy = {};     ///< sum of Vp0 W, Vp0 in radii^dim
+	Lanes energy = {};     ///< sum of Vp0 W, Vp0 in radii^dim, and of patterns (Hourglass.hpp)
 	Lanes stiffening = {}; ///< greatest
 
 	/// Of the lanes from `begin` to `end`, which are points of one grain. Inverted points are

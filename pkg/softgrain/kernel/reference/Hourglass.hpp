@@ -34,7 +34,7 @@ constexpr double hourglassStiffness = 0.1, hourglassStiffnessProjected = 2;
 /// are fast enough.
 constexpr double hourglassNodeShare = 0.3;
 
-/// In space, of splines of second and third order; else none are needed.
+/// In space, of splines of second and third order; else there are none.
 template <int dim>
 std::vector<HourglassStencil> hourglassStencils(const BackgroundGrid<dim>& grid,
 						const PointLines<dim>& lines,
