@@ -6,7 +6,8 @@
 namespace softgrain {
 
 /// Adds the forces of the stencils and their energy; `x(place, a)` and `force(place, a)` are
-/// numbers (or lanes of them) of the nodes in the box, in radii and in radii^(dim - 1) times the stress.
+/// numbers (or lanes of them) of the nodes in the box, in radii and in radii^(dim - 1) times the
+/// stress.
 template <class Number, int dim, class Field, class Forces>
 void addHourglassForces(const std::vector<HourglassStencil>& stencils, const Number& mu, Field&& x,
 			Forces&& force, Number& energy)
