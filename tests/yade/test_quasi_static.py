@@ -277,6 +277,15 @@ def test_unbalanced_force_after_what_forgets_forces(tmp_path):
     assert np.isnan(unbalanced()).all()
 
 
+def test_unbalanced_force_of_a_scene_saved_after_its_first_step(tmp_path):
+    """Nothing has been reset there, as in a step of number 0."""
+    squeezed_disk(steps=1)
+    assert not np.isnan(unbalanced()).any()
+    O.save(str(tmp_path / "scene.yade.gz"))
+    O.load(str(tmp_path / "scene.yade.gz"))
+    assert np.isnan(unbalanced()).all()
+
+
 def test_what_a_wall_is_held_by_is_no_imbalance():
     """A free wall, at rest under its stress, bears friction along itself."""
     disk = add_disk(material=soft_material(massDamping=2000, frictionAngle=0.5))
