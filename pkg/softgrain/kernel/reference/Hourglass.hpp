@@ -1,4 +1,4 @@
-// Patterns of background nodes that the material points hardly see, and what holds them.
+// Hourglass modes, patterns of background nodes that the points hardly see, and their control.
 //
 // Where nodes move to and fro in turns, their splines cancel: what moves at the points is a small
 // part of that, and so is the energy of deformation, while the mass is that of the nodes. In space,
