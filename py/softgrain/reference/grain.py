@@ -98,7 +98,7 @@ class Grain:
     def internal_force(self):
         """f_I = - sum_p Vp0 P_p G_I(Xp) [N per metre of thickness], shape (nodes, 2)."""
         P = self.material.first_piola(self.deformation_gradient(), self.template.volume_projection)
-        return self._force_of(P)
+        return self._force_of(P) - self.material.mu * self.template.hourglass @ self.x
 
     def _force_of(self, P):
         G = self.template.point_gradient / self.radius

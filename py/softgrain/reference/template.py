@@ -30,6 +30,10 @@ LEAST_MASS_SHARE = 0.7
 LARGEST_INERTIA_SHARE = 0.4
 #: Functions of less than this share of the greatest weight are left out of the projection of ln J.
 LIGHT_FUNCTION_SHARE = 0.02
+#: Patterns of nodes are held so stiffly, over the shear modulus, ...
+HOURGLASS_STIFFNESS = 2.0
+#: ... where a node has less than this share of the heaviest mass.
+HOURGLASS_NODE_SHARE = 0.3
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,8 @@ class Template:
         point_gradient (ndarray): G_I(Xp), shape (points, nodes, 2).
         volume_projection (ndarray | None): takes ln J at the points to its projection, shape
             (points, points); None where it is taken pointwise.
+        hourglass (ndarray): sum over patterns of nodes of kappa m_I q q^T/h^2, shape (nodes,
+            nodes): forces over the shear modulus are minus this times x.
         contact_position (ndarray): Xs, shape (contact nodes, 2); on a surface counter-clockwise.
         contact_shape (ndarray): N_I(Xs), shape (contact nodes, nodes).
         contact_radius (float): radius of the disk about a contact node; 0 on a surface.
@@ -92,6 +98,7 @@ class Template:
             self.volume_projection = volume_projection(
                 self.point_position, self.point_volume, spacing
             )
+        self.hourglass = hourglass_stiffness(self)
         if recipe.contact == "surface":
             self.contact_position = surface_nodes(recipe.contact_spacing)
             self.contact_radius = 0.0
@@ -166,6 +173,24 @@ def volume_projection(X, volume, spacing):
     N = N / N.sum(axis=1)[:, None]
     gram = N.T @ (volume[:, None] * N)
     return N @ np.linalg.solve(gram, N.T * volume)
+
+
+def hourglass_stiffness(table):
+    """What holds patterns of nodes (see `Template.hourglass`): second differences along both axes
+    over nine nodes of which one is light, in disks with projected volumes."""
+    recipe, mass = table.recipe, table.node_mass
+    stiffness = np.zeros((len(mass), len(mass)))
+    if recipe.volumetric == "pointwise" or recipe.order < 2:
+        return stiffness
+    h = recipe.node_spacing * recipe.zeta
+    apart = np.rint((table.node_position[:, None] - table.node_position) / h)
+    second_difference = np.select([apart == 0, np.abs(apart) == 1], [-2.0, 1.0])
+    for node, row in enumerate(second_difference.prod(axis=2) / 16):
+        bearing = row != 0
+        light = mass[bearing].min() < HOURGLASS_NODE_SHARE * mass.max()
+        if bearing.sum() == 9 and light:
+            stiffness += HOURGLASS_STIFFNESS * mass[node] / h**2 * np.outer(row, row)
+    return stiffness
 
 
 def surface_nodes(spacing):

@@ -122,8 +122,7 @@ template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>&
 				 : grid.mass();
 	const bool isProjected = recipe.volumetric == VolumetricStrain::projected;
 	grain.hourglass = hourglassStencils<dim>(grid, grain.pointLines, grain.nodeMass,
-						 isProjected ? hourglassStiffnessProjected
-							     : hourglassStiffness);
+						 hourglassStiffness<dim>(isProjected));
 
 	SparseRows<ShapeFunction<dim>> shapes;
 	for (const Vec<dim>& X : grain.contactMesh.vertex)

@@ -35,7 +35,7 @@ std::vector<HourglassStencil> hourglassStencils(const BackgroundGrid<dim>& grid,
 						const std::vector<double>& nodeMass, double kappa)
 {
 	std::vector<HourglassStencil> stencils;
-	if (dim == 2 || grid.order() < 2) return stencils;
+	if (kappa == 0 || grid.order() < 2) return stencils;
 	const double light =
 		hourglassNodeShare * *std::max_element(nodeMass.begin(), nodeMass.end());
 	for (const auto& [index, node] : grid.number())
