@@ -98,6 +98,21 @@ def test_energy_right_after_loading(stopped):
     np.testing.assert_allclose(present_state()["energies"], before["energies"], rtol=1e-12)
 
 
+@pytest.mark.parametrize("formulation", ("total", "updated"))
+def test_energy_of_a_grain_right_after_loading(formulation, tmp_path):
+    """In its present shape, which the next step tells of before it moves it."""
+    add_disk(formulation=formulation).state.vel = (0, -1, 0)
+    add_wall(-RADIUS, 1)
+    ready()
+    run(40)
+    O.save(str(tmp_path / "scene.yade.gz"))
+    O.load(str(tmp_path / "scene.yade.gz"))
+    loaded = sg.quasi_static()["elastic"]
+    run(1)
+    assert loaded == pytest.approx(sg.quasi_static()["elastic"], rel=1e-9)
+    assert loaded > 0
+
+
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_goes_on_in_the_same_process(stopped, suffix):
     folder, _, after = stopped

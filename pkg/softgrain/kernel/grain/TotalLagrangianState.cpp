@@ -1,4 +1,5 @@
 // The state of a total-Lagrangian set by hand: shown, saved, restored, moved.
+#include "grain/InternalForce.hpp"
 #include "grain/TotalLagrangian.hpp"
 
 #include <algorithm>
@@ -42,6 +43,15 @@ std::vector<double> ofSameMaterial(const Batch<dim>& batch, int g, std::vector<d
 	if (!same) return {};
 	numbers.erase(numbers.begin(), numbers.begin() + material.size());
 	return numbers;
+}
+
+/// In its present shape, J (2D: J/m).
+template <int dim> double elasticEnergyOf(const Batch<dim>& batch, int g)
+{
+	Batch<dim> alone(batch.reference, batch.law, batch.condition, { batch.grain[g] });
+	std::copy_n(batch.x.of(g), batch.reference->nodes(), alone.x.of(0));
+	computeInternalForce(alone, 1);
+	return alone.report[0].elasticEnergy;
 }
 
 } // namespace
@@ -210,6 +220,8 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 	}
 	if (pointVelocities_) pointVelocities_->mapToNodes(batch_, g);
 	setHeldForces(g, ofSameMaterial(batch_, g, s.held));
+	if (!isRigid_[g] && !isAsleep(g)) // to be told before the next forces are computed
+		batch_.report[g].elasticEnergy = elasticEnergyOf(batch_, g);
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \

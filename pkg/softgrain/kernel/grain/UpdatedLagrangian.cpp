@@ -107,14 +107,22 @@ template <int dim> void UpdatedLagrangian<dim>::fillUp(int g)
 
 // --- the phases of a step -----------------------------------------------------------------------
 
+/// Mass, momentum, force and report; whether there is a grid: not where points are too far apart.
+template <int dim> bool UpdatedLagrangian<dim>::mapToGrid(int g)
+{
+	const int order = reference_->recipe.order;
+	if (!grain_[g].layGrid(order, widestStretch * 2 * parameters_[g].radius)) return false;
+	grain_[g].pointsToGrid(order, law_, condition_);
+	return true;
+}
+
 template <int dim> int UpdatedLagrangian<dim>::updateForces(const ForceSchedule& schedule)
 {
-	const int count = grains(), order = reference_->recipe.order;
+	const int count = grains();
 #pragma omp parallel for schedule(static) num_threads(schedule.threads)
 	for (int g = 0; g < count; ++g) {
 		UpdatedGrain<dim>& grain = grain_[g];
-		if (!grain.layGrid(order, widestStretch * 2 * parameters_[g].radius)) continue;
-		grain.pointsToGrid(order, law_, condition_);
+		if (!mapToGrid(g)) continue;
 		grain.grid.tieLightNodes(lightNodeShare);
 		for (int I : grain.grid.carrying())
 			for (int a = 0; a < dim; ++a)
@@ -377,6 +385,7 @@ template <int dim> void UpdatedLagrangian<dim>::setState(int g, const GrainState
 		grain_[g].contactX[k] = vectorAt(s.x, pointCount() + k);
 		grain_[g].contactV[k] = vectorAt(s.v, pointCount() + k);
 	}
+	mapToGrid(g); // the energy is to be told before the next forces are computed
 }
 
 template class UpdatedLagrangian<2>;

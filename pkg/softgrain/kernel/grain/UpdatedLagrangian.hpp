@@ -70,6 +70,7 @@ private:
 	Mat<dim> gradientAt(int g, int p) const;
 	Vec<dim> nodeAt(int g, int node) const;
 	void fillUp(int g);
+	bool mapToGrid(int g);
 
 	std::shared_ptr<const GrainTemplate<dim>> reference_;
 	Law law_;
