@@ -110,6 +110,12 @@ void checkEngineOrder(const Scene& scene, const SoftGrainIntegrator& integrator)
 	if (newtons > 1)
 		refuse("O.engines holds two NewtonIntegrators, each of which carries State along: "
 		       "leave one, or set dead = True");
+	const auto newton = std::find_if(
+		self, end, [](const auto& engine) { return liveOne<NewtonIntegrator>(*engine); });
+	if (countLive<ForceResetter>(self, newton) > 0)
+		refuse("a ForceResetter stands between SoftGrainIntegrator and NewtonIntegrator in "
+		       "O.engines and would take away the reactions on rigid bodies: leave the one "
+		       "before SoftGrainIntegrator");
 }
 
 } // namespace yade

@@ -1,6 +1,8 @@
 #include "RigidPartners.hpp"
 #include "Require.hpp"
 
+#include <cmath>
+
 namespace yade {
 
 using softgrain::Vec3;
@@ -32,7 +34,7 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 			"state.isDamped = False for this body");
 	const bool translates = (state.blockedDOFs & State::DOF_XYZ) != State::DOF_XYZ,
 		   turns = (state.blockedDOFs & State::DOF_RXRYRZ) != State::DOF_RXRYRZ;
-	if (translates && !(state.mass > 0))
+	if (translates && !(state.mass > 0 && std::isfinite(state.mass)))
 		softgrain::refuse(
 			nameOf(body) +
 				" takes part in contact dynamics and is free to move: state.mass",

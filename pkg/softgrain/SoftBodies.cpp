@@ -1,4 +1,5 @@
 #include "SoftBodies.hpp"
+#include "Require.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
@@ -67,6 +68,14 @@ void requireTurnInPlane(const Body& body, const Rotation& turn)
 {
 	if (turn.vec().head<2>().norm() > angleRounding)
 		refuseOutOfPlane(body, "ori turns it out of", "turns about z");
+}
+
+/// Nothing of it would act.
+void requireGravityInPlane(const Vector3r& gravity, const SoftGrain& grain)
+{
+	if (grain.dim == 2)
+		softgrain::require(gravity[2] == 0, "NewtonIntegrator.gravity[2]", gravity[2],
+				   "0 m/s^2: 2D soft grains lie in a plane z = const");
 }
 
 struct Placement {
@@ -206,6 +215,8 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const
 {
 	scene_.forces.sync();
+	if (assembly_.grains() > 0)
+		requireGravityInPlane(newton.gravity, grainOf(scene_, assembly_.idOf(0)));
 	std::atomic<bool> finite { true };
 	assembly_.setLoads(
 		[&](int g) {

@@ -343,6 +343,8 @@ void SoftInteractions::publishSum(const Interaction& I) const
 	phys.contacts = sum.contacts;
 	phys.activeContacts = sum.active;
 	if (!sum.direction.isZero(0)) describePair(scene_, I, sign * sum.direction, geom);
+	if (!geom.pair->isOfTwoGrains())
+		phys.kn = phys.ks = stiffnessWithinStep(softGrainOf(I), scene_);
 }
 
 SoftInteractions::PairForce SoftInteractions::forceOf(const Interaction& I) const
@@ -361,7 +363,7 @@ void SoftInteractions::addReactions(const Interaction& I, const RigidPartners& p
 	const Body& body = rigidBodyOf(I);
 	const bool free = partners.isFree(body);
 	SoftPhys& phys = static_cast<SoftPhys&>(*I.phys);
-	phys.kn = phys.ks = free ? 0 : stiffnessWithinStep(softGrainOf(I), scene_);
+	if (free) phys.kn = phys.ks = 0;
 	if (sum.active == 0) return;
 	const Real time = free && !pairOf(I).isKept() ? scene_.dt : pairOf(I).kick();
 	scene_.forces.addForce(body.getId(), -(sum.normal + sum.shear) / time);

@@ -33,7 +33,8 @@ string whyNotTouched(const Body& body)
 		       ". Rigid bodies that soft grains touch need a FrictMat, or one derived from "
 		       "it";
 	return "of shape " + shape +
-	       ", for which the InteractionLoop has no Ig2 functor: add "
+	       ", for which the InteractionLoop (the first one, if there are several) has no Ig2 "
+	       "functor: add "
 	       "Ig2_SoftGrain_SoftGrain_SoftGeom, Ig2_Wall_SoftGrain_SoftGeom, "
 	       "Ig2_Sphere_SoftGrain_SoftGeom ..., or see sg.engines()";
 }

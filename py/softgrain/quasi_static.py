@@ -85,16 +85,18 @@ def _net_forces(bodies):
 
 
 def _free_part(body, force):
-    """Without what those who hold a body bear."""
+    """Without what those who hold a body bear, and what acts across the plane of a 2D grain."""
     if isinstance(body.shape, wrapper.SoftGrain):
-        return force
+        return force if body.shape.dim == 3 else Vector3(force[0], force[1], 0)
     blocked = body.state.blockedDOFs
     return Vector3(*(0 if axis in blocked else f for axis, f in zip("xyz", force)))
 
 
 def _weighed_mass(body):
-    soft = isinstance(body.shape, wrapper.SoftGrain)
-    return body.state.mass / (body.material.massScaling if soft else 1)
+    """Without mass scaling, of which State.mass tells from the next step on."""
+    if isinstance(body.shape, wrapper.SoftGrain):
+        return body.material.density * body.shape.undeformedVolume()
+    return body.state.mass
 
 
 def _mean_contact_force():
@@ -121,7 +123,8 @@ def suggest_speed(stress=None, share=0.1):
     below), and the kinetic energy of the imposed motion below ``share²`` of the elastic one, once
     the stress is reached. Vibrations that contacts excite come on top and stay, however slowly the
     wall moves, unless they are damped (``SoftMat.massDamping``). The grain with the largest
-    ``rho c`` counts, mass scaling included.
+    ``rho c`` counts, mass scaling included; free rigid bodies do not, and heavy ones among the
+    grains need more time.
 
     Args:
         stress (float | None): mean stress on the wall from which results are to hold, > 0 [Pa];

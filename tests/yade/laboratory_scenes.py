@@ -19,16 +19,19 @@ def four_disks():
     return [add_wall(4 * RADIUS * (k % 2), axis=k // 2).id for k in range(4)]
 
 
-def eight_balls():
-    """Eight balls in a box of boxes; returns the ids of these."""
+def eight_balls(thickness=0.2 * RADIUS):
+    """Eight balls in a box of boxes, or of walls if these have no thickness; returns their ids."""
     material = damped_material()
     for place in np.ndindex(2, 2, 2):
         center = [(1.01 + 2.02 * k) * RADIUS for k in place]
         O.bodies.append(sg.soft_sphere(center, RADIUS, material, zeta=0.5))
+    width = 4.04 * RADIUS
+    if thickness == 0:
+        return [add_wall(width * (k % 2), axis=k // 2).id for k in range(6)]
     return O.bodies.append(
         utils.aabbWalls(
-            [(0, 0, 0), (4.04 * RADIUS,) * 3],
-            thickness=0.2 * RADIUS,
+            [(0, 0, 0), (width,) * 3],
+            thickness=thickness,
             oversizeFactor=1.5,
             material=FrictMat(frictionAngle=0),
         )

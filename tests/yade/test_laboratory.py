@@ -223,14 +223,15 @@ def test_servo_holds_a_force():
         assert sg.wall_force(walls[3])[1] == pytest.approx(target, rel=0.003)
 
 
-def test_triaxial_stress_controller():
-    """YADE's own, with Boxes, without its memory of former ways; it sees the stiffness of contacts
-    within a step, and no soft grain as dynamic. It holds the stress at every step."""
-    walls = eight_balls()
+@pytest.mark.parametrize("thickness", (0.2 * RADIUS, 0), ids=("boxes", "walls"))
+def test_triaxial_stress_controller(thickness):
+    """YADE's own, without its memory of former ways; it sees the stiffness of contacts within a
+    step, and no soft grain as dynamic. It holds the stress at every step."""
+    walls = eight_balls(thickness)
     ready()
     names = ("left", "right", "bottom", "top", "back", "front")
     triax = TriaxialStressController(
-        thickness=0.2 * RADIUS,
+        thickness=thickness,
         internalCompaction=False,
         stressMask=7,
         max_vel=0.5,

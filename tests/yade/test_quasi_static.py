@@ -153,6 +153,17 @@ def test_weight_is_not_scaled(scaling):
     assert weigh(massScaling=scaling) == pytest.approx(1, rel=5e-3)
 
 
+def test_scaling_changes_no_balance():
+    """Of what lies at rest, as figures that are asked for before the next step have it, too."""
+    weigh(massScaling=1)
+    before = sg.quasi_static()
+    sg.scale_mass(16)
+    after = sg.quasi_static()
+    assert after["unbalanced_force"] == pytest.approx(before["unbalanced_force"], abs=1e-9)
+    assert after["elastic"] == pytest.approx(before["elastic"], rel=5e-3)
+    assert before["elastic"] > 0
+
+
 def test_scaled_grain_falls_more_slowly():
     disk = add_disk(material=soft_material(massScaling=4))
     ready(gravity=(0, -10, 0))

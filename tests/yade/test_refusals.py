@@ -1,5 +1,6 @@
 """What YADE offers and softgrain does not: each is refused with a message of its own."""
 
+import math
 import subprocess
 
 import pytest
@@ -8,6 +9,7 @@ from yade import (
     FrictMat,
     GlobalStiffnessTimeStepper,
     DragEngine,
+    ForceResetter,
     HydroForceEngine,
     LinearDragEngine,
     O,
@@ -110,6 +112,15 @@ def massless_wall():
     add_wall(-RADIUS, axis=1).state.blockedDOFs = "xzXYZ"
 
 
+def endless_wall():
+    wall = add_wall(-RADIUS, axis=1)
+    wall.state.blockedDOFs, wall.state.mass = "xzXYZ", math.inf
+
+
+def gravity_across():
+    O.engines[-1].gravity = (0, 0, -9.81)
+
+
 def out_of_plane():
     body = sg.soft_disk((0, 0, RADIUS), RADIUS, soft_material(), zeta=0.3)
     O.bodies.append(body)
@@ -134,6 +145,10 @@ def dead_resetter():
 def resetter_behind():
     engines = list(O.engines)
     O.engines = engines[1:] + engines[:1]
+
+
+def resetter_between():
+    add_engine(ForceResetter(), place=4)
 
 
 def dead_loop():
@@ -172,6 +187,8 @@ REFUSED = [
     (free_damped_sphere, "NewtonIntegrator.damping = 0.2"),
     (free_turning_wall, "free to turn, which a Wall cannot"),
     (massless_wall, r"state.mass = 0.*admissible range \(0, inf\) kg"),
+    (endless_wall, r"state.mass = inf.*admissible range \(0, inf\) kg"),
+    (gravity_across, r"NewtonIntegrator.gravity\[2\] = -9.81 .*admissible range 0 m/s\^2: 2D"),
     (out_of_plane, "must lie in one plane z = const"),
     (two_and_three_dimensions, "dim"),
     (two_integrators, "two SoftGrainIntegrators"),
@@ -180,6 +197,7 @@ REFUSED = [
     (no_resetter, "no ForceResetter before it in O.engines that is not dead"),
     (dead_resetter, "no ForceResetter before it .* that is not dead: contact forces"),
     (resetter_behind, "no ForceResetter before it .* would act again as loads"),
+    (resetter_between, "a ForceResetter stands between .* reactions on rigid bodies"),
     (dead_loop, "no InteractionLoop before it in O.engines that is not dead"),
     (loop_behind, "no InteractionLoop before it"),
     (wall_in_the_plane, "#0: a Wall of axis = 2 lies in the plane"),
