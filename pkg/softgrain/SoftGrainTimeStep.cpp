@@ -34,8 +34,9 @@ constexpr int stepsBeforeRaise = 1000;
 constexpr double nearTimeStep = 0.99, roomyTimeStep = 0.9, worthMeasuring = 0.05;
 
 /// From this share of the limit on measuring is so frequent that O.dt leaves it, where it has taken
-/// more than `dearMeasuring` of what steps took: balls that touch are measured all the time.
-constexpr double leftTimeStep = 0.98, dearMeasuring = 0.25;
+/// more than `dearMeasuring` of what steps took, and so many computations of points (some tenths of
+/// a second): balls that touch are measured all the time.
+constexpr double leftTimeStep = 0.98, dearMeasuring = 0.25, dearPoints = 1e7;
 
 /// Relative difference up to which O.dt is the value that sg set before the first step, which is
 /// computed anew here.
@@ -54,8 +55,8 @@ void SoftGrainIntegrator::followDeformation(Real undeformed, bool hasStepper)
 	else if (stepsToRaise > 0)
 		stepsToRaise = tooShort ? stepsToRaise - 1 : stepsBeforeRaise;
 	const Real limit = timeStepFraction * criticalDt;
-	const bool isDear =
-		dtSet > leftTimeStep * limit && pointsMeasured > dearMeasuring * pointsUpdated;
+	const bool isDear = dtSet > leftTimeStep * limit &&
+			    pointsMeasured > std::max(dearPoints, dearMeasuring * pointsUpdated);
 	if (!isRaised && !isDear && dtSet <= limit * (1 + timeStepRounding)) return;
 	if (!isRaised) stepsToRaise = stepsBeforeRaise;
 	const bool near = pointsMeasured <= worthMeasuring * pointsUpdated;

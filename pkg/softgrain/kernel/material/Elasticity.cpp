@@ -24,7 +24,8 @@ void ElasticConstants::validate() const
 {
 	require(young > 0 && std::isfinite(young), "young", young, "(0, inf) Pa");
 	require(poisson > -1 && poisson < 0.5, "poisson", poisson,
-		"(-1, 0.5): at 0.5 the material is incompressible, at -1 it cannot be sheared");
+		"(-1, 0.5): at 0.5 the material is incompressible, which plane strain, plane "
+		"stress and 3D exclude, at -1 it cannot be sheared");
 	require(density > 0 && std::isfinite(density), "density", density, "(0, inf) kg/m^3");
 }
 
