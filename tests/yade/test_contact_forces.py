@@ -203,3 +203,20 @@ def test_interaction_made_by_hand(steps):
     assert isinstance(found.geom, sg.SoftGeom) and isinstance(found.phys, sg.SoftPhys)
     run(2)
     assert sg.integrator().activeContacts == 0
+
+
+def test_points_of_contacts_on_background_nodes():
+    """After a step, in which the nodes that a grain gives to get other numbers: beside the wall."""
+    add_disk(contact="nodes")
+    sides = [(axis, side) for axis in (0, 1) for side in (-1, 1)]
+    for axis, side in sides:
+        add_wall(side * RADIUS, axis, velocity=[-side * 0.5 * (a == axis) for a in range(3)])
+    ready()
+    for _ in range(200):
+        run(1)
+        for interaction in O.interactions:
+            axis, side = sides[max(interaction.id1, interaction.id2) - 1]
+            points = interaction.geom.contacts()["point"]
+            assert np.linalg.norm(points, axis=1).max() < 1.1 * RADIUS
+            assert (side * points[:, axis]).min() > 0.5 * RADIUS
+    assert O.interactions.countReal() == len(sides)

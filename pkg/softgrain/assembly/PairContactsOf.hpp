@@ -267,10 +267,20 @@ private:
 		return sum.stableNormalized();
 	}
 
+	/// Nodes of the common grid have other numbers once the grain has moved, and some get
+	/// nothing any more: of these the mean contact point is told.
+	Vec<dim> pointOnGrid(const Contact<dim>& c) const
+	{
+		for (const GridNode<dim>& node : system_->body(list.first).gridNode)
+			if (node.name() == c.key.other) return node.centre;
+		return list.impulse.point;
+	}
+
 	/// A rigid body has no nodes: there it is the place that bears it.
 	Vec<dim> pointOf(const Contact<dim>& c) const
 	{
 		const bool onFirst = c.key.side == 0;
+		if (onFirst && system_->body(list.first).isOnGrid()) return pointOnGrid(c);
 		if (onFirst) return system_->body(list.first).contactPoint(c.key.node);
 		if (!list.rigid)
 			return system_->body(list.second).contactPoint(c.key.node) +
