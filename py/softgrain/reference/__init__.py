@@ -4,7 +4,9 @@ It shares no line with the kernel and takes another route where there is one: B-
 recursion, tied nodes by one dense matrix, the Delassus operator by ``H M^-1 H^T``. Grains are
 disks. The parts are laid out as those of the kernel:
 
-* :mod:`~softgrain.reference.template`: what never changes, at unit size;
+* :mod:`~softgrain.reference.template`: what never changes, at unit size, with
+  :mod:`~softgrain.reference.quadrature`, its material points, and
+  :mod:`~softgrain.reference.grid`, its background nodes;
 * :mod:`~softgrain.reference.material`: from deformation gradient to stress;
 * :mod:`~softgrain.reference.grain`: state, internal force, motion; total and updated Lagrangian;
 * :mod:`~softgrain.reference.search`: contacts and their gaps;

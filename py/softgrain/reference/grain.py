@@ -5,7 +5,8 @@ Both show the step the same: nodal masses and velocities, internal force, contac
 
 import numpy as np
 
-from .template import DIM, Grid, template
+from .grid import DIM, Grid
+from .template import template
 
 
 class Grain:

@@ -1,6 +1,7 @@
 #include "grain/Batch.hpp"
 #include "Require.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -75,6 +76,17 @@ template <int dim> void Batch<dim>::fillSlots(const std::vector<int>& grains)
 	}
 	while (inSlot_.size() % laneWidth != 0)
 		inSlot_.push_back(-1);
+}
+
+template <int dim> Batch<dim> Batch<dim>::copyOf(const std::vector<int>& grains) const
+{
+	std::vector<GrainParameters<dim>> parameters;
+	for (int g : grains)
+		parameters.push_back(grain[g]);
+	Batch copy(reference, law, condition, parameters);
+	for (std::size_t k = 0; k < grains.size(); ++k)
+		std::copy_n(x.of(grains[k]), reference->nodes(), copy.x.of(static_cast<int>(k)));
+	return copy;
 }
 
 template <int dim>

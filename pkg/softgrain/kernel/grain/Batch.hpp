@@ -135,6 +135,9 @@ template <int dim> struct Batch {
 	{
 		return inSlot_[block * laneWidth + (hasGrain(block, lane) ? lane : 0)];
 	}
+	/// Some of its grains alone, in their present shape.
+	Batch copyOf(const std::vector<int>& grains) const;
+
 	double nodeMass(int g, int I) const { return massScale[g] * reference->nodeMass[I]; }
 	double mass(int g) const { return massScale[g] * reference->volume; }
 	Vec<dim> position(int g, int I) const { return grain[g].origin + x.get(g, I); }

@@ -97,23 +97,12 @@ private:
 	int found_ = 0;
 };
 
-/// A batch of congruent grains alone, undeformed.
-template <int dim> Batch<dim> batchOf(const Batch<dim>& batch, const std::vector<int>& grains)
-{
-	std::vector<GrainParameters<dim>> parameters;
-	for (int g : grains)
-		parameters.push_back(batch.grain[g]);
-	return { batch.reference, batch.law, batch.condition, parameters };
-}
-
 template <int dim>
 std::vector<Lanczos<dim>> beginAll(const Batch<dim>& batch, const std::vector<int>& grains,
 				   int most)
 {
-	Batch<dim> present = batchOf(batch, grains);
+	Batch<dim> present = batch.copyOf(grains);
 	const int count = static_cast<int>(grains.size());
-	for (int k = 0; k < count; ++k)
-		std::copy_n(batch.x.of(grains[k]), batch.reference->nodes(), present.x.of(k));
 	computeInternalForce(present, 1);
 	std::vector<Lanczos<dim>> begun;
 	for (int k = 0; k < count; ++k)
@@ -128,7 +117,7 @@ void iterateAll(const Batch<dim>& batch, const std::vector<Lanczos<dim>*>& all, 
 	std::vector<int> grains;
 	for (const Lanczos<dim>* lanczos : all)
 		grains.push_back(lanczos->grain());
-	Batch<dim> displaced = batchOf(batch, grains);
+	Batch<dim> displaced = batch.copyOf(grains);
 	auto forEachLeft = [&](auto&& use) {
 		bool any = false;
 		for (std::size_t k = 0; k < all.size(); ++k) {

@@ -48,8 +48,7 @@ std::vector<double> ofSameMaterial(const Batch<dim>& batch, int g, std::vector<d
 /// In its present shape, J (2D: J/m).
 template <int dim> double elasticEnergyOf(const Batch<dim>& batch, int g)
 {
-	Batch<dim> alone(batch.reference, batch.law, batch.condition, { batch.grain[g] });
-	std::copy_n(batch.x.of(g), batch.reference->nodes(), alone.x.of(0));
+	Batch<dim> alone = batch.copyOf({ g });
 	computeInternalForce(alone, 1);
 	return alone.report[0].elasticEnergy;
 }

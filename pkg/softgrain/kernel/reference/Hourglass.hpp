@@ -4,12 +4,12 @@
 // part of that, and so is the energy of deformation, while the mass is that of the nodes. In space,
 // where patterns alternate along two or three axes, they are slower than anything else a grain
 // does, and centrifugal forces and pressures move them without bound; in the plane pressures do
-// where volumes are projected. The second differences of
-// positions across two axes, q = ([1, -2, 1] x [1, -2, 1]/16) x over nine nodes, are 1 for such a
-// pattern and vanish for all that is at most linear along one of the axes, however the grain lies.
-// Each gets the energy kappa mu V q^2/(2 h_a h_b), with V the volume of the node in the middle: the
-// hourglass control of finite elements (Flanagan and Belytschko, Int. J. Numer. Meth. Eng. 17,
-// 679-706, 1981) for splines (doc/decisions/0030-hourglass.md).
+// where volumes are projected. The second differences of positions across two axes,
+// q = ([1, -2, 1] x [1, -2, 1]/16) x over nine nodes, are 1 for such a pattern and vanish for all
+// that is at most linear along one of the axes, however the grain lies. Each gets the energy kappa
+// mu V q^2/(2 h_a h_b), with V the volume of the node in the middle: the hourglass control of
+// finite elements (Flanagan and Belytschko, Int. J. Numer. Meth. Eng. 17, 679-706, 1981) for
+// splines (doc/decisions/0030-hourglass.md).
 #pragma once
 
 #include "reference/BackgroundGrid.hpp"
