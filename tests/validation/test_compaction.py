@@ -111,6 +111,15 @@ def test_few_sweeps_meet_a_strict_tolerance(tmp_path):
     assert result["sweeps_per_step"] < 10
 
 
+def test_a_stricter_one_is_met(tmp_path):
+    """35 sweeps a step, one step in 500 at the cap; a quarter of them where what pairs do to each
+    other is left to sweeps alone."""
+    options = ("--grains", "25", "--zeta", "0.1", "--until-phi", "0.92", "--mu", "0.3")
+    result = compact(tmp_path, *options, "--tolerance", "1e-4", threads=1)
+    assert result["capped_steps"] < 0.01 * result["steps"]
+    assert result["sweeps_per_step"] < 45
+
+
 def wall_of(mu):
     """Undamped grains without friction tremble the less the slower the wall: at 0.5 m/s single
     values of the unbalanced force pass 0.3 in most packings."""

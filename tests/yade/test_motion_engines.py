@@ -148,6 +148,7 @@ def pressed_cube(lid):
         top = utils.box((0, side + RADIUS, 0), half, fixed=True, material=smooth)
     O.bodies.append([floor, top])
     ready()
+    sg.integrator().tolerance, sg.integrator().maxSweeps = 1e-4, 1000  # lids differ by what is left
     top.state.vel = (0, -0.4, 0)
     start = top.state.pos[1]
     while top.state.pos[1] > start - 0.02 * side:

@@ -142,9 +142,9 @@ def residual_parts(delassus, free_velocity, normal, bias, friction, impulse):
 def solve(delassus, free_velocity, normal, bias, friction, impulse, pair, settings):
     """Nonlinear Gauss-Seidel: sweeps of r_k <- proj(r_k - (u_k + b_k n_k)/W_kk).
 
-    Two sweeps go backwards, two forwards. Where the residual is larger than the tolerance then, the
-    pairs in which it sits are solved on their own (``solve_alone``); if it is still larger, sweeps
-    go on forwards, and the residual is measured after each that changes little.
+    Two sweeps go backwards, two forwards. While the residual is larger than the tolerance then, the
+    pairs in which it sits are solved on their own (``solve_alone``); where that is not enough, a
+    sweep forwards follows, and so on.
 
     Args:
         delassus (ndarray): W [1/kg], shape (contacts, contacts).
@@ -165,20 +165,22 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, pair, settin
         return report
     problem = (delassus, free_velocity, normal, bias, friction)
     forwards = range(len(impulse))
-    tolerance, cap, alone = settings.tolerance, settings.max_sweeps, 0.0
-    for k in range(min(2 * SWEEPS_EACH_WAY, cap)):
-        sweep(*problem, impulse, forwards[::-1] if k < SWEEPS_EACH_WAY else forwards)
-        report.sweeps += 1
-    report.residual = residual(*problem, impulse)
-    if report.residual > tolerance and cap > 2 * SWEEPS_EACH_WAY:
-        alone = solve_pairs_alone(problem, impulse, pair, settings) / len(impulse)
+    visits, most_visits = 0, settings.max_sweeps * len(impulse)
+
+    def is_done():
         report.residual = residual(*problem, impulse)
-    while report.residual > tolerance and report.sweeps < cap:
-        change = sweep(*problem, impulse, forwards)
-        report.sweeps += 1
-        if change <= 2 * tolerance or report.sweeps == cap:
-            report.residual = residual(*problem, impulse)
-    report.sweeps += alone
+        return report.residual <= settings.tolerance or visits >= most_visits
+
+    for k in range(min(2 * SWEEPS_EACH_WAY, settings.max_sweeps)):
+        sweep(*problem, impulse, forwards[::-1] if k < SWEEPS_EACH_WAY else forwards)
+        visits += len(impulse)
+    while not is_done():
+        visits += solve_pairs_alone(problem, impulse, pair, settings)
+        if is_done():
+            break
+        sweep(*problem, impulse, forwards)
+        visits += len(impulse)
+    report.sweeps = visits / len(impulse)
     return report
 
 
@@ -265,15 +267,9 @@ def solve_alone(problem, impulse, contacts, violation, max_sweeps):
 
 
 def sweep(delassus, free_velocity, normal, bias, friction, impulse, order):
-    """Solve each contact in turn; returns the relative change of the impulses, in energy norm."""
-    changed = total = 0.0
+    """Solve each contact in turn."""
     for k in order:
-        W = delassus[k, k]
         u = free_velocity[k] + delassus[k] @ impulse
-        r = solved_impulse(impulse[k], u, normal[k], bias[k], friction[k], W)
-        changed += W * np.sum((r - impulse[k]) ** 2)
-        total += W * np.sum(r**2)
-        impulse[k] = r
-    if changed == 0:
-        return 0.0
-    return np.sqrt(changed / total) if total > 0 else np.inf
+        impulse[k] = solved_impulse(
+            impulse[k], u, normal[k], bias[k], friction[k], delassus[k, k]
+        )

@@ -78,14 +78,18 @@ TEMPLATE_TEST_CASE_SIG("Solver: frictionless problems against enumeration", "[co
 TEMPLATE_TEST_CASE_SIG("Solver: no friction is the limit of little, sweep by sweep", "[contact]",
 		       ((int dim), dim), 2, 3)
 {
+	const double tolerance = GENERATE(1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-14);
 	for (unsigned seed = 1; seed <= 10; ++seed) {
 		Problem<dim> none(seed, 0), little(seed, 1e-200);
+		none.settings.tolerance = little.settings.tolerance = tolerance;
 		ContactSolver<dim> solver, another;
-		CAPTURE(seed);
-		CHECK(none.solve(solver).sweeps == little.solve(another).sweeps);
-		const auto all = none.contacts(), others = little.contacts();
+		CAPTURE(seed, tolerance);
+		const double sweeps = none.solve(solver).sweeps,
+			     others = little.solve(another).sweeps;
+		if (tolerance > 1e-12) CHECK(sweeps == others); // below, rounding decides on it
+		const auto all = none.contacts(), same = little.contacts();
 		for (std::size_t c = 0; c < all.size(); ++c)
-			CHECK((all[c]->impulse - others[c]->impulse).norm() < 1e-12);
+			CHECK((all[c]->impulse - same[c]->impulse).norm() < 1e-12);
 	}
 }
 

@@ -308,33 +308,38 @@ template <int dim> bool ContactSolver<dim>::bearsNothing() const
 template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& report)
 {
 	const int cap = settings_.maxSweeps, inARow = movesRigidBodies() ? 1 : sweepsEachWay;
-	int sweeps = 0;
+	const bool withGrains = hasGrains();
+	std::vector<ResidualSum> residuals;
 	double change = 0;
+	auto isSpent = [&] { return report.visits >= static_cast<long>(cap) * report.contacts; };
+	auto isDone = [&] { return !(report.residual > settings_.tolerance) || isSpent(); };
 	auto sweepAll = [&](SweepOrder order, int times) {
 		change = sweep(order, times);
-		sweeps += times;
+		report.visits += static_cast<long>(times) * report.contacts;
 	};
-	auto isPromising = [&] {
-		return sweeps == cap || change <= changePerResidual * settings_.tolerance;
-	};
-	for (SweepOrder order : { SweepOrder::backwards, SweepOrder::forwards })
-		for (int k = 0; k < sweepsEachWay && sweeps < cap; k += inARow)
-			sweepAll(order, std::min(inARow, cap - sweeps));
-	report.residual = std::numeric_limits<double>::infinity(); // until measured
-	if (hasGrains() || isPromising()) {
-		const std::vector<ResidualSum> residuals = residualsOfPairs();
+	auto measure = [&] {
+		residuals = residualsOfPairs();
 		report.residual = sumOf(residuals).value();
-		if (report.residual > settings_.tolerance && sweeps < cap) {
-			report.visits = solvePairsAlone(residuals);
-			if (report.visits > 0) report.residual = residual();
+	};
+	auto measureIfWorthIt = [&] {
+		if (withGrains || isSpent() || change <= changePerResidual * settings_.tolerance)
+			measure();
+	};
+	for (int k = 0; k < std::min(2 * sweepsEachWay, cap); k += inARow)
+		sweepAll(k < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards,
+			 std::min(inARow, cap - k));
+	report.residual = std::numeric_limits<double>::infinity(); // until measured
+	measureIfWorthIt();
+	while (!isDone()) {
+		if (const long alone = withGrains ? solvePairsAlone(residuals) : 0; alone > 0) {
+			report.visits += alone;
+			measure();
+			if (isDone()) break;
 		}
-	}
-	while (report.residual > settings_.tolerance && sweeps < cap) {
 		sweepAll(SweepOrder::forwards, 1);
-		if (isPromising()) report.residual = residual();
+		measureIfWorthIt();
 	}
 	report.converged = report.residual <= settings_.tolerance;
-	report.visits += static_cast<long>(sweeps) * report.contacts;
 	report.sweeps = static_cast<double>(report.visits) / report.contacts;
 }
 

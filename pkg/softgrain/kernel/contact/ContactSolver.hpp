@@ -49,12 +49,12 @@ public:
 	void prepare(std::vector<ContactBody<dim>>& bodies, double dt,
 		     const SolverSettings& settings, int threads = 1);
 	/// Gauss-Seidel sweeps: two backwards and two forwards (in one direction alone, few sweeps
-	/// a step shake grains at rest: doc/decisions/0010-grains-at-rest.md), then the pairs in
-	/// which the residual sits, each on its own (doc/decisions/0026-pairs-on-their-own.md).
-	/// What is left then, where pairs feel each other, is swept always forwards
-	/// (doc/decisions/0004-sweep-order.md) until the residual is within the tolerance or the
-	/// cap is hit. At the end the lists have their impulses, and the contact nodes the sums
-	/// (ContactBody::impulse), unless the residual is no number: then they keep those of
+	/// a step shake grains at rest: doc/decisions/0010-grains-at-rest.md), then in turn the
+	/// pairs in which the residual sits, each on its own
+	/// (doc/decisions/0026-pairs-on-their-own.md), and, since pairs feel each other, a sweep
+	/// forwards (doc/decisions/0004-sweep-order.md), until the residual is within the tolerance
+	/// or the cap is hit. At the end the lists have their impulses, and the contact nodes the
+	/// sums (ContactBody::impulse), unless the residual is no number: then they keep those of
 	/// before.
 	SolverReport solve();
 	/// After `solve`: moves rigid bodies that overlap each other apart, by RigidPartner::shift
