@@ -146,9 +146,11 @@ void findCandidates(const ContactOutline<3>& body, const ContactOutline<3>& othe
 		    double within, ContactList<3>& list)
 {
 	ContactCandidates<3>& candidates = list.candidates;
+	PlaceOnOutline<3> place;
 	forNodesNear(body, other, within, list, [&](int s, const auto& facets) {
 		const Vec<3>& x = body.position[s];
-		const auto place = nearestPlace(x, other, facets, anyFacet);
+		if (place.facet >= 0) place = placeOnFacet(x, other, place.facet);
+		place = nearestPlace(x, other, facets, anyFacet, place);
 		const double gap = contactAt(x, other, place).gap;
 		if (gap < within)
 			candidates.nodes.push_back(

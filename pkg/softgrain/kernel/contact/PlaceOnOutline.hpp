@@ -94,14 +94,15 @@ inline void measureGap(const Vec<3>& x, const ContactOutline<3>& body,
 	const auto& vertex = body.mesh->facet[place.facet];
 	Vec<3> foot = Vec<3>::Zero(), normal = Vec<3>::Zero();
 	double bulge = 0;
+	std::array<Vec<3>, 3> at, normalAt;
 	for (int i = 0; i < 3; ++i) {
-		foot += place.weight[i] * body.position[vertex[i]];
-		normal += place.weight[i] * body.normalAt(place.facet, vertex[i]);
+		at[i] = body.position[vertex[i]];
+		normalAt[i] = body.normalAt(place.facet, vertex[i]);
+		foot += place.weight[i] * at[i];
+		normal += place.weight[i] * normalAt[i];
 		for (int j = 0; j < i; ++j)
 			bulge += 0.5 * place.weight[i] * place.weight[j] *
-				 (body.normalAt(place.facet, vertex[j]) -
-				  body.normalAt(place.facet, vertex[i]))
-					 .dot(body.position[vertex[j]] - body.position[vertex[i]]);
+				 (normalAt[j] - normalAt[i]).dot(at[j] - at[i]);
 	}
 	contact.partners = mostPartners<3>;
 	contact.facet = place.facet;
