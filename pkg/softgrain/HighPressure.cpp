@@ -16,7 +16,7 @@ double knownPressure(const SoftGrain& grain)
 {
 	if (grain.basis != "splines" || grain.nodeSpacing >= 2)
 		return std::numeric_limits<double>::infinity();
-	return grain.nodeSpacing < 1.5 ? 1 : 2;
+	return grain.nodeSpacing < 1.5 ? 0.7 : 2;
 }
 
 /// -1: none holds any. Sleepers stay as they are.
@@ -62,8 +62,9 @@ std::string highPressure(const Scene& scene, const softgrain::GrainAssembly& ass
 	message << "soft grain #" << id << " bears a mean pressure of " << pressure
 		<< " young. With nodeSpacing = " << grain.nodeSpacing << " grains under more than "
 		<< knownPressure(grain)
-		<< " young may be too soft by some per cent, and fold at several times that; "
-		   "grains made with nodeSpacing = 2 were right to 8 young (user guide, 'High "
+		<< " young may be too soft by some per cent, and fold at twice to several times "
+		   "that; grains made with nodeSpacing = 2 were right to 8 young (user guide, "
+		   "'High "
 		   "pressure')";
 	return message.str();
 }

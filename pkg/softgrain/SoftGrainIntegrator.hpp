@@ -28,7 +28,7 @@ public:
 		"Advances all soft grains by one step: internal forces by total-Lagrangian MPM, contact dynamics of all contact points together, motion. Contacts of rigid bodies with each other under :yref:`Law2_ScGeom_FrictPhys_Nonsmooth` are solved in the same contact dynamics, also in a scene without soft grains. It stands after the InteractionLoop and before :yref:`NewtonIntegrator`, which moves rigid bodies. Free rigid bodies in these contacts take part in the contact dynamics with their mass and inertia, at the velocity that :yref:`NewtonIntegrator` would give them: whatever else puts forces on them stands before this engine, and *damping* must be 0 (or their :yref:`State.isDamped` False); it does not reach soft grains, which have the damping of their :yref:`SoftMat`. Of a soft grain it writes :yref:`State.pos`, *vel*, *ori* and *angVel* (centre of mass and mean rotation); changes that the user makes to them act on the grain as rigid motions. In a periodic cell engines that change :yref:`Cell.velGrad` stand before this one, and :yref:`Cell.homoDeform` acts on soft grains as on other bodies, as a body load. Forces and torques in :yref:`ForceContainer` and :yref:`NewtonIntegrator.gravity` act on it as body loads (weight: that of the unscaled mass, see :yref:`SoftMat.massScaling`). Reactions are added to the forces of both bodies.\n\nWhatever goes wrong stops the run with the grain, the point, the step and a hint; positions and velocities are then those before the step, readable and savable.",
 		((Real, timeStepFraction, 0.85, Attr::triggerPostLoad, "Fraction of the critical time step that O.dt is kept at or up to 30 % below while grains deform (it changes seldom, by jumps; mostly it is a few per cent below), in (0, 1] [-]. Assigning O.dt by hand ends that: then O.dt is left alone and only refused when too large. An active :yref:`TimeStepper`, which must stand before, is for the rigid bodies: the smaller of both steps is taken."))
 		((Real, tolerance, 1e-2, Attr::triggerPostLoad, "Residual of the contact conditions at which the sweeps of a step end, > 0 [-]. See *residual*."))
-		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on *sweeps* in a step, from which on none begins, and on those of a pair that is solved on its own, each time, ≥ 1; below 4 grains at rest may vibrate ever more. Steps that hit it with a *residual* above *tolerance* are counted in *cappedSteps*."))
+		((int, maxSweeps, 100, Attr::triggerPostLoad, "Cap on sweeps over all contacts in a step, and on those of a pair each time that it is solved on its own, which *sweeps* has besides, ≥ 1; below 4 grains at rest may vibrate ever more. Steps that hit it with a *residual* above *tolerance* are counted in *cappedSteps*."))
 		((Real, overlapRelaxation, 0.1, Attr::triggerPostLoad, "Share of an overlap worked off per step, in [0, 1] [-]; at once would throw grains apart."))
 		((Real, overlapSpeed, 1e-3, Attr::triggerPostLoad, "Cap on the speed at which overlaps are worked off, over the slowest wave speed of the grains, ≥ 0 [-]. Those below 0.05 of the spacing of material points that no load has pressed in lately are worked off more slowly, with the cube of the overlap (doc/theory.md, Contact). Rigid bodies that overlap each other are moved apart without gaining speed, and without a cap."))
 		((Real, maxOverlap, 1, Attr::triggerPostLoad, "Overlap at which the run stops, over the spacing of material points (of two rigid bodies: a tenth of the smaller radius, here and in *overlap*), > 0 [-]."))
@@ -87,6 +87,7 @@ private:
 	void followDeformation(Real undeformed, bool hasStepper);
 	void measureCriticalStep(Real enough);
 	void warnOfStiffSpheres();
+	void warnOfCollapsedStep(Real undeformed);
 	void warnOfPressure();
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();
@@ -106,7 +107,7 @@ private:
 	softgrain::PhaseClock clock_;
 	long publishedIn_ = -1; ///< step in which it last came to its end
 	Real longestDt_ = 0;    ///< that the soft grains have asked for since it began to run, s
-	bool warnedOfPressure_ = false, warnedOfStiffness_ = false;
+	bool warnedOfPressure_ = false, warnedOfStiffness_ = false, warnedOfCollapse_ = false;
 	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);

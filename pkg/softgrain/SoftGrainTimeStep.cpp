@@ -38,6 +38,10 @@ constexpr double nearTimeStep = 0.99, roomyTimeStep = 0.9, worthMeasuring = 0.05
 /// a second): balls that touch are measured all the time.
 constexpr double leftTimeStep = 0.98, dearMeasuring = 0.25, dearPoints = 1e7;
 
+/// Below this share of that of the undeformed grains the critical step is worth a warning: a run
+/// that goes on so hardly ends. Grains pressed to half their size have a tenth.
+constexpr double collapsedStep = 0.01;
+
 /// Relative difference up to which O.dt is the value that sg set before the first step, which is
 /// computed anew here.
 constexpr double sameTimeStep = 1e-9;
@@ -88,6 +92,21 @@ void SoftGrainIntegrator::warnOfStiffSpheres()
 			      "sg.engines(rigid='nonsmooth')");
 }
 
+/// Once: where grains fold or all but invert, a step may become so short that nothing moves on.
+void SoftGrainIntegrator::warnOfCollapsedStep(Real undeformed)
+{
+	if (warnedOfCollapse_ || criticalDt >= collapsedStep * undeformed) return;
+	warnedOfCollapse_ = true;
+	LOG_WARN(
+		"step " << scene->iter << ": the critical time step of the soft grains is "
+			<< criticalDt
+			<< " s, less than a hundredth of that of the undeformed ones, "
+			<< undeformed
+			<< " s: a grain is all but crushed or folds somewhere, and the run may not "
+			   "get on. Hint: load more slowly, or, under pressures near young and "
+			   "above, make grains with nodeSpacing = 2 (user guide, 'High pressure')");
+}
+
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
 /// set for the undeformed scene before the first step); a value of the user's is only checked.
 void SoftGrainIntegrator::chooseTimeStep()
@@ -108,6 +127,7 @@ void SoftGrainIntegrator::chooseTimeStep()
 			       std::abs(scene->dt - own) <= sameTimeStep * own;
 	const bool hasStepper = hasTimeStepper(*scene);
 	measureCriticalStep(automatic || hasStepper ? own / timeStepFraction : scene->dt);
+	warnOfCollapsedStep(undeformed);
 	if (hasStepper) {
 		const Real ofRigidBodies = scene->dt;
 		followDeformation(undeformed, hasStepper);

@@ -275,7 +275,8 @@ void SoftInteractions::stopOnOverlap(Real maxOverlap) const
 			message << " overlap by " << deepest << " point spacings, more";
 		message << " than maxOverlap = " << maxOverlap
 			<< ". Hint: start from less overlap (sg.soften(overlap='shrink')), load "
-			   "more slowly, or reduce tolerance";
+			   "more slowly, reduce tolerance, or, under pressures near young "
+			   "and above, make grains with nodeSpacing = 2";
 		throw std::runtime_error(message.str());
 	}
 }

@@ -106,7 +106,9 @@ void WallStressController::checkWalls() const
 		if (!(isBox || (plane && plane->axis == axis)))
 			throw std::invalid_argument(
 				"WallStressController.walls: body #" + std::to_string(walls[k]) +
-				" is no Box, and no Wall with axis = " + std::to_string(axis));
+				(exists ? " is no Box, and no Wall with axis = " +
+						  std::to_string(axis)
+					: std::string(" does not exist")));
 		const int blocked = body->state->blockedDOFs;
 		if (blocked != State::DOF_ALL && blocked != freeAlong(axis))
 			throw std::invalid_argument(

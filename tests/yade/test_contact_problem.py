@@ -11,9 +11,9 @@ import pytest
 
 import softgrain as sg
 from partner_scenes import add_rigid_disk
-from scenes import RADIUS, add_disk, add_wall, ready, run
+from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 from softgrain.reference import residual
-from yade import O
+from yade import FrictMat, O, utils
 
 FILES = sorted((Path(__file__).resolve().parents[1] / "data" / "contact_problems").glob("*.npz"))
 #: Problems with more than one solution in impulses; velocities are unique in all of them.
@@ -176,6 +176,36 @@ def test_residual_and_cap_are_reported():
     assert engine.residual <= 1e-11
     assert engine.sweeps > 4  # of every step
     assert engine.cappedSteps == 10
+
+
+def cubes_in_a_closing_box():
+    """Eight soft cubes side by side, of few nodes, whose contacts share background nodes."""
+    rough = FrictMat(frictionAngle=0.3)
+    side = 2 * RADIUS
+    for place in np.ndindex(2, 2, 2):
+        centre = (np.array(place) + 0.5) * side
+        cube = sg.soft_block(tuple(centre), (side,) * 3, soft_material(frictionAngle=0.3), zeta=0.5)
+        O.bodies.append(cube)
+    for axis in range(3):
+        for end, sense in ((0, 1), (2 * side, -1)):
+            O.bodies.append(utils.wall(end, axis, sense=sense, material=rough))
+    O.bodies[-3].state.vel = (0.05, -0.3, 0)  # the one on top
+    ready()
+    run(40)
+
+
+@pytest.mark.parametrize("max_sweeps", (20, 100))
+def test_strict_tolerance_out_of_reach_is_no_worse_than_sweeps(max_sweeps):
+    """Where pairs feel each other to solve them one by one may not help: that must not be at the
+    cost of sweeps over all."""
+    cubes_in_a_closing_box()
+    engine = sg.integrator()
+    engine.tolerance, engine.maxSweeps = 1e-6, max_sweeps
+    run(1)
+    assert engine.cappedSteps == 1
+    plain = sg.solve_contact_problem(engine.contactProblem(), 1e-6, max_sweeps)
+    assert plain["sweeps"] == max_sweeps
+    assert engine.residual < 1.1 * plain["residual"]
 
 
 @pytest.mark.parametrize(

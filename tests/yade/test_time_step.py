@@ -293,8 +293,8 @@ def test_short_waves_do_not_resonate_with_the_step():
     assert total_energy() == pytest.approx(before, rel=1e-3)
 
 
-def squeeze_all_round(**shape):
-    """Four walls about a disk until its mean pressure is 1.3 times its young."""
+def disk_between_closing_walls(**shape):
+    """The disk and its four walls."""
     disk = add_disk(material=soft_material(massDamping=3000), zeta=0.2, **shape)
     walls = []
     for axis, side in ((0, -1), (0, 1), (1, -1), (1, 1)):
@@ -302,6 +302,12 @@ def squeeze_all_round(**shape):
         velocity[axis] = -side
         walls.append(add_wall(side * RADIUS, axis, velocity=velocity))
     ready()
+    return disk, walls
+
+
+def squeeze_all_round(**shape):
+    """Four walls about a disk until its mean pressure is 1.3 times its young."""
+    disk, walls = disk_between_closing_walls(**shape)
     pressure = 0
     while pressure < 1.3 * YOUNG:
         run(50)
@@ -322,3 +328,15 @@ def test_warning_of_high_pressure(shape, warnings, capfd):
     squeeze_all_round(**shape)
     logged = capfd.readouterr().err
     assert logged.count("soft grain #0 bears a mean pressure of ") == warnings
+    assert "critical time step" not in logged
+
+
+def test_warning_of_a_step_that_has_collapsed(capfd):
+    """Logged once, where a crushed grain would keep a run from getting on."""
+    disk_between_closing_walls()
+    engine, undeformed = sg.integrator(), sg.set_time_step()
+    while engine.criticalDt == 0 or engine.criticalDt > 0.005 * undeformed:
+        run(10)
+        assert O.iter < 3000
+    logged = capfd.readouterr().err
+    assert logged.count("less than a hundredth of that of the undeformed ones") == 1

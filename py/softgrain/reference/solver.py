@@ -36,6 +36,12 @@ SWEEPS_EACH_WAY = 2
 MARGIN_ALONE = 0.95
 MOST_CONTACTS_ALONE = 128
 
+#: They have helped if no more than this share of the residual is left.
+FALL_ALONE = 0.5
+
+#: A sweep that changes more, over the tolerance, need not have its residual measured.
+CHANGE_PER_RESIDUAL = 2
+
 #: Overlaps up to this share of dr are left as they are.
 RESTING_OVERLAP = 1e-3
 
@@ -144,7 +150,8 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, pair, settin
 
     Two sweeps go backwards, two forwards. While the residual is larger than the tolerance then, the
     pairs in which it sits are solved on their own (``solve_alone``); where that is not enough, a
-    sweep forwards follows, and so on.
+    sweep forwards follows, and so on. Each time that the pairs on their own do not help, twice as
+    many sweeps as before follow.
 
     Args:
         delassus (ndarray): W [1/kg], shape (contacts, contacts).
@@ -165,21 +172,29 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, pair, settin
         return report
     problem = (delassus, free_velocity, normal, bias, friction)
     forwards = range(len(impulse))
-    visits, most_visits = 0, settings.max_sweeps * len(impulse)
+    sweeps = min(2 * SWEEPS_EACH_WAY, settings.max_sweeps)
+    visits = sweeps * len(impulse)
+    for k in range(sweeps):
+        sweep(*problem, impulse, forwards[::-1] if k < SWEEPS_EACH_WAY else forwards)
+    report.residual = residual(*problem, impulse)
 
     def is_done():
-        report.residual = residual(*problem, impulse)
-        return report.residual <= settings.tolerance or visits >= most_visits
+        return report.residual <= settings.tolerance or sweeps == settings.max_sweeps
 
-    for k in range(min(2 * SWEEPS_EACH_WAY, settings.max_sweeps)):
-        sweep(*problem, impulse, forwards[::-1] if k < SWEEPS_EACH_WAY else forwards)
-        visits += len(impulse)
+    turn = 1
     while not is_done():
+        before = report.residual
         visits += solve_pairs_alone(problem, impulse, pair, settings)
-        if is_done():
-            break
-        sweep(*problem, impulse, forwards)
-        visits += len(impulse)
+        report.residual = residual(*problem, impulse)
+        turn = 1 if report.residual < FALL_ALONE * before else 2 * turn
+        for k in range(1, turn + 1):
+            if is_done():
+                break
+            change = sweep(*problem, impulse, forwards)
+            sweeps, visits = sweeps + 1, visits + len(impulse)
+            is_last = k == turn or sweeps == settings.max_sweeps
+            if is_last or change <= CHANGE_PER_RESIDUAL * settings.tolerance:
+                report.residual = residual(*problem, impulse)
     report.sweeps = visits / len(impulse)
     return report
 
@@ -267,9 +282,15 @@ def solve_alone(problem, impulse, contacts, violation, max_sweeps):
 
 
 def sweep(delassus, free_velocity, normal, bias, friction, impulse, order):
-    """Solve each contact in turn."""
+    """Solve each contact in turn; returns the relative change of the impulses, in energy norm."""
+    changed = total = 0.0
     for k in order:
+        W = delassus[k, k]
         u = free_velocity[k] + delassus[k] @ impulse
-        impulse[k] = solved_impulse(
-            impulse[k], u, normal[k], bias[k], friction[k], delassus[k, k]
-        )
+        r = solved_impulse(impulse[k], u, normal[k], bias[k], friction[k], W)
+        changed += W * np.sum((r - impulse[k]) ** 2)
+        total += W * np.sum(r**2)
+        impulse[k] = r
+    if changed == 0:
+        return 0.0
+    return np.sqrt(changed / total) if total > 0 else np.inf

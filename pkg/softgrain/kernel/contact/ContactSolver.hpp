@@ -51,7 +51,7 @@ public:
 	/// Gauss-Seidel sweeps: two backwards and two forwards (in one direction alone, few sweeps
 	/// a step shake grains at rest: doc/decisions/0010-grains-at-rest.md), then in turn the
 	/// pairs in which the residual sits, each on its own
-	/// (doc/decisions/0026-pairs-on-their-own.md), and, since pairs feel each other, a sweep
+	/// (doc/decisions/0026-pairs-on-their-own.md), and, since pairs feel each other, sweeps
 	/// forwards (doc/decisions/0004-sweep-order.md), until the residual is within the tolerance
 	/// or the cap is hit. At the end the lists have their impulses, and the contact nodes the
 	/// sums (ContactBody::impulse), unless the residual is no number: then they keep those of
