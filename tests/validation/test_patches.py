@@ -111,6 +111,30 @@ def test_squeezed_square_is_uniform_however_it_cuts_its_grid(zeta):
     assert O.iter < 700  # no light row makes steps short
 
 
+def test_squares_that_touch_bear_high_pressure_on_wide_grids():
+    """In a die without friction, to 1.6 times their young; with the default spacing they fold into
+    each other (user guide, "High pressure")."""
+    half, speed, stretch, across, poisson = 0.01, 0.2, 0.72, 3, 0.45
+    material = soft()
+    material.poisson, material.massDamping = poisson, 2e3
+    side, width = 2 * half, 2 * half * across
+    for column, row in np.ndindex(across, across):
+        centre = ((column + 0.5) * side, (row + 0.5) * side, 0)
+        add(sg.soft_block(centre, (side, side), material, zeta=0.25, nodeSpacing=2))
+    walls = [add_wall(place, axis) for axis in (0, 1) for place in (0, width)]
+    top = walls[-1]
+    O.engines = sg.engines()
+    top.state.vel[1] = -speed
+    while top.state.pos[1] > stretch * width:
+        sg.advance(10)
+    reached = top.state.pos[1] / width
+    shear = YOUNG / (2 * (1 + poisson))
+    lame = YOUNG * poisson / ((1 + poisson) * (1 - 2 * poisson))
+    nominal = shear * (1 / reached - reached) - lame * math.log(reached) / reached
+    assert nominal > 1.5 * YOUNG
+    assert sg.wall_force(top.id)[1] == pytest.approx(width * nominal, rel=0.015)
+
+
 # --- impact -------------------------------------------------------------------------------------
 
 
