@@ -10,8 +10,9 @@ namespace yade {
 
 namespace {
 
-/// Mean pressure over young up to which forces were found right within some per cent; without a
-/// limit where nothing was found.
+/// Mean pressure over young up to which forces were found right within some per cent (3 % of
+/// squares that touch; single grains to 1: doc/decisions/0008-node-spacing.md); without a limit
+/// where nothing was found.
 double knownPressure(const SoftGrain& grain)
 {
 	if (grain.basis != "splines" || grain.nodeSpacing >= 2)
@@ -64,8 +65,7 @@ std::string highPressure(const Scene& scene, const softgrain::GrainAssembly& ass
 		<< knownPressure(grain)
 		<< " young may be too soft by some per cent, and fold at twice to several times "
 		   "that; grains made with nodeSpacing = 2 were right to 8 young (user guide, "
-		   "'High "
-		   "pressure')";
+		   "'High pressure')";
 	return message.str();
 }
 

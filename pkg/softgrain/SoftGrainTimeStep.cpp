@@ -39,7 +39,7 @@ constexpr double nearTimeStep = 0.99, roomyTimeStep = 0.9, worthMeasuring = 0.05
 constexpr double leftTimeStep = 0.98, dearMeasuring = 0.25, dearPoints = 1e7;
 
 /// Below this share of that of the undeformed grains the critical step is worth a warning: a run
-/// that goes on so hardly ends. Grains pressed to half their size have a tenth.
+/// that goes on so hardly ends. A disk under twice its young has a tenth, without folds.
 constexpr double collapsedStep = 0.01;
 
 /// Relative difference up to which O.dt is the value that sg set before the first step, which is

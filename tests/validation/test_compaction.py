@@ -112,8 +112,8 @@ def test_few_sweeps_meet_a_strict_tolerance(tmp_path):
 
 
 def test_a_stricter_one_is_met(tmp_path):
-    """35 sweeps a step, one step in 500 at the cap; a quarter of them where what pairs do to each
-    other is left to sweeps alone."""
+    """35 sweeps a step, one step at the cap; 64 and a quarter of the steps where what pairs do to
+    each other is left to sweeps alone."""
     options = ("--grains", "25", "--zeta", "0.1", "--until-phi", "0.92", "--mu", "0.3")
     result = compact(tmp_path, *options, "--tolerance", "1e-4", threads=1)
     assert result["capped_steps"] < 0.01 * result["steps"]

@@ -181,18 +181,18 @@ def solve(delassus, free_velocity, normal, bias, friction, impulse, pair, settin
     def is_done():
         return report.residual <= settings.tolerance or sweeps == settings.max_sweeps
 
-    turn = 1
+    between = 1  # sweeps over all, until pairs are solved again
     while not is_done():
         before = report.residual
         visits += solve_pairs_alone(problem, impulse, pair, settings)
         report.residual = residual(*problem, impulse)
-        turn = 1 if report.residual < FALL_ALONE * before else 2 * turn
-        for k in range(1, turn + 1):
+        between = 1 if report.residual < FALL_ALONE * before else 2 * between
+        for k in range(1, between + 1):
             if is_done():
                 break
             change = sweep(*problem, impulse, forwards)
             sweeps, visits = sweeps + 1, visits + len(impulse)
-            is_last = k == turn or sweeps == settings.max_sweeps
+            is_last = k == between or sweeps == settings.max_sweeps
             if is_last or change <= CHANGE_PER_RESIDUAL * settings.tolerance:
                 report.residual = residual(*problem, impulse)
     report.sweeps = visits / len(impulse)

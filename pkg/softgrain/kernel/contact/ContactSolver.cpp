@@ -51,7 +51,7 @@ constexpr int rigidContactsPerPair = 16;
 constexpr double marginAlone = 0.95;
 
 /// Where pairs on their own leave more of the residual, they feel each other (as coarse grains and
-/// those with corners do): all contacts are swept twice as often before it is tried again.
+/// those with corners do): all contacts are swept twice as often before pairs are tried again.
 constexpr double fallAlone = 0.5;
 
 ResidualSum sumOf(const std::vector<ResidualSum>& pairs)
@@ -334,15 +334,15 @@ template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& repor
 			 std::min(inARow, cap - k));
 	report.residual = std::numeric_limits<double>::infinity(); // until measured
 	if (withGrains || isPromising()) measure();
-	for (int turn = 1; !isDone();) {
+	for (int between = 1; !isDone();) { // sweeps over all, until pairs are solved again
 		const double before = report.residual;
 		const long alone = withGrains ? solvePairsAlone(residuals) : 0;
 		report.visits += alone;
 		if (alone > 0) measure();
-		turn = report.residual < fallAlone * before ? 1 : 2 * turn;
-		for (int k = 1; k <= turn && !isDone(); ++k) {
+		between = report.residual < fallAlone * before ? 1 : 2 * between;
+		for (int k = 1; k <= between && !isDone(); ++k) {
 			sweepAll(SweepOrder::forwards, 1);
-			if (isPromising() || (withGrains && k == turn)) measure();
+			if (isPromising() || (withGrains && k == between)) measure();
 		}
 	}
 	report.converged = report.residual <= settings_.tolerance;
