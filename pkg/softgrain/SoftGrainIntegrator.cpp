@@ -45,6 +45,10 @@ void SoftGrainIntegrator::postLoad(SoftGrainIntegrator&)
 
 void SoftGrainIntegrator::action()
 {
+	struct AtEnd {
+		SoftGrainIntegrator& integrator;
+		~AtEnd() { integrator.letAssemblyGo(); }
+	} atEnd { *this };
 	try {
 		lastError = "";
 		advance();
@@ -68,31 +72,33 @@ void SoftGrainIntegrator::action()
 	}
 }
 
+void SoftGrainIntegrator::letAssemblyGo()
+{
+	if (assembly_) lastAssembly_ = assembly_;
+	assembly_.reset();
+}
+
 /// The assembly of the scene, in a scene of rigid bodies alone one without grains; false if there
 /// is nothing to do.
 bool SoftGrainIntegrator::assemble()
 {
 	rigidContacts_.list(*scene);
-	const auto last = assembly_;
-	const bool hadGrains = last && last->grains() > 0; // one more step tells that they are gone
+	const auto last = lastAssembly_.lock();
 	assembly_ = assembleScene(*scene, threads());
-	if (!assembly_ && !rigidContacts_.hasLaw() && !hadGrains) {
-		assembly_ = last; // sums go on from it
-		return false;
-	}
+	// one more step tells that the grains are gone
+	if (!assembly_ && !rigidContacts_.hasLaw() && !hadGrains_) return false;
 	if (!assembly_) {
 		if (!withoutGrains_)
 			withoutGrains_ = softgrain::GrainAssembly::createWithoutGrains();
 		assembly_ = withoutGrains_;
 	}
-	// grains of the last assembly hand its sums on, but there may be none left, or none before
-	if (last && last != assembly_) assembly_->continueFrom(last->continuation());
+	hadGrains_ = assembly_->grains() > 0;
+	if (assembly_ != last) continueSums();
 	checkEngineOrder(*scene, *this);
 	SoftBodies(*scene, *assembly_).requireCarried(*newtonIntegratorOf(*scene));
 	checkCell(*scene, *assembly_);
 	const int unbounded = assembly_->host.unbounded;
 	if (unbounded >= 0) checkBounds(*scene, unbounded);
-	if (loaded_) continueSavedRun();
 	assembly_->setMultirate(multirate);
 	if (assembly_->setInterfaceRange(interfaceRange)) scene->doSort = true;
 	return true;
@@ -168,12 +174,11 @@ void SoftGrainIntegrator::holdWalls()
 			    "freely out of 'xyzXYZ'");
 }
 
-/// A run that was loaded goes on with the sums and the step that were saved.
-void SoftGrainIntegrator::continueSavedRun()
+/// A run that was loaded, or whose grains were assembled anew, goes on with its sums and its step.
+void SoftGrainIntegrator::continueSums()
 {
-	loaded_ = false;
 	if (assemblySteps == 0) return; // it has not run
-	longestDt_ = scene->dt;
+	if (longestDt_ == 0) longestDt_ = scene->dt;
 	softgrain::Continuation state;
 	state.lastStep = lastStep;
 	state.steps = assemblySteps;
@@ -293,8 +298,9 @@ py::dict SoftGrainIntegrator::energyDict() const
 py::dict SoftGrainIntegrator::ratesDict() const
 {
 	std::map<int, int> grainsAt;
-	for (int g = 0; assembly_ && g < assembly_->grains(); ++g)
-		++grainsAt[assembly_->rate(g)];
+	const auto assembly = lastAssembly_.lock();
+	for (int g = 0; assembly && g < assembly->grains(); ++g)
+		++grainsAt[assembly->rate(g)];
 	py::dict d;
 	for (const auto& [rate, count] : grainsAt)
 		d[rate] = count;
@@ -303,8 +309,9 @@ py::dict SoftGrainIntegrator::ratesDict() const
 
 py::dict SoftGrainIntegrator::contactProblem() const
 {
-	return softgrain::toDict(assembly_ ? assembly_->contactProblem()
-					   : softgrain::ContactProblemArrays());
+	const auto assembly = lastAssembly_.lock();
+	return softgrain::toDict(assembly ? assembly->contactProblem()
+					  : softgrain::ContactProblemArrays());
 }
 
 } // namespace yade

@@ -81,7 +81,8 @@ public:
 private:
 	void advance();
 	bool assemble();
-	void continueSavedRun();
+	void letAssemblyGo();
+	void continueSums();
 	void saveContinuation();
 	void chooseTimeStep();
 	void followDeformation(Real undeformed, bool hasStepper);
@@ -98,7 +99,11 @@ private:
 	void publishTimes();
 	int threads() const;
 
+	/// While a step is made. Between steps grains keep their assembly alone: YADE frees no
+	/// engine that O.engines was once set to, and what that holds outlives O.reset().
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
+	std::weak_ptr<softgrain::GrainAssembly> lastAssembly_;    ///< of the last step
+	bool hadGrains_ = false;                                  ///< in the last step
 	std::shared_ptr<softgrain::GrainAssembly> withoutGrains_; ///< for scenes of rigid bodies
 	InteractionOrder order_;
 	RigidPartners partners_;
@@ -108,7 +113,6 @@ private:
 	long publishedIn_ = -1; ///< step in which it last came to its end
 	Real longestDt_ = 0;    ///< that the soft grains have asked for since it began to run, s
 	bool warnedOfPressure_ = false, warnedOfStiffness_ = false, warnedOfCollapse_ = false;
-	bool loaded_ = true; ///< saved attributes are still to be handed to the assembly
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);
 

@@ -104,6 +104,22 @@ def test_an_erased_grain_is_freed():
     assert sg.integrator().templates == 1
 
 
+def test_grains_of_a_scene_are_freed_with_it():
+    """YADE frees no engine that O.engines was set to: the integrator must not keep its grains."""
+    memory = []
+    for k in range(12):
+        for i in range(300):
+            add_disk((0.03 * i, 0, 0), zeta=0.11)
+        ready()
+        run(2)
+        O.reset()
+        gc.collect()
+        memory.append(resident_set())
+    left = 1e3 * (memory[-1] - memory[3]) / (8 * 300)
+    print(f"a grain leaves {left:.1f} kB")
+    assert left < 3  # some 25 are its own
+
+
 @pytest.mark.parametrize("kind", ("disks", "different polygons"))
 def test_an_insertion_keeps_the_tables_of_the_others(kind):
     """A step with a new disk: the assembly is made anew, but not the tables of the others."""
