@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <cmath>
 #include <limits>
+#include <memory>
+#include <numbers>
 
 using namespace softgrain;
 using namespace softgrain::testing;
@@ -31,10 +34,8 @@ template <int dim> std::vector<GrainParameters<dim>> motley(int count)
 namespace {
 
 /// Grains of `motley` that vibrate, with their forces.
-template <int dim> Batch<dim> shakenMotley(int count, int threads, int order = 3)
+template <int dim> Batch<dim> shakenMotley(const TemplateRecipe& shape, int count, int threads)
 {
-	TemplateRecipe shape = recipe(dim == 2 ? 0.2 : 0.35);
-	shape.order = order;
 	const auto reference = makeGrainTemplate<dim>(shape);
 	Batch<dim> batch(reference, Law::neoHookean, usualCondition<dim>, motley<dim>(count));
 	Random random(2);
@@ -44,6 +45,13 @@ template <int dim> Batch<dim> shakenMotley(int count, int threads, int order = 3
 	}
 	computeInternalForce(batch, threads);
 	return batch;
+}
+
+template <int dim> Batch<dim> shakenMotley(int count, int threads, int order = 3)
+{
+	TemplateRecipe shape = recipe(dim == 2 ? 0.2 : 0.35);
+	shape.order = order;
+	return shakenMotley<dim>(shape, count, threads);
 }
 
 /// `copies` times grain `g` of a batch in a batch of their own, with their forces.
@@ -70,6 +78,39 @@ void checkSameBits(const Batch<dim>& one, int g, const Batch<dim>& other, int ot
 	CHECK(one.report[g].invertedPoint == other.report[otherG].invertedPoint);
 }
 
+template <int dim> void checkAgreesWithAlone(const Batch<dim>& together)
+{
+	for (int g = 0; g < together.grains(); ++g) {
+		CAPTURE(g);
+		const Batch<dim> alone = copiesOf(together, g, 1);
+		double largest = 0, difference = 0;
+		for (int I = 0; I < alone.reference->nodes(); ++I) {
+			largest = std::max(largest, alone.force.get(0, I).norm());
+			difference =
+				std::max(difference,
+					 (alone.force.get(0, I) - together.force.get(g, I)).norm());
+		}
+		CHECK(difference < 1e-12 * largest);
+		CHECK(std::abs(alone.report[0].elasticEnergy / together.report[g].elasticEnergy -
+			       1) < 1e-12);
+		CHECK(std::abs(alone.report[0].stiffening / together.report[g].stiffening - 1) <
+		      1e-12);
+	}
+}
+
+/// About a circle of radius 1, with a corner below.
+Ring regularPolygon(int sides)
+{
+	Ring ring;
+	for (int k = 0; k < sides; ++k) {
+		const double angle = std::numbers::pi * (2. * k / sides - 0.5);
+		ring.vertex.push_back(Vec<2>(std::cos(angle), std::sin(angle)) /
+				      std::cos(std::numbers::pi / sides));
+		ring.corner.push_back(k);
+	}
+	return ring;
+}
+
 } // namespace
 
 TEMPLATE_TEST_CASE_SIG("Batch: other grains and lanes change no bit of a grain", "[grain]",
@@ -89,22 +130,22 @@ TEMPLATE_TEST_CASE_SIG("Batch: grains and points side by side agree up to roundi
 		       ((int dim, int order), dim, order), (2, 1), (2, 2), (2, 3), (3, 1), (3, 2),
 		       (3, 3))
 {
-	const Batch<dim> together = shakenMotley<dim>(8, 1, order);
-	for (int g = 0; g < 8; ++g) {
-		CAPTURE(g);
-		const Batch<dim> alone = copiesOf(together, g, 1);
-		double largest = 0, difference = 0;
-		for (int I = 0; I < alone.reference->nodes(); ++I) {
-			largest = std::max(largest, alone.force.get(0, I).norm());
-			difference =
-				std::max(difference,
-					 (alone.force.get(0, I) - together.force.get(g, I)).norm());
-		}
-		CHECK(difference < 1e-12 * largest);
-		CHECK(std::abs(alone.report[0].elasticEnergy / together.report[g].elasticEnergy -
-			       1) < 1e-12);
-		CHECK(std::abs(alone.report[0].stiffening / together.report[g].stiffening - 1) <
-		      1e-12);
+	checkAgreesWithAlone(shakenMotley<dim>(8, 1, order));
+}
+
+TEST_CASE("Batch: so they do whatever the outline, whose points hardly miss common lines",
+	  "[grain]")
+{
+	for (double zeta : { 0.1, 0.12, 0.2 }) {
+		CAPTURE(zeta);
+		TemplateRecipe ellipse = recipe(zeta), superdisk = ellipse, hexagon = ellipse;
+		ellipse.form.form = superdisk.form.form = Form::superdisk;
+		ellipse.form.aspect[0] = 1.5;
+		superdisk.form.exponent = 8;
+		hexagon.form.form = Form::polygon;
+		hexagon.form.ring = std::make_shared<const Ring>(regularPolygon(6));
+		for (const TemplateRecipe& shape : { ellipse, superdisk, hexagon })
+			checkAgreesWithAlone(shakenMotley<2>(shape, 8, 1));
 	}
 }
 

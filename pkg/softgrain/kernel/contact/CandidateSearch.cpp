@@ -247,18 +247,12 @@ void measureCandidates(const ContactOutline<2>& first, const ContactOutline<2>& 
 
 /// Of the candidates of a side. Facets within `within` now are all that can be the nearest until
 /// candidates are renewed: until then reach + approached stays below what is covered.
-std::vector<FacetNear<3>> facetsOfCandidates(const ContactOutline<3>& body,
-					     const ContactOutline<3>& other, double within,
-					     std::vector<int>& kept)
+FacetBalls<3> facetsOfCandidates(const ContactOutline<3>& body, const ContactOutline<3>& other,
+				 double within, std::vector<int>& kept)
 {
-	std::vector<FacetNear<3>> facets;
-	if (kept.empty()) {
-		facets = facetsNear(body, other, within);
-		for (const FacetNear<3>& facet : facets)
-			kept.push_back(facet.facet);
-	} else
-		for (int facet : kept)
-			facets.push_back(ballAbout(other, facet));
+	if (!kept.empty()) return { other, kept };
+	FacetBalls<3> facets = facetsNear(body, other, within);
+	kept = facets.facets();
 	return facets;
 }
 
@@ -267,7 +261,7 @@ void measureCandidates(const ContactOutline<3>& first, const ContactOutline<3>& 
 		       double reach, ContactList<3>& list)
 {
 	const std::array<const ContactOutline<3>*, 2> body { &first, &second };
-	std::array<std::optional<std::vector<FacetNear<3>>>, 2> facets; // by side of the node
+	std::array<std::optional<FacetBalls<3>>, 2> facets; // by side of the node
 	const double within =
 		candidateReach(first, second, list.candidates.covered - list.candidates.approached);
 	forCandidates(reach, list.candidates, [&](auto& node) {

@@ -95,16 +95,6 @@ template <int dim> Vec<dim> ContactOutline<dim>::areaOfFacet(int facet) const
 	return (dim == 2 ? 1. : 0.5) * normalOf(position, mesh->facet[facet]);
 }
 
-template <int dim> double ContactOutline<dim>::facing(int node, const Vec<dim>& direction) const
-{
-	const auto corner = mesh->sharp.find(node);
-	if (corner == mesh->sharp.end()) return -normal[node].dot(direction);
-	double most = -1;
-	for (int facet : corner->second)
-		most = std::max(most, -normalOfFacet(facet).dot(direction));
-	return most;
-}
-
 /// By the number of facets to the right.
 template <> bool ContactOutline<2>::encloses(const Vec<2>& x) const
 {

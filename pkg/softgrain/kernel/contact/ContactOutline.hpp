@@ -66,16 +66,6 @@ template <int dim> struct ContactOutline {
 	{
 		return isSharp(node) ? normalOfFacet(facet) : normal[node];
 	}
-	/// Cosine of the angle by which the outline at a node faces against `direction` (unit): 1
-	/// where it faces it head-on, below 0 where it turns away. At a corner of the facet that
-	/// faces it most.
-	double facing(int node, const Vec<dim>& direction) const;
-	/// Whether it does, within 84 degrees.
-	bool facesAgainst(int node, const Vec<dim>& direction) const
-	{
-		constexpr double leastCosine = 0.1;
-		return facing(node, direction) > leastCosine;
-	}
 	/// Whether a place is inside the polygon (3D: polyhedron) of the nodes; without facets
 	/// never.
 	bool encloses(const Vec<dim>& x) const;
@@ -86,9 +76,11 @@ template <int dim> struct ContactOutline {
 	{
 		return std::min(inradius, 0.5 * (box.high - box.low).minCoeff());
 	}
-	/// Of a ball about the centre of the box that holds the outline, m: that bulges out of its
-	/// facets by less than an eighth of the longest edge (3D: 0.29 of it).
-	double outerRadius() const { return circumradius + nodeRadius + 0.3 * longestEdge; }
+	/// The outline bulges out of its facets by less, m: an eighth of the longest edge (3D: 0.29
+	/// of it).
+	double bulge() const { return 0.3 * longestEdge; }
+	/// Of a ball about the centre of the box that holds the outline, m.
+	double outerRadius() const { return circumradius + nodeRadius + bulge(); }
 	/// Whether a ball, or a grain that may hold one, is inside this grain or on it, concentric,
 	/// where no place near an outline tells. For grains whose box has its centre inside them.
 	bool holds(const Vec<dim>& centre, double radius) const;
@@ -100,6 +92,39 @@ template <int dim> struct ContactOutline {
 	void updateGeometry();
 	/// Makes this a displaced copy.
 	void becomeImage(const ContactOutline& of, const Vec<dim>& shift);
+};
+
+/// How an outline faces at one of its nodes: to be asked for many directions.
+template <int dim> class NodeFacing {
+public:
+	NodeFacing(const ContactOutline<dim>& body, int node)
+		: body_(body)
+		, normal_(body.normal[node])
+	{
+		const auto corner = body.mesh->sharp.find(node);
+		if (corner != body.mesh->sharp.end()) sides_ = &corner->second;
+	}
+	/// Cosine of the angle by which it faces against `direction` (unit): 1 where it faces it
+	/// head-on, below 0 where it turns away. At a corner of the facet that faces it most.
+	double operator()(const Vec<dim>& direction) const
+	{
+		if (!sides_) return -normal_.dot(direction);
+		double most = -1;
+		for (int facet : *sides_)
+			most = std::max(most, -body_.normalOfFacet(facet).dot(direction));
+		return most;
+	}
+	/// Whether it does, within 84 degrees.
+	bool isAgainst(const Vec<dim>& direction) const
+	{
+		constexpr double leastCosine = 0.1;
+		return (*this)(direction) > leastCosine;
+	}
+
+private:
+	const ContactOutline<dim>& body_;
+	const Vec<dim>& normal_;
+	const std::vector<int>* sides_ = nullptr; ///< facets that meet at a corner
 };
 
 } // namespace softgrain

@@ -161,34 +161,52 @@ void goOutAtJoint(const Vec<dim>& x, const ContactOutline<dim>& body,
 /// to 2; what is pressed in stays far below, and need not be looked at.
 constexpr double trustedDepth = 0.5;
 
+/// A place on a facet that counts for a search from the beginning: most nodes lie against a facet
+/// near that of the node before.
+template <int dim, class Admissible>
+PlaceOnOutline<dim> startAt(const Vec<dim>& x, const ContactOutline<dim>& body, int facet,
+			    Admissible&& admissible, const PlaceOnOutline<dim>& start)
+{
+	if (facet < 0 || !admissible(facet)) return start;
+	const PlaceOnOutline<dim> place = placeOnFacet(x, body, facet);
+	return comesBefore(place, start) ? place : start;
+}
+
 /// Nodes of `body` against the outline of `other`, where one of them has corners or indentations.
 template <int dim>
 void nodesFacingOutline(const ContactOutline<dim>& body, const ContactOutline<dim>& other, int side,
 			double reach, ContactList<dim>& list)
 {
 	const double deep = contactDepth(body, other);
+	const double shallow = std::max(deep - other.bulge(), 0.);
 	PlaceOnOutline<dim> within; // what is farther counts as no facing facet
 	within.squaredDistance = deep * deep;
+	int last = -1;
 	// Near a corner or in a notch the nearest facet need not be the one that a node lies
 	// against: there only facets count that the node faces. One that is outside must be before
 	// them, not behind the far side of a thin arm.
 	forNodesNear(body, other, reach, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
+		const NodeFacing<dim> facing(body, s);
 		const bool mayBeInside = !other.mesh->irregular || other.encloses(x);
-		PlaceOnOutline<dim> place = nearestPlace(
-			x, other, facets,
-			[&](int f) {
-				return body.facesAgainst(s, other.normalOfFacet(f)) &&
-				       (mayBeInside || isBefore(x, other, f));
-			},
-			within);
+		auto bears = [&](int f) {
+			return facing.isAgainst(other.normalOfFacet(f)) &&
+			       (mayBeInside || isBefore(x, other, f));
+		};
+		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, bears,
+							 startAt(x, other, last, bears, within));
 		// None near: the node lies against no side of the grain, but it may be inside.
 		const bool faces = place.facet >= 0;
-		if (!faces && !mayBeInside) return;
-		if (!faces) place = nearestPlace(x, other, facets, anyFacet);
+		if (!faces) {
+			if (!mayBeInside) return;
+			place = startAt(x, other, last, anyFacet, {});
+			if (place.squaredDistance < shallow * shallow) return;
+			place = nearestPlace(x, other, facets, anyFacet, place);
+		}
+		last = place.facet;
 		Contact<dim> contact = contactAt(x, other, place);
 		if (isBeyondEdge(x, other, place, edgeWidth, contact) &&
-		    !body.facesAgainst(s, contact.normal))
+		    !facing.isAgainst(contact.normal))
 			return;
 		if (contact.gap >= (faces ? reach : -deep)) return;
 		// behind the line of a side that has been bent, and outside all the same

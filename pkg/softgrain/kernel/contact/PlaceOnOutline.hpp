@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/ContactOutline.hpp"
+#include "contact/FacetBalls.hpp"
 #include "contact/Facets.hpp"
 #include "contact/OutlineCurve.hpp"
 #include "contact/OutlineSearch.hpp"
@@ -16,13 +17,6 @@ template <int dim> struct PlaceOnOutline {
 	int facet = -1;
 	std::array<double, dim> weight {};
 	double squaredDistance = std::numeric_limits<double>::infinity();
-};
-
-/// A facet and a ball that holds it.
-template <int dim> struct FacetNear {
-	int facet;
-	Vec<dim> centre;
-	double radius;
 };
 
 /// Nearest place to `x` on a facet of `body`.
@@ -50,20 +44,18 @@ template <int dim> bool comesBefore(const PlaceOnOutline<dim>& a, const PlaceOnO
 /// place that counts, too; facets that are farther are not looked at.)
 template <int dim, class Admissible>
 PlaceOnOutline<dim> nearestPlace(const Vec<dim>& x, const ContactOutline<dim>& body,
-				 const std::vector<FacetNear<dim>>& facets, Admissible&& admissible,
+				 const FacetBalls<dim>& facets, Admissible&& admissible,
 				 const PlaceOnOutline<dim>& start = {})
 {
 	PlaceOnOutline<dim> best = start;
 	double distance = std::sqrt(start.squaredDistance);
-	for (const FacetNear<dim>& f : facets) {
-		const double farthest = distance + f.radius;
-		if ((x - f.centre).squaredNorm() > farthest * farthest) continue;
-		if (!admissible(f.facet)) continue;
-		const PlaceOnOutline<dim> place = placeOnFacet(x, body, f.facet);
-		if (!comesBefore(place, best)) continue;
+	facets.forNear(x, distance, [&](int facet) {
+		if (!admissible(facet)) return;
+		const PlaceOnOutline<dim> place = placeOnFacet(x, body, facet);
+		if (!comesBefore(place, best)) return;
 		best = place;
 		distance = std::sqrt(place.squaredDistance);
-	}
+	});
 	return best;
 }
 
@@ -112,38 +104,22 @@ inline void measureGap(const Vec<3>& x, const ContactOutline<3>& body,
 	contact.gap = (x - foot).dot(contact.normal) - bulge;
 }
 
-template <int dim> FacetNear<dim> ballAbout(const ContactOutline<dim>& body, int facet)
-{
-	const auto& vertex = body.mesh->facet[facet];
-	FacetNear<dim> near { facet, Vec<dim>::Zero(), 0 };
-	for (int i : vertex)
-		near.centre += body.position[i] / dim;
-	double squared = 0;
-	for (int i : vertex)
-		squared = std::max(squared, (body.position[i] - near.centre).squaredNorm());
-	near.radius = std::sqrt(squared);
-	return near;
-}
-
 /// Facets that may reach into a region, in their order.
-template <int dim>
-std::vector<FacetNear<dim>> facetsIn(const ContactOutline<dim>& body, const Box<dim>& region)
+template <int dim> FacetBalls<dim> facetsIn(const ContactOutline<dim>& body, const Box<dim>& region)
 {
 	const auto& facet = body.mesh->facet;
 	const Box<dim> around = region.grown(body.longestEdge);
-	const auto isNear = [&](int f) { return around.contains(body.position[facet[f][0]]); };
-	std::vector<FacetNear<dim>> found;
-	for (int f : numbersThat(static_cast<int>(facet.size()), isNear))
-		found.push_back(ballAbout(body, f));
-	return found;
+	return { body, numbersThat(static_cast<int>(facet.size()), [&](int f) {
+			 return around.contains(body.position[facet[f][0]]);
+		 }) };
 }
 
 /// Nodes of `body` that may be inside `other` or within reach of it.
 template <int dim>
 std::vector<int> nodesNear(const ContactOutline<dim>& body, const ContactOutline<dim>& other,
-			   double reach, double margin)
+			   double reach)
 {
-	const Box<dim> around = other.box.grown(margin);
+	const Box<dim> around = other.box.grown(reach + other.bulge());
 	// the ball is the tighter of the two for round grains
 	const double radius = other.outerRadius() + reach;
 	const Vec<dim> centre = other.box.centre();
@@ -187,8 +163,8 @@ Contact<dim> contactAt(const Vec<dim>& x, const ContactOutline<dim>& other,
 	return contact;
 }
 
-/// The outline bulges out of the box of its vertices, and the facet nearest to a node that overlaps
-/// may lie outside the common region: both by less than a contact depth.
+/// The facet nearest to a node that overlaps may lie outside the common region by less than a
+/// contact depth.
 template <int dim>
 double marginOf(const ContactOutline<dim>& body, const ContactOutline<dim>& other, double reach)
 {
@@ -197,16 +173,13 @@ double marginOf(const ContactOutline<dim>& body, const ContactOutline<dim>& othe
 
 /// Facets of `other` that may be the nearest to nodes of `body` within reach.
 template <int dim>
-std::vector<FacetNear<dim>> facetsNear(const ContactOutline<dim>& body,
-				       const ContactOutline<dim>& other, double reach)
+FacetBalls<dim> facetsNear(const ContactOutline<dim>& body, const ContactOutline<dim>& other,
+			   double reach)
 {
 	const double margin = marginOf(body, other, reach);
 	auto facets = facetsIn(other, body.box.grown(margin));
 	// as in nodesNear, the ball about the body is the tighter one
-	std::erase_if(facets, [&](const FacetNear<dim>& f) {
-		const double farthest = body.circumradius + margin + f.radius;
-		return (f.centre - body.box.centre()).squaredNorm() > farthest * farthest;
-	});
+	facets.leaveOutFarFrom(body.box.centre(), body.circumradius + margin);
 	return facets;
 }
 
@@ -216,7 +189,7 @@ template <int dim, class Use>
 void forNodesNear(const ContactOutline<dim>& body, const ContactOutline<dim>& other, double reach,
 		  ContactList<dim>& list, Use&& use)
 {
-	const auto nodes = nodesNear(body, other, reach, marginOf(body, other, reach));
+	const auto nodes = nodesNear(body, other, reach);
 	if (nodes.empty()) return;
 	const auto facets = facetsNear(body, other, reach);
 	if (facets.empty()) return;

@@ -20,7 +20,7 @@ namespace {
 template <int dim>
 double facingOf(const ContactOutline<dim>& body, int node, const Vec<dim>& direction)
 {
-	if (body.hasFacets()) return body.facing(node, direction);
+	if (body.hasFacets()) return NodeFacing<dim>(body, node)(direction);
 	return (body.position[node] - body.box.centre()).dot(direction) < 0 ? 1 : -1;
 }
 
@@ -53,9 +53,9 @@ bool liesBefore(const ContactOutline<dim>& body, int node, const Flat<dim>* flat
 	constexpr double upon = 0.5; // over dr: what is farther off lies over something else
 	if (!flat || std::abs(normal.dot(flat->normal)) < alike) return false;
 	const double height = (body.position[node] - flat->point).dot(normal);
-	return std::abs(height) < upon * body.pointSpacing &&
-	       body.facing(node, normal) > squeezed && body.facing(node, -normal) > squeezed &&
-	       (body.box.centre() - flat->point).dot(normal) > 0;
+	const NodeFacing<dim> facing(body, node);
+	return std::abs(height) < upon * body.pointSpacing && facing(normal) > squeezed &&
+	       facing(-normal) > squeezed && (body.box.centre() - flat->point).dot(normal) > 0;
 }
 
 /// What lies deeper than a contact is none, but is known by its depth. Behind a plate or a block

@@ -129,10 +129,11 @@ std::vector<std::vector<int>> pointsOfLines(const BackgroundGrid<dim>& grid,
 	std::vector<std::vector<int>> lines;
 	int last = -1; // point before, if there is one
 	for (int p : lineOrder(grid, quadrature)) {
-		const bool goesOn = last >= 0 &&
+		// of two lines that rounding takes for one the rows may fall, too
+		const int rows =
+			last >= 0 ? stencils[p][dim - 1].first - stencils[last][dim - 1].first : -1;
+		const bool goesOn = rows >= 0 && rows <= grid.order() &&
 				    onOneLine(grid, quadrature.point[p], quadrature.point[last]) &&
-				    stencils[p][dim - 1].first <=
-					    stencils[last][dim - 1].first + grid.order() &&
 				    lines.back().size() < PointLines<dim>::maxPoints;
 		if (!goesOn) lines.emplace_back();
 		lines.back().push_back(p);
