@@ -136,6 +136,20 @@ def test_thin_boxes_bear_as_thick_ones(dim):
         np.testing.assert_allclose(squeezed_between_boxes(half, dim), thick, rtol=1e-3)
 
 
+@pytest.mark.parametrize("low, high", ((-WIDE, WIDE), (-WIDE, 0), (0, WIDE)))
+def test_facets_from_the_plane_on_bear(low, high):
+    """A floor drawn in the plane of the grains may be extruded to either side."""
+    disk = add_disk((0, 0.99 * RADIUS, 0))
+    a, b, c, d = ((x * RADIUS, 0, z) for x, z in ((-5, low), (5, low), (5, high), (-5, high)))
+    floor = [utils.facet(f, material=FrictMat(frictionAngle=0)) for f in ((a, b, c), (a, c, d))]
+    ids = O.bodies.append(floor)
+    ready()
+    O.step()
+    assert sum(O.forces.f(i)[1] for i in ids) < 0
+    run(500)
+    assert disk.state.pos[1] > 0.995 * RADIUS
+
+
 def test_box_turned_out_of_the_plane_is_refused():
     add_disk()
     box = utils.box(

@@ -27,6 +27,20 @@ constexpr double normalRounding = 1e-9;
 template <int dim>
 std::optional<RigidSurface<dim>> surfaceIn(const RigidBodyDescription& body, double z);
 
+/// Where a facet meets the plane of the grains: the ends of a segment, or less than two places. One
+/// that stands on the plane, or hangs from it, does so with its edge.
+std::vector<Vec<2>> cutOfFacet(const std::array<Vec3, 3>& corner, double z)
+{
+	std::vector<Vec<2>> cut, upon;
+	for (int i = 0; i < 3; ++i) {
+		const Vec3 a = corner[i], b = corner[(i + 1) % 3];
+		const double ha = a[2] - z, hb = b[2] - z;
+		if (ha == 0) upon.push_back(a.head<2>());
+		if ((ha < 0) != (hb < 0)) cut.push_back((a + ha / (ha - hb) * (b - a)).head<2>());
+	}
+	return upon.size() == 2 ? upon : cut;
+}
+
 template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescription& body, double z)
 {
 	using Form = RigidBodyDescription::Form;
@@ -48,13 +62,7 @@ template <> std::optional<RigidSurface<2>> surfaceIn<2>(const RigidBodyDescripti
 		if (std::abs(body.position[2] - z) > body.size[2]) return std::nullopt;
 		return BlockSurface<2> { centre, axes.topLeftCorner<2, 2>(), body.size.head<2>() };
 	}
-	std::vector<Vec<2>> cut;
-	for (int i = 0; i < 3; ++i) {
-		const Vec3 a = body.corner[i], b = body.corner[(i + 1) % 3];
-		const double ha = a[2] - z, hb = b[2] - z;
-		if ((ha < 0) == (hb < 0)) continue;
-		cut.push_back((a + ha / (ha - hb) * (b - a)).head<2>());
-	}
+	const std::vector<Vec<2>> cut = cutOfFacet(body.corner, z);
 	const double size = (body.corner[1] - body.corner[0]).norm();
 	if (cut.size() < 2 || (cut[1] - cut[0]).norm() < shortestCut * size) return std::nullopt;
 	return PlateSurface<2> { { cut[0], cut[1] } };

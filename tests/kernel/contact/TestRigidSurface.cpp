@@ -272,3 +272,19 @@ TEMPLATE_TEST_CASE_SIG("distance of plates and balls", "[rigid]", ((int dim), di
 		CHECK(std::abs(distanceTo<dim>(ball, x) - std::max(toBall, 0.)) < 1e-12);
 	}
 }
+
+TEST_CASE("Tips: rounding of a body that turns changes no numbers", "[rigid]")
+{
+	Random random(7);
+	const double spacing = 0.1;
+	const Box<3> everywhere { Vec<3>::Constant(-9), Vec<3>::Constant(9) };
+	std::size_t tips = 0;
+	for (int k = 0; k < 200; ++k) {
+		const BlockSurface<3> block { random.vector<3>(), random.rotation<3>(),
+					      Vec<3>(4, 5, 8) * spacing };
+		const auto found = tipsOf<3>(block, everywhere, spacing);
+		if (k == 0) tips = found.size();
+		CHECK(found.size() == tips);
+	}
+	CHECK(tips == 8 + 4 * (7 + 9 + 15));
+}

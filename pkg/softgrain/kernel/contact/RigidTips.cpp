@@ -59,6 +59,14 @@ std::pair<double, double> partIn(const Box<dim>& box, const Vec<dim>& a, const V
 	return { first, last };
 }
 
+/// (Of a body that turns corners are off by rounding, another one in each step; numbers of points
+/// must not be, where an edge is a whole number of spacings long.)
+int partsOf(double length, double spacing)
+{
+	constexpr double rounding = 1 - 1e-9;
+	return std::max(1, static_cast<int>(std::ceil(rounding * length / spacing)));
+}
+
 template <int dim> std::vector<Tip<dim>> tips(const BallSurface<dim>& ball, const Box<dim>&, double)
 {
 	return { { ball, 0 } };
@@ -75,7 +83,7 @@ std::vector<Tip<dim>> tips(const Surface& surface, const Box<dim>& box, double s
 	if (dim == 2) return found; // edges are the sides
 	for (const auto& [from, to] : skeleton.edge) {
 		const Vec<dim>&a = skeleton.corner[from], &b = skeleton.corner[to];
-		const int parts = static_cast<int>(std::ceil((b - a).norm() / spacing));
+		const int parts = partsOf((b - a).norm(), spacing);
 		const auto [first, last] = partIn<dim>(box, a, b);
 		if (first <= last) { // both within [0, 1]
 			const int begin = std::max(1, static_cast<int>(std::ceil(first * parts)));
