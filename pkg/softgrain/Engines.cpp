@@ -78,7 +78,7 @@ bool hasForcesOfLastStep(const Scene& scene)
 {
 	const auto* integrator = softGrainIntegratorOf(scene);
 	if (!integrator || integrator->dead) return true;
-	if (integrator->hasPublishedIn(scene.iter)) return true;
+	if (integrator->hasPublishedSince(scene.iter)) return true; // or O.resetTime() was called
 	const long last = scene.iter - 1;
 	return last > 0 ? scene.forces.lastReset == last : integrator->hasPublishedIn(0);
 }

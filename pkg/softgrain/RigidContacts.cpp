@@ -181,6 +181,11 @@ RigidContacts::Pair RigidContacts::pairOf(const Interaction& I, const Scene& sce
 void RigidContacts::requireTreatable(const Interaction& I, const Pair& pair)
 {
 	const Body& first = *pair.first;
+	for (const Body* body : { pair.first, pair.second })
+		if (!body->shape || !body->material)
+			throw std::runtime_error(namesOf(I) + " meet, but body #" +
+						 std::to_string(body->getId()) +
+						 " has no shape or no material any more");
 	const bool treatable =
 		asSphere(first) || as<Facet>(first) || as<Box>(first) || as<Wall>(first);
 	if (!treatable || !asSphere(*pair.second))

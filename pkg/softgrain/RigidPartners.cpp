@@ -67,11 +67,12 @@ undisturbedMotion(const Body& body, Real dt, const NewtonIntegrator& newton, con
 	const State& state = *body.state;
 	softgrain::RigidMotionDescription d;
 	d.centre = state.pos;
-	d.velocity = d.freeVelocity = state.vel;
-	d.angularVelocity = d.freeAngularVelocity = state.angVel;
+	d.velocity = d.freeVelocity = d.angularVelocity = d.freeAngularVelocity = Vec3::Zero();
 	d.inverseMass.setZero();
 	d.inverseInertia.setZero();
 	if (isMoved(body, newton)) {
+		d.velocity = d.freeVelocity = state.vel;
+		d.angularVelocity = d.freeAngularVelocity = state.angVel;
 		d.freeVelocity += flow.added(state.pos, state.vel, dt);
 		d.freeAngularVelocity += flow.spinChange;
 	}

@@ -4,6 +4,7 @@
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
 #include "SoftBodies.hpp"
+#include "SoftContact.hpp"
 #include "SoftGrain.hpp"
 #include "SoftGrainIntegrator.hpp"
 #include "SoftMat.hpp"
@@ -14,6 +15,7 @@
 #include <map>
 #include <mutex>
 #include <typeinfo>
+#include <utility>
 
 namespace yade {
 
@@ -260,6 +262,13 @@ void join(const Scene& scene, const std::shared_ptr<softgrain::GrainAssembly>& a
 	}
 }
 
+/// Pairs that come near without a contact keep their geometry, and with it their assembly.
+void forgetLastAssembly(Scene& scene)
+{
+	for (const auto& I : *scene.interactions)
+		if (I && !I->isReal() && isA<SoftGeom>(I->geom)) I->geom.reset();
+}
+
 /// A SoftGrain holds the state of one grain; rigid shapes may stand for many.
 void requireShapesOfTheirOwn(const std::vector<Body*>& bodies)
 {
@@ -279,7 +288,10 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 	if (soft.grains == 0) return nullptr;
 	checkHost(scene);
 	if (soft.assembly) {
-		noteBodies(soft, scene, soft.assembly->host);
+		softgrain::HostNotes& host = soft.assembly->host;
+		noteBodies(soft, scene, host);
+		if (std::exchange(host.isUnfit, false)) // grains at rest have not been searched
+			std::fill(host.moved.begin(), host.moved.end(), true);
 		return soft.assembly;
 	}
 
@@ -297,6 +309,7 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 	if (const auto* integrator = softGrainIntegratorOf(scene))
 		assembly->setInterfaceRange(integrator->interfaceRange);
 	join(scene, assembly);
+	if (last) forgetLastAssembly(scene);
 	noteBodies(soft, scene, assembly->host);
 	return assembly;
 }
@@ -331,6 +344,11 @@ std::string namesOf(const Interaction& I)
 bool isMoved(const Body& body, const NewtonIntegrator& newton)
 {
 	return newton.mask <= 0 || body.maskCompatible(newton.mask);
+}
+
+Vector3r motionOf(const Body& body, const NewtonIntegrator& newton)
+{
+	return isMoved(body, newton) ? body.state->vel : Vector3r(Vector3r::Zero());
 }
 
 double defaultTimeStep()

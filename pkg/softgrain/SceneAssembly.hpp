@@ -43,6 +43,8 @@ std::string namesOf(const Interaction& I);
 
 /// Whether it moves a body (NewtonIntegrator.mask).
 bool isMoved(const Body& body, const NewtonIntegrator& newton);
+/// Velocity with which it does, m/s; of others, whose State may have one, zero.
+Vector3r motionOf(const Body& body, const NewtonIntegrator& newton);
 
 /// O.dt of a scene in which nobody has set it, s.
 double defaultTimeStep();

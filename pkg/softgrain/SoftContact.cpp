@@ -101,7 +101,13 @@ py::dict SoftGeom::contactArrays() const
 	return arrays;
 }
 
-int SoftGeom::bondTouching() { return pair ? pair->bondTouching() : 0; }
+int SoftGeom::bondTouching()
+{
+	if (!pair)
+		throw std::runtime_error("bond: the contact points are not known yet, as after "
+					 "O.load; make a step before");
+	return pair->bondTouching();
+}
 
 namespace {
 

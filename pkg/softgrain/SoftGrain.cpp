@@ -1,5 +1,6 @@
 #include "SoftGrain.hpp"
 #include "Engines.hpp"
+#include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
 #include "PythonArrays.hpp"
 #include "Require.hpp"
@@ -218,6 +219,21 @@ void Bo1_SoftGrain_Aabb::postLoad(Bo1_SoftGrain_Aabb&)
 	softgrain::require(margin > 0 && math::isfinite(margin), "margin", margin, "(0, inf)");
 }
 
+/// Once for each list of engines, before their InteractionLoop: that may end the process where the
+/// integrator, which comes after it, would say what is wrong.
+void Bo1_SoftGrain_Aabb::checkEngines(const SoftGrain& grain) const noexcept
+{
+	if (!softGrainIntegratorOf(*scene))
+		LOG_ERROR("there is no SoftGrainIntegrator in O.engines, which computes soft "
+			  "grains: they neither deform nor touch anything. See sg.engines()");
+	if (!grain.assembly) return;
+	try {
+		checkHost(*scene);
+	} catch (const std::invalid_argument&) {
+		grain.assembly->host.isUnfit = true;
+	}
+}
+
 Real Bo1_SoftGrain_Aabb::room(const SoftGrain& grain) const
 {
 	return roomInBox(*grain.assembly, grain.index, margin * grain.radius);
@@ -228,10 +244,8 @@ void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& b
 {
 	postLoad(*this); // YADE keeps a value that was refused
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
-	if (!checked_.load(std::memory_order_relaxed) && !checked_.exchange(true) &&
-	    !softGrainIntegratorOf(*scene))
-		LOG_ERROR("there is no SoftGrainIntegrator in O.engines, which computes soft "
-			  "grains: they neither deform nor touch anything. See sg.engines()");
+	if (!checked_.load(std::memory_order_relaxed) && !checked_.exchange(true))
+		checkEngines(grain);
 	if (!bound) bound = shared_ptr<Bound>(new Aabb);
 	Real extent = grain.aspect.norm();
 	for (const Vector2r& X : grain.vertices)

@@ -114,7 +114,9 @@ public:
 	DECLARE_LOGGER;
 
 private:
-	/// Whether it was looked who moves the grains; bodies come in parallel.
+	void checkEngines(const SoftGrain& grain) const noexcept;
+
+	/// Whether it was looked at the engines; bodies come in parallel.
 	std::atomic<bool> checked_ { false };
 };
 REGISTER_SERIALIZABLE(Bo1_SoftGrain_Aabb);

@@ -124,7 +124,7 @@ void SoftGrainIntegrator::advance()
 	clock_.end("chooseTimeStep");
 	const SoftInteractions interactions(*scene, assembly_, order_, moved);
 	interactions.check(maxOverlap);
-	interactions.moveImages();
+	interactions.updateVelocities(newton);
 	clock_.end("softInteractions");
 	bodies.applyLoads(newton, flow, threads());
 	partners_.begin(*scene, newton, flow, assembly_->kickTime(scene->dt));

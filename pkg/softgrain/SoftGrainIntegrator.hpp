@@ -19,6 +19,7 @@ public:
 	postLoad(SoftGrainIntegrator&); ///< checks all attributes, throws std::invalid_argument
 	/// Whether it has done its part of this step.
 	bool hasPublishedIn(long step) const { return publishedIn_ == step; }
+	bool hasPublishedSince(long step) const { return publishedIn_ >= step; }
 	py::dict energyDict() const;
 	py::dict contactProblem() const;
 	py::dict ratesDict() const;

@@ -281,13 +281,16 @@ void SoftInteractions::stopOnOverlap(Real maxOverlap) const
 	}
 }
 
-void SoftInteractions::moveImages() const
+void SoftInteractions::updateVelocities(const NewtonIntegrator& newton) const
 {
-	if (!scene_.isPeriodic) return;
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
 		const Interaction& I = *interactions_[k];
-		const bool firstIsBody1 = assembly_->idOf(pairs_[k]->firstGrain()) == I.getId1();
-		pairs_[k]->setImageVelocity(imageOf(scene_, I, firstIsBody1).velocity);
+		softgrain::PairContacts& pair = *pairs_[k];
+		if (scene_.isPeriodic) {
+			const bool firstIsBody1 = assembly_->idOf(pair.firstGrain()) == I.getId1();
+			pair.setImageVelocity(imageOf(scene_, I, firstIsBody1).velocity);
+		} else if (!pair.isOfTwoGrains() && !pair.hasRigidBody())
+			pair.setPlaneVelocity(motionOf(rigidBodyOf(I), newton));
 	}
 }
 

@@ -43,8 +43,9 @@ public:
 	/// Throws for rigid bodies and interfaces that are not admissible, saying which, and for an
 	/// overlap beyond `maxOverlap` (SoftGrainIntegrator.maxOverlap).
 	void check(Real maxOverlap) const;
-	/// Engines since the InteractionLoop may have changed the flow of the cell.
-	void moveImages() const;
+	/// Engines since the InteractionLoop may have changed the flow of the cell, and how walls
+	/// move.
+	void updateVelocities(const NewtonIntegrator& newton) const;
 	/// Tells the pairs the numbers of their rigid bodies.
 	void numberPartners(RigidPartners& partners) const;
 	const std::vector<softgrain::PairContacts*>& pairs() const { return pairs_; }

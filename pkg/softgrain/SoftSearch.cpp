@@ -65,7 +65,8 @@ private:
 bool isAssembled(const SoftGrain& grain, int id, Scene& scene, bool force)
 {
 	if (!grain.assembly && force) assembleScene(scene);
-	return grain.assembly && grain.assembly->idOf(grain.index) == id;
+	return grain.assembly && grain.assembly->idOf(grain.index) == id &&
+	       !grain.assembly->host.isUnfit;
 }
 
 /// Whether the grain lies where it was when it fell asleep, as far as the last step knew.

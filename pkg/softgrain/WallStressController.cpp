@@ -151,10 +151,10 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 	Body& body = wall(axis, true);
 	State& state = *body.state;
 	const Real surface = area(axis), dashpot = drag * packing.impedance * surface;
-	if (state.blockedDOFs == State::DOF_ALL) {
-		freeWall(body, axis);
+	const bool isHeld = state.blockedDOFs == State::DOF_ALL;
+	if (isHeld) freeWall(body, axis);
+	if (isHeld || !(state.mass > 0)) // YADE's walls have none
 		state.mass = drag * packing.density * surface * packing.radius;
-	}
 	notePush(*scene, body, axis);
 	Vector3r force = Vector3r::Zero();
 	force[axis] = goal[axis] * surface - dashpot * state.vel[axis] -

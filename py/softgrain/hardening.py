@@ -181,7 +181,8 @@ def _into_spheres(bodies, material, overlap, error):
     radii = [_equivalent_radius(body.shape) for body in bodies]
     factor = 1.0
     if overlap == "shrink":
-        factor = overlap_factor([Ball.of(b, r) for b, r in zip(bodies, radii)], "shrink")
+        balls = [Ball.of(b, r) for b, r in zip(bodies, radii)]
+        factor = overlap_factor(balls, "shrink", bodies[0].shape.dim)
     made = Hardened()
     for body, radius in zip(bodies, radii):
         energy = _energy(body)

@@ -214,12 +214,13 @@ def _integral_of_stress():
     return total
 
 
-def nearest_images(position, half_size):
+def nearest_images(position, half_size, dim=3):
     """Displacements of a body to those of its images that reach into the periodic cell.
 
     Args:
         position (array (3,)): of its centre [m].
         half_size (float): radius of a ball about all of it [m].
+        dim (int): with 2 displacements in the plane of 2D grains alone.
 
     Returns:
         list of ndarray: of shape (3,) [m]; the first one puts the centre into the cell. A single
@@ -235,7 +236,7 @@ def nearest_images(position, half_size):
     reach = half_size * np.linalg.norm(inverse, axis=1)
     steps = [
         np.array(step)
-        for step in itertools.product((0, -1, 1), repeat=3)
+        for step in itertools.product((0, -1, 1), (0, -1, 1), (0, -1, 1) if dim == 3 else (0,))
         if np.all(share + step + reach >= 0) and np.all(share + step - reach <= 1)
     ]
     return [cell @ (home + step) for step in steps]

@@ -37,13 +37,14 @@ class Ball:
         return cls(body.id, Vector3(body.state.pos), radius, clump, shrinks)
 
 
-def overlap_factor(balls, overlap):
+def overlap_factor(balls, overlap, dim):
     """Common factor of the radii after the choice about overlaps. Spheres and walls that stay
     rigid count as well; soft grains, facets and boxes do not.
 
     Args:
         balls (list of Ball): what is to be converted.
         overlap (str): as for :func:`soften`.
+        dim (int): of the scene; with 2 a periodic cell has no images along z.
 
     Returns:
         float: in (0, 1]; 1 unless with 'shrink' [-].
@@ -54,7 +55,7 @@ def overlap_factor(balls, overlap):
     if overlap not in ("relax", "shrink", "refuse"):
         raise ValueError(f"overlap = {overlap!r} is unknown; known: 'relax', 'shrink', 'refuse'")
     limit = {"relax": WORKABLE_OVERLAP, "shrink": 1.0, "refuse": 0.0}[overlap]
-    pairs = list(_near_pairs(balls))
+    pairs = list(_near_pairs(balls, dim))
     worst = max(pairs, key=lambda pair: pair.overlap, default=None)
     swallows = worst and overlap == "shrink" and not worst.factor > 0
     if worst and (worst.overlap > limit or swallows):
@@ -79,7 +80,7 @@ class _NearPair:
     factor: float
 
 
-def _near_pairs(balls):
+def _near_pairs(balls, dim):
     """The pairs of balls, and of balls and walls, that overlap, of which one shrinks at least. In a
     periodic cell pairs at its borders may come twice."""
     converted = {ball.id for ball in balls}
@@ -88,7 +89,7 @@ def _near_pairs(balls):
         for b in O.bodies
         if b and isinstance(b.shape, Sphere) and b.id not in converted
     ]
-    yield from _pairs_of_balls(balls + others)
+    yield from _pairs_of_balls(balls + others, dim)
     for w in O.bodies:
         if not (w and isinstance(w.shape, wrapper.Wall)):
             continue
@@ -100,13 +101,13 @@ def _near_pairs(balls):
                 yield _NearPair((w.id, ball.id), 1 - factor, factor)
 
 
-def _pairs_of_balls(balls):
+def _pairs_of_balls(balls, dim):
     """By sorting along x."""
     largest = max(ball.radius for ball in balls)
     images = [
         (ball.position + Vector3(*shift), ball)
         for ball in balls
-        for shift in nearest_images(ball.position, largest)
+        for shift in nearest_images(ball.position, largest, dim)
     ]
     images.sort(key=lambda image: (image[0][0] - image[1].radius, image[1].id))
     active = []

@@ -103,7 +103,7 @@ def soften(
     if when != "now":
         raise ValueError(f"when = {when!r} is unknown; known: 'now', 'loaded'")
     spheres = [part for body in bodies for part in _spheres_of(body)]
-    factor = overlap_factor([Ball.of(sphere) for sphere in spheres], overlap)
+    factor = overlap_factor([Ball.of(sphere) for sphere in spheres], overlap, dim)
     shape.update(dim=dim, zeta=zeta)
     grains = [_soft_counterpart(body, factor, material, shape) for body in bodies]
     return _replace(bodies, grains, material, time_step_fraction)
@@ -176,6 +176,13 @@ def _soft_clump(clump, factor, material, shape):
     if shape["dim"] != 2:
         raise ValueError(f"ids: body #{clump.id} is a clump; in 3D only spheres can be softened")
     parts = _spheres_of(clump)
+    aside = max(parts, key=lambda part: abs(part.state.pos[2] - clump.state.pos[2]))
+    if abs(aside.state.pos[2] - clump.state.pos[2]) > ONE_PLANE * aside.shape.radius:
+        raise ValueError(
+            f"ids: member #{aside.id} of clump #{clump.id} is centred at z = "
+            f"{aside.state.pos[2]:g} m; admissible in 2D: the plane of all, z = "
+            f"{clump.state.pos[2]:g} m"
+        )
     look = {"color": parts[0].shape.color, "mask": parts[0].mask, "z": clump.state.pos[2]}
     try:
         vertices, corners = outline_of_disks(

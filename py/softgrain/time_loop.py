@@ -101,9 +101,9 @@ def engines(
 
     Raises:
         ValueError: an attribute is out of its range, there is no grain and no verlet_distance, a
-            wall in a periodic cell, or ``interface`` is no dict, or has an unknown attribute, one
-            that does nothing without another, or numbers for all pairs that do not fit together or
-            to the contact geometry of the grains.
+            wall in a periodic cell, a rigid body with a ``SoftMat``, or ``interface`` is no dict,
+            or has an unknown attribute, one that does nothing without another, or numbers for all
+            pairs that do not fit together or to the contact geometry of the grains.
     """
     if rigid not in _RIGID_LAWS:
         raise ValueError(f"rigid = {rigid!r} is not one of {', '.join(map(repr, _RIGID_LAWS))}")
@@ -113,6 +113,7 @@ def engines(
         verlet_distance = _usual_verlet_distance()
     verlet_distance = number("verlet_distance", verlet_distance, "[0, inf)", "m")
     _refuse_walls_in_a_cell()
+    _refuse_soft_materials_of_rigid_bodies()
     interface = interface_laws.checked({} if interface is None else interface)
     integrator.setdefault("interfaceRange", interface_laws.longest_range(interface))
     if label:
@@ -177,6 +178,18 @@ def _usual_verlet_distance():
     if not radii:
         raise ValueError("verlet_distance: give it, or add soft grains or spheres first")
     return _VERLET_SHARE * min(radii)
+
+
+def _refuse_soft_materials_of_rigid_bodies():
+    """Where one touches a rigid body, YADE's loop ends the process before the integrator looks."""
+    for body in O.bodies:
+        if body and isinstance(body.material, wrapper.SoftMat):
+            if body.shape and not isinstance(body.shape, wrapper.SoftGrain):
+                raise ValueError(
+                    f"body #{body.id} has the material SoftMat but the rigid shape "
+                    f"{type(body.shape).__name__}; use sg.soften() or give it a rigid material "
+                    "such as FrictMat"
+                )
 
 
 def _refuse_walls_in_a_cell():

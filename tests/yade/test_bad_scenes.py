@@ -42,8 +42,29 @@ def test_rigid_sphere_with_a_soft_material():
     add_disk()
     sphere = utils.sphere((5 * RADIUS, 0, 0), RADIUS, material=soft_material())
     O.bodies.append(sphere)
+    message = "body #1 has the material SoftMat but the rigid shape Sphere"
+    with pytest.raises(ValueError, match=message):
+        sg.engines()
+    sphere.material = FrictMat()
     O.engines = sg.engines()
-    assert "body #1 has the material SoftMat but the rigid shape Sphere" in message_of_step()
+    sphere.material = soft_material()
+    assert message in message_of_step()
+
+
+@pytest.mark.parametrize("missing", ("physDispatcher", "lawDispatcher"))
+def test_missing_functors_of_a_loop_do_not_end_the_process(missing):
+    """Also where the grains were assembled before, and touch at once."""
+    add_disk()
+    add_disk((1.99 * RADIUS, 0, 0))
+    O.engines = sg.engines()
+    sg.set_time_step()
+    (loop,) = [e for e in O.engines if isinstance(e, InteractionLoop)]
+    kept = getattr(loop, missing).functors
+    getattr(loop, missing).functors = []
+    assert "InteractionLoop: it finds contacts of soft grains, but has no" in message_of_step()
+    getattr(loop, missing).functors = kept
+    run(3)
+    assert O.interactions.countReal() == 1
 
 
 def test_missing_integrator_of_newton():

@@ -157,6 +157,12 @@ def test_unbalanced_force(packing):
     assert sg.unbalanced_force() > 0.02
 
 
+def test_unbalanced_force_after_the_time_was_reset(packing):
+    before = sg.unbalanced_force()
+    O.resetTime()
+    assert sg.unbalanced_force() == before
+
+
 def test_unbalanced_force_by_yade(packing):
     """``utils.unbalancedForce`` counts soft grains and the rigid disk, by all its names."""
     O.bodies[packing[3]].state.vel = (0, -1, 0)

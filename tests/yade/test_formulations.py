@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, largest_stress, ready, run
+from scenes import RADIUS, add_disk, add_wall, largest_stress, ready, run, soft_material
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -105,3 +105,20 @@ def test_methods_touch_each_other():
     assert O.bodies[ids[-1]].state.vel[0] > 0.3
     masses = [O.bodies[i].state.mass for i in ids]
     assert masses == pytest.approx([1000 * math.pi * RADIUS**2] * len(ids), rel=1e-12)
+
+
+@pytest.mark.parametrize("shape", ("block", "slender"))
+def test_blocks_of_the_updated_formulation(shape):
+    """Their grid in space is finer than that of the template, and they may be long."""
+    sides = (0.02, 0.02) if shape == "block" else (0.5, 0.02)
+    block = sg.soft_block((0, 0, 0), sides, soft_material(), zeta=0.45, formulation="updated")
+    block.state.vel = (-1, 0.3, 0)
+    block.state.angVel = (0, 0, 20 if shape == "block" else 0.1)
+    O.bodies.append(block)
+    O.engines = sg.engines(rigidMotion=False)
+    sg.set_time_step(0.85)
+    run(1)
+    energy = [sum(block.shape.energy().values())]
+    run(600)
+    energy.append(sum(block.shape.energy().values()))
+    assert energy[1] == pytest.approx(energy[0], rel=0.05)

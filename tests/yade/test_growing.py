@@ -120,6 +120,24 @@ def test_grains_of_a_scene_are_freed_with_it():
     assert left < 3  # some 25 are its own
 
 
+def test_pairs_apart_do_not_keep_what_was_assembled_before():
+    material = soft_material()
+    for i in range(60):
+        add_disk((2.0001 * 0.01 * i, 0, 0), 0.01, material, zeta=0.05)
+    ready()
+    run(1)
+    for i in range(1, 60):
+        O.bodies[i].state.pos += (0.0004 * i, 0, 0)  # apart, but near
+    memory = []
+    for k in range(40):
+        material.density = 1000 + k  # an assembly of its own
+        run(2)
+        memory.append(resident_set())
+    print(f"{memory[5]:.0f} to {memory[-1]:.0f} MB")
+    assert O.interactions.countReal() == 0 and len(O.interactions) > 50
+    assert memory[-1] < memory[5] + 10  # all grains: 7
+
+
 @pytest.mark.parametrize("kind", ("disks", "different polygons"))
 def test_an_insertion_keeps_the_tables_of_the_others(kind):
     """A step with a new disk: the assembly is made anew, but not the tables of the others."""

@@ -154,6 +154,20 @@ def bonded_disks():
     O.trackEnergy = True
 
 
+def test_nothing_bonds_without_a_law_for_it(tmp_path):
+    add_block(0, length=4 * SIDE)
+    add_block(SIDE)
+    ready(interface=COHESION)
+    run(5)
+    assert interaction().geom.bond() == 0
+    O.save(str(tmp_path / "saved.yade.gz"))
+    O.load(str(tmp_path / "saved.yade.gz"))
+    with pytest.raises(RuntimeError, match="make a step before"):
+        interaction().geom.bond()
+    run(1)
+    assert interaction().geom.bond() == 0
+
+
 def test_saved_and_loaded(tmp_path):
     bonded_disks()
     run(300)

@@ -142,6 +142,18 @@ def test_free_wall():
         run(1)
 
 
+def test_wall_freed_by_hand_gets_a_mass():
+    """Those of YADE have none, and would go to infinity."""
+    walls = four_disks()
+    ready()
+    O.bodies[walls[1]].state.blockedDOFs = "yzXYZ"
+    insert_controller(walls, goal=(STRESS, STRESS, 0))
+    run(20)
+    masses = [O.bodies[walls[k]].state.mass for k in (1, 3)]
+    assert masses[0] == pytest.approx(masses[1], rel=0.1)
+    assert 3 * RADIUS < O.bodies[walls[1]].state.pos[0] < 4 * RADIUS
+
+
 def test_stress_without_soft_grains():
     """Walls would stand still in silence; prescribed rates need no grain."""
     walls = four_disks()

@@ -2,6 +2,7 @@
 
 import math
 
+import __main__
 import numpy as np
 import pytest
 from scenes import RADIUS, add_disk, add_wall, damped_material, ready, run, soft_material
@@ -10,6 +11,7 @@ from yade import (
     FrictMat,
     HarmonicMotionEngine,
     O,
+    PyRunner,
     RotationEngine,
     TorqueEngine,
     TranslationEngine,
@@ -210,3 +212,52 @@ def test_wall_that_would_tilt_is_refused(dim):
     sg.insert_before_solve(RotationEngine(ids=[wall.id], rotationAxis=(0, 0, 1), angularVelocity=2))
     with pytest.raises(RuntimeError, match=r"angVel\[2\] = 2.* of a Wall of axis = 1, .*Use a Box"):
         run(5)
+
+
+def swing():
+    """A wall on a grain, that swings so fast that each step tells."""
+    O.bodies[1].state.vel = (0, 0.2 * math.cos(O.iter / 4), 0)
+
+
+__main__.swing = swing  # where PyRunner looks
+
+
+@pytest.mark.parametrize("first", (False, True))
+def test_solve_sees_the_present_velocity_of_a_wall(first):
+    """As it does that of a box, wherever the engine stands that gives it."""
+    places = []
+    for make in (add_wall, add_plate):
+        O.reset()
+        disk = add_disk(zeta=0.3)
+        make(-RADIUS, 1)
+        ready()
+        O.trackEnergy = True
+        engine = PyRunner(command="swing()", iterPeriod=1)
+        O.engines = [engine] + O.engines if first else O.engines
+        if not first:
+            sg.insert_before_solve(engine)
+        run(60)
+        places.append((disk.state.pos[1], sg.integrator().energy()["walls"]))
+    assert places[0] == pytest.approx(places[1], rel=1e-9)
+    assert places[0][1] > 0
+
+
+def add_plate(position, axis):
+    box = utils.box((0, position - RADIUS, 0), (9 * RADIUS, RADIUS, RADIUS), fixed=True)
+    box.material = FrictMat(frictionAngle=0)
+    O.bodies.append(box)
+
+
+@pytest.mark.parametrize("make", (add_wall, add_plate))
+def test_what_newton_leaves_out_does_no_work(make):
+    disk = add_disk()
+    make(-0.999 * RADIUS, 1)
+    O.bodies[1].state.vel = (0, 1, 0)
+    O.bodies[1].mask = 2
+    disk.mask = 3
+    ready()
+    O.engines[-1].mask = 1
+    O.trackEnergy = True
+    run(20)
+    assert O.bodies[1].state.pos == O.bodies[1].state.refPos
+    assert sg.integrator().energy()["walls"] == 0

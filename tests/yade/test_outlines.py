@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scenes import (
     DENSITY,
+    RADIUS,
     YOUNG,
     add_disk,
     add_wall,
@@ -317,3 +318,21 @@ def test_saved_polygon_goes_on_with_the_same_bits(tmp_path):
     ready(gravity=(0, -100, 0))
     run(50)
     assert_goes_on_after_loading(tmp_path / "scene.xml", 50)
+
+
+@pytest.mark.parametrize("zeta", (0.19, 0.2))
+def test_a_pressed_corner_does_not_stop_a_run(zeta):
+    """The least material point in the tip decided on the time step, and was inverted."""
+    half = 4 * math.tan(math.radians(30))
+    corners = [(0, -half * RADIUS), (4 * RADIUS, 0), (0, half * RADIUS)]
+    material = soft_material(poisson=0.4, massDamping=2000)
+    triangle = sg.soft_polygon(corners, material, zeta=zeta)
+    O.bodies.append(triangle)
+    x = triangle.shape.outline()[:, 0]
+    add_wall(x.min(), 0, sense=1)
+    wall = add_wall(x.max(), 0, sense=-1, velocity=(-0.3, 0, 0))
+    O.engines = sg.engines()
+    sg.set_time_step(0.85)
+    while x.max() - wall.state.pos[0] < 0.9 * RADIUS and O.iter < 1500:
+        run(20)
+    assert O.iter < 800

@@ -14,7 +14,7 @@ from rigid_scenes import (
     start,
 )
 from scenes import add_disk, add_wall, ready, run, soft_material
-from yade import O, Vector3, utils
+from yade import O, PyRunner, Vector3, utils
 
 import softgrain as sg
 
@@ -205,6 +205,16 @@ def test_deep_overlap_stops():
     start(1e-4, (0, 0, 0))
     with pytest.raises(RuntimeError, match="rigid bodies #0 and #1 overlap by 0.2"):
         run(2)
+
+
+def test_shape_that_was_taken_away():
+    add_sphere((0, 0, 0))
+    add_sphere((1.99 * R, 0, 0))
+    start(1e-4, (0, 0, 0))
+    run(2)
+    sg.insert_before_solve(PyRunner(command="O.bodies[1].shape = None", iterPeriod=1))
+    with pytest.raises(RuntimeError, match="body #1 has no shape or no material any more"):
+        run(1)
 
 
 def test_box_at_rest():

@@ -12,8 +12,8 @@ from partner_scenes import (
     rest_material,
     rigid_material,
 )
-from scenes import RADIUS, add_disk, ready, run, soft_material
-from yade import O, Quaternion, Vector3, utils
+from scenes import RADIUS, WIDE, add_disk, ready, run, soft_material
+from yade import FrictMat, O, Quaternion, Vector3, utils
 
 import softgrain as sg
 

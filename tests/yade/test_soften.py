@@ -242,6 +242,15 @@ def test_spheres_that_stay_rigid_count(overlap):
         assert O.bodies[0].shape.radius == pytest.approx(0.9 * RADIUS)
 
 
+def test_a_thin_cell_has_no_images_across_the_plane():
+    O.periodic = True
+    O.cell.setBox(10 * RADIUS, 10 * RADIUS, RADIUS)
+    bodies = add_spheres([(RADIUS, RADIUS, 0), (4 * RADIUS, RADIUS, 0)])
+    for body, overlap in zip(bodies, ("refuse", "shrink")):
+        sg.soften([body.id], soft_material(), overlap=overlap)
+    assert [body.shape.radius for body in bodies] == [RADIUS, RADIUS]
+
+
 def test_coincident_spheres_cannot_shrink():
     add_spheres([(0, 0, 0), (0, 0, 0)])
     with pytest.raises(ValueError, match="overlap.*#0 and #1|radius"):

@@ -13,10 +13,10 @@ APART = 1.2 * RADIUS  # of the members
 AREA = RADIUS**2 * (2 * math.pi - 2 * math.acos(0.6) + 2 * 0.6 * 0.8)
 
 
-def add_clump(center=(0, 0, 0), angle=0.0, flat=True, apart=APART):
+def add_clump(center=(0, 0, 0), angle=0.0, flat=True, apart=APART, rise=0.0):
     """Two members, side by side; returns the id of the clump."""
     material = FrictMat(density=2000, frictionAngle=0.3)
-    half = Quaternion((0, 0, 1), angle) * Vector3(apart / 2, 0, 0)
+    half = Quaternion((0, 0, 1), angle) * Vector3(apart / 2, 0, rise)
     members = [
         utils.sphere(Vector3(center) + sign * half, RADIUS, material=material) for sign in (-1, 1)
     ]
@@ -138,8 +138,9 @@ def test_hardened_and_softened_again():
         (lambda: [add_clump(apart=2.1 * RADIUS)], {}, "clump #2: .*parts.*must overlap"),
         (lambda: [add_clump()], {"zeta": 3}, r"zeta = 3 .*0\.5\]"),
         (lambda: [add_clump()], {"when": "loaded"}, "clump #2 with when='loaded'"),
+        (lambda: [add_clump(rise=0.1 * RADIUS)], {"dim": 2}, "of clump #2 is centred at z = "),
     ],
-    ids=("3D", "member", "apart", "zeta", "loaded"),
+    ids=("3D", "member", "apart", "zeta", "loaded", "tilted"),
 )
 def test_refused_clumps_stay(make, options, message):
     ids = make()

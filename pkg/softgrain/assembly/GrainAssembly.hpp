@@ -51,6 +51,8 @@ struct HostNotes {
 	std::vector<char> moved;
 	Mat3 cell = Mat3::Zero(); ///< periods of a periodic scene as last seen, in columns, m
 	int unbounded = -1;       ///< first body whose bounding box is to be looked at; or -1
+	/// Engines were found that would end the process at a contact: there is to be none.
+	bool isUnfit = false;
 };
 
 class GrainAssembly {

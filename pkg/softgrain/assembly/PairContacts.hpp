@@ -48,6 +48,8 @@ public:
 	virtual void setFriction(double coefficient) = 0;
 	/// In the coming step, of the image of the second body, beyond its own velocity, m/s.
 	virtual void setImageVelocity(const Vec3& velocity) = 0;
+	/// In the coming step, of the plane that a grain lies against, m/s.
+	virtual void setPlaneVelocity(const Vec3& velocity) = 0;
 	/// What acts besides friction (none: nothing), valid or not.
 	virtual void setInterface(const std::optional<InterfaceLaw>& law) = 0;
 	/// Throws std::invalid_argument if law and friction are not admissible for the pair, or if

@@ -73,7 +73,7 @@ public:
 	}
 	int bondTouching() override
 	{
-		if (!list.interface) return 0;
+		if (!list.interface || !(lawUnknown_ || list.interface->law.hasBond())) return 0;
 		int bonded = 0;
 		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 			const Contact<dim>& c = list.contacts[k];
@@ -105,6 +105,10 @@ public:
 	void setImageVelocity(const Vec3& velocity) override
 	{
 		list.image.velocity = toKernel<dim>(velocity);
+	}
+	void setPlaneVelocity(const Vec3& velocity) override
+	{
+		list.plane.velocity = toKernel<dim>(velocity);
 	}
 
 	bool hasRigidBody() const override { return list.rigid.has_value(); }

@@ -10,8 +10,8 @@ namespace softgrain {
 
 namespace {
 
-/// Width of a grain over its diameter at which it has fallen apart: a guard against grids without
-/// bounds.
+/// Width of a grain over that of the undeformed one at which it has fallen apart: a guard against
+/// grids without bounds.
 constexpr double widestStretch = 20;
 
 } // namespace
@@ -30,8 +30,13 @@ UpdatedLagrangian<dim>::UpdatedLagrangian(std::shared_ptr<const GrainTemplate<di
 {
 	checkGrains(condition, grains);
 	criticalTimeStep_ = criticalTimeSteps(*reference_, condition_, parameters_);
+	// the grid in space is as fine along all axes, that of a block's template may be coarser
+	const double finer = reference_->recipe.nodeSpacing * reference_->pointSpacing() /
+			     reference_->gridSteps.maxCoeff();
 	for (double& step : criticalTimeStep_)
-		step *= pointVelocityTimeStepShare;
+		step *= pointVelocityTimeStepShare * std::min(finer, 1.);
+	for (const Vec<dim>& X : reference_->pointPosition)
+		width_ = std::max(width_, 2 * X.cwiseAbs().maxCoeff());
 	const int padded = (pointCount() + laneWidth - 1) / laneWidth * laneWidth;
 	for (int g = 0; g < this->grains(); ++g) {
 		UpdatedGrain<dim>& grain = grain_[g];
@@ -111,7 +116,7 @@ template <int dim> void UpdatedLagrangian<dim>::fillUp(int g)
 template <int dim> bool UpdatedLagrangian<dim>::mapToGrid(int g)
 {
 	const int order = reference_->recipe.order;
-	if (!grain_[g].layGrid(order, widestStretch * 2 * parameters_[g].radius)) return false;
+	if (!grain_[g].layGrid(order, widestStretch * width_ * parameters_[g].radius)) return false;
 	grain_[g].pointsToGrid(order, law_, condition_);
 	return true;
 }

@@ -79,6 +79,7 @@ private:
 	std::vector<double> criticalTimeStep_; ///< of the undeformed grains, s
 	std::vector<UpdatedGrain<dim>> grain_;
 	double picShare_;
+	double width_ = 0; ///< of the undeformed grain, in radii
 };
 
 } // namespace softgrain

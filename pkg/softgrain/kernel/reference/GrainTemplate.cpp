@@ -110,6 +110,7 @@ template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>&
 	const BackgroundGrid<dim> grid(recipe.order, outline.gridSteps(dr, recipe.nodeSpacing),
 				       quadrature);
 	grain.volume = outline.volume();
+	grain.gridSteps = grid.spacing();
 	grain.nodePosition = grid.position();
 	grain.pointPosition = quadrature.point;
 	grain.pointVolume = quadrature.weight;

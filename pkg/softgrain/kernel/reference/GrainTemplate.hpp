@@ -80,8 +80,10 @@ template <int dim> struct GrainTemplate {
 	double volume = 0;   ///< of the undeformed grain, in radii^dim
 	double inradius = 0; ///< of the largest ball inside, in radii
 
-	std::vector<Vec<dim>> nodePosition;  ///< XI, in radii
-	std::vector<double> nodeMass;        ///< lumped; their sum is the volume
+	Vec<dim> gridSteps =
+		Vec<dim>::Zero();           ///< h of the background grid, in radii; if there is one
+	std::vector<Vec<dim>> nodePosition; ///< XI, in radii
+	std::vector<double> nodeMass;       ///< lumped; their sum is the volume
 	std::vector<double> inverseNodeMass; ///< 1/mI
 
 	std::vector<Vec<dim>> pointPosition;        ///< Xp, in radii

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace softgrain {
 
@@ -19,10 +20,13 @@ constexpr double rimDepth = 1;
 /// Chosen so that the area of a disk is met within 1e-5 before the weights are scaled.
 template <int dim> constexpr int cutDepth = dim == 2 ? 6 : 4;
 
-/// Parts of a cell below this share of it hold no point. (One of 1e-9, at the tip of a corner,
-/// carries nothing, but pressed on the corner it shortens the time step a thousandfold, and is
+/// Parts of a cell below this share of it hold no point.
+constexpr double negligibleShare = 1e-9;
+
+/// Points with less than this share of a cell are slivers. (One in the tip of a corner carries
+/// nothing, but where the corner is pressed it shortens the time step a thousandfold, and is
 /// inverted.)
-constexpr double negligibleShare = 1e-4;
+constexpr double sliverShare = 1e-4;
 
 /// From the centre of a cell to that of one of its 2^dim parts.
 template <int dim> Vec<dim> cornerOffset(int corner, const Vec<dim>& sides)
@@ -135,6 +139,43 @@ void addRefined(const Outline<dim>& outline, const Vec<dim>& centre, const Vec<d
 	}
 }
 
+/// The nearest of the points that are no slivers; -1 if there is none.
+template <int dim> int nearestWhole(const Quadrature<dim>& q, const Vec<dim>& X, double sliver)
+{
+	auto distance = [&](int p) { return (q.point[p] - X).squaredNorm(); };
+	int nearest = -1;
+	for (int p = 0; p < static_cast<int>(q.point.size()); ++p)
+		if (q.weight[p] >= sliver && (nearest < 0 || distance(p) < distance(nearest)))
+			nearest = p;
+	return nearest;
+}
+
+/// Adds points of less weight than `sliver` to their neighbours, volume and first moment.
+template <int dim> void mergeSlivers(double sliver, Quadrature<dim>& q)
+{
+	const Quadrature<dim> all = std::exchange(q, {});
+	std::map<int, Moments<dim>> merged; // by point
+	for (std::size_t p = 0; p < all.point.size(); ++p) {
+		const int to =
+			all.weight[p] < sliver ? nearestWhole(all, all.point[p], sliver) : -1;
+		if (to < 0) continue;
+		Moments<dim>& m = merged[to];
+		m.volume += all.weight[p];
+		m.first += all.weight[p] * all.point[p];
+	}
+	for (std::size_t p = 0; p < all.point.size(); ++p) {
+		const auto more = merged.find(static_cast<int>(p));
+		if (more != merged.end()) {
+			more->second.volume += all.weight[p];
+			more->second.first += all.weight[p] * all.point[p];
+			addPoint(more->second, q);
+		} else if (merged.empty() || all.weight[p] >= sliver) {
+			q.point.push_back(all.point[p]);
+			q.weight.push_back(all.weight[p]);
+		}
+	}
+}
+
 } // namespace
 
 template <int dim>
@@ -150,6 +191,7 @@ Quadrature<dim> makeQuadrature(QuadratureRule rule, double spacing, const Outlin
 		else
 			addPoint(m, q);
 	}
+	if (rule == QuadratureRule::cutCell) mergeSlivers<dim>(sliverShare * sides.prod(), q);
 	scaleToExactVolume(outline.volume(), q);
 	return q;
 }
