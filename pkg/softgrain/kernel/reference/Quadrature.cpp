@@ -191,7 +191,8 @@ Quadrature<dim> makeQuadrature(QuadratureRule rule, double spacing, const Outlin
 		else
 			addPoint(m, q);
 	}
-	if (rule == QuadratureRule::cutCell) mergeSlivers<dim>(sliverShare * sides.prod(), q);
+	if (dim == 2 && rule == QuadratureRule::cutCell) // in 3D no corner cuts cells
+		mergeSlivers<dim>(sliverShare * sides.prod(), q);
 	scaleToExactVolume(outline.volume(), q);
 	return q;
 }
