@@ -174,6 +174,7 @@ SoftInteractions::SoftInteractions(Scene& scene,
 {
 	if (assembly->grains() == 0) return;
 	assembly->host.searches.beginRun(scene.interactions->size());
+	assembly->host.neighbours.forget();
 	Kinds kinds(*scene.bodies, *assembly);
 	const auto hasGrain = [&](const Interaction& I) {
 		return kinds.isGrain(I.getId1()) || kinds.isGrain(I.getId2());

@@ -6,6 +6,7 @@
 #include "assembly/RigidInKernel.hpp"
 
 #include <functional>
+#include <limits>
 #include <typeinfo>
 
 namespace yade {
@@ -193,12 +194,24 @@ std::optional<softgrain::RigidBodyDescription> describeRigid(const Shape& shape,
 
 namespace {
 
-/// Whether the boxes that the collider has of two bodies tell that they are apart by a distance.
-bool haveBoxesApart(const Scene& scene, const Body& a, const Body& b, Real distance)
+/// That which the collider has of a body; in a cell, where they may be of another image, of all
+/// space.
+softgrain::Box<3> boxOf(const Scene& scene, const Body& body)
 {
-	if (scene.isPeriodic || !a.bound || !b.bound) return false;
-	return (a.bound->max.array() + distance < b.bound->min.array()).any() ||
-	       (b.bound->max.array() + distance < a.bound->min.array()).any();
+	constexpr Real infinity = std::numeric_limits<Real>::infinity();
+	if (scene.isPeriodic || !body.bound)
+		return { Vec3::Constant(-infinity), Vec3::Constant(infinity) };
+	return { body.bound->min, body.bound->max };
+}
+
+/// Of all bodies about a grain, with which it has interactions.
+std::vector<softgrain::NeighbourBoxes::Entry> boxesAbout(const Scene& scene, const Body& grain)
+{
+	std::vector<softgrain::NeighbourBoxes::Entry> boxes;
+	for (const auto& [id, interaction] : grain.intrs)
+		if (const auto& body = (*scene.bodies)[id])
+			boxes.push_back({ id, boxOf(scene, *body) });
+	return boxes;
 }
 
 /// What a rigid body of an interaction goes on as: walls, facets and boxes beside it about the
@@ -209,11 +222,13 @@ othersBeside(const Interaction& I, const SoftGrain& grain, const State& soft, co
 {
 	const auto& bodies = *scene.bodies;
 	std::vector<softgrain::RigidBodyDescription> others;
-	for (const auto& [id, other] : bodies[I.getId2()]->intrs) {
-		const auto& body = bodies[id];
-		if (id == I.getId1() || !body || !body->shape) continue;
-		if (haveBoxesApart(scene, *bodies[I.getId1()], *body, grain.zeta * grain.radius))
-			continue;
+	const auto about = boxOf(scene, *bodies[I.getId1()]).grown(grain.zeta * grain.radius);
+	const auto& boxes = grain.assembly->host.neighbours.of(
+		grain.index, scene.iter, [&] { return boxesAbout(scene, *bodies[I.getId2()]); });
+	for (const auto& [id, box] : boxes) {
+		if (id == I.getId1() || !about.overlaps(box)) continue;
+		const auto& body = bodies[id]; // it may have been erased since
+		if (!body || !body->shape) continue;
 		auto d = describeRigid(*body->shape, *body->state, id, grain);
 		if (const auto* wall = dynamic_cast<const Wall*>(body->shape.get())) {
 			d.emplace();

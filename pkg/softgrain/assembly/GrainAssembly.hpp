@@ -5,6 +5,7 @@
 #include "Fetch.hpp"
 #include "assembly/ContactProblemArrays.hpp"
 #include "assembly/GrainDescription.hpp"
+#include "assembly/NeighbourBoxes.hpp"
 #include "assembly/PairContacts.hpp"
 #include "assembly/RigidDescriptions.hpp"
 #include "step/System.hpp"
@@ -43,6 +44,7 @@ struct PointFields {
 /// What the host notes about the grains of an assembly, for itself.
 struct HostNotes {
 	LoopMemory searches; ///< what its loop of searches reads
+	NeighbourBoxes neighbours;
 	/// By grain, whether it has published that the grain sleeps: nothing changes until it is
 	/// awake again.
 	std::vector<char> publishedAsleep;
