@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace softgrain {
@@ -15,7 +16,7 @@ namespace softgrain {
 template <int dim> class FacetBalls {
 public:
 	FacetBalls() = default;
-	FacetBalls(const ContactOutline<dim>& body, const std::vector<int>& facets);
+	FacetBalls(const ContactOutline<dim>& body, std::vector<int> facets);
 
 	bool empty() const { return facet_.empty(); }
 	const std::vector<int>& facets() const { return facet_; } ///< in their order
@@ -71,11 +72,13 @@ private:
 };
 
 template <int dim>
-FacetBalls<dim>::FacetBalls(const ContactOutline<dim>& body, const std::vector<int>& facets)
-	: facet_(facets)
-	, level_(facets.empty() ? 0 : 1)
+FacetBalls<dim>::FacetBalls(const ContactOutline<dim>& body, std::vector<int> facets)
+	: facet_(std::move(facets))
 {
-	for (int f : facets)
+	if (empty()) return;
+	level_.resize(1);
+	level_[0].reserve(facet_.size());
+	for (int f : facet_)
 		level_[0].push_back(ballAbout(body, f));
 	makeGroups();
 }
@@ -97,7 +100,7 @@ template <int dim> void FacetBalls<dim>::leaveOutFarFrom(const Vec<dim>& place, 
 
 template <int dim> void FacetBalls<dim>::makeGroups()
 {
-	while (!level_.empty() && level_.back().size() > fewEnough) {
+	while (level_.back().size() > fewEnough) {
 		const Level& last = level_.back();
 		Level groups;
 		for (std::size_t k = 0; k < last.size(); k += group)
