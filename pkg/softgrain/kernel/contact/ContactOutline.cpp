@@ -144,12 +144,19 @@ template <int dim> bool ContactOutline<dim>::holds(const Vec<dim>& centre, doubl
 	return distance < own - radius && (!hasFacets() || encloses(centre));
 }
 
+template <int dim> Vec<dim> ContactOutline<dim>::nodeArea(int node) const
+{
+	Vec<dim> area = Vec<dim>::Zero();
+	for (int facet : mesh->facetsAbout[node])
+		area += areaOfFacet(facet) / dim;
+	return area;
+}
+
 template <int dim> std::vector<Vec<dim>> ContactOutline<dim>::nodeAreas() const
 {
-	std::vector<Vec<dim>> area(position.size(), Vec<dim>::Zero());
-	for (std::size_t f = 0; f < mesh->facet.size(); ++f)
-		for (int node : mesh->facet[f])
-			area[node] += areaOfFacet(static_cast<int>(f)) / dim;
+	std::vector<Vec<dim>> area;
+	for (int s = 0; s < nodes(); ++s)
+		area.push_back(hasFacets() ? nodeArea(s) : Vec<dim>(Vec<dim>::Zero()));
 	return area;
 }
 

@@ -87,6 +87,7 @@ template <int dim> struct ContactOutline {
 	/// Outward area vectors of the nodes: of the adjacent facets, an equal share each,
 	/// m^(dim-1).
 	std::vector<Vec<dim>> nodeAreas() const;
+	Vec<dim> nodeArea(int node) const; ///< of one of them
 
 	/// Renews normals and box after `position` was set.
 	void updateGeometry();

@@ -59,10 +59,10 @@ contactPressures(const ContactBody<dim>& first, const ContactBody<dim>* second,
 
 namespace {
 
-template <int dim>
-ContactArea partOf(const ContactBody<dim>& body, const Contact<dim>& contact, const Vec<dim>& area)
+template <int dim> ContactArea partOf(const ContactBody<dim>& body, const Contact<dim>& contact)
 {
 	const int node = contact.key.node;
+	const Vec<dim> area = body.nodeArea(node);
 	const double along = -contact.normal.dot(area);
 	if (along <= 0) return {};
 	if (body.isSharp(node)) return { along, 0 };
@@ -81,10 +81,9 @@ std::vector<ContactArea> contactAreas(const ContactBody<dim>& first, const Conta
 	for (int side : { 0, 1 }) {
 		const ContactBody<dim>* body = side == 0 ? &first : second;
 		if (!body || !body->isSurface()) continue;
-		const auto area = body->nodeAreas();
 		for (std::size_t c = 0; c < contacts.size(); ++c) {
 			if (contacts[c].key.side != side) continue;
-			result[c] = partOf<dim>(*body, contacts[c], area[contacts[c].key.node]);
+			result[c] = partOf<dim>(*body, contacts[c]);
 			if (second) result[c].area *= 0.5;
 		}
 	}

@@ -17,6 +17,7 @@ template <int dim> void layContactNodes(const Outline<dim>& outline, GrainTempla
 	const double dr = grain.recipe.zeta;
 	if (grain.recipe.contact != ContactGeometry::points) {
 		grain.contactMesh = outline.mesh(grain.recipe.contactSpacing());
+		findFacetsAbout(grain.contactMesh);
 		if (grain.recipe.contact == ContactGeometry::nodes)
 			grain.contactRadius = grain.recipe.nodeSpacing * dr;
 		return;

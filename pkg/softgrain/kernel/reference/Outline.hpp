@@ -21,6 +21,7 @@ template <int dim> struct OutlineMesh {
 	/// Vertices where the outline has no single normal, with the facets that meet there. At any
 	/// other vertex the facets approximate one smooth surface.
 	std::map<int, std::vector<int>> sharp;
+	std::vector<std::vector<int>> facetsAbout; ///< those that meet at a vertex, in order
 	/// The centre of its box may lie outside, and far pieces of it may be equally near to a
 	/// place: searches take no short cuts.
 	bool irregular = false;
@@ -37,6 +38,15 @@ template <int dim> struct OutlineMesh {
 			return facet[f];
 	}
 };
+
+/// OutlineMesh::facetsAbout of the facets that there are.
+template <int dim> void findFacetsAbout(OutlineMesh<dim>& mesh)
+{
+	mesh.facetsAbout.assign(mesh.vertex.size(), {});
+	for (int f = 0; f < static_cast<int>(mesh.facet.size()); ++f)
+		for (int node : mesh.facet[f])
+			mesh.facetsAbout[node].push_back(f);
+}
 
 /// Joins the vertices of a 2D outline by facets in their order; sharp where two sides meet.
 void closeOutline(OutlineMesh<2>& mesh, const std::vector<int>& corners);
