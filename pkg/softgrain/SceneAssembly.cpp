@@ -15,7 +15,6 @@
 #include <map>
 #include <mutex>
 #include <typeinfo>
-#include <utility>
 
 namespace yade {
 
@@ -288,10 +287,8 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 	if (soft.grains == 0) return nullptr;
 	checkHost(scene);
 	if (soft.assembly) {
-		softgrain::HostNotes& host = soft.assembly->host;
-		noteBodies(soft, scene, host);
-		if (std::exchange(host.isUnfit, false)) // grains at rest have not been searched
-			std::fill(host.moved.begin(), host.moved.end(), true);
+		noteBodies(soft, scene, soft.assembly->host);
+		soft.assembly->host.setFit(true);
 		return soft.assembly;
 	}
 

@@ -229,8 +229,9 @@ void Bo1_SoftGrain_Aabb::checkEngines(const SoftGrain& grain) const noexcept
 	if (!grain.assembly) return;
 	try {
 		checkHost(*scene);
+		grain.assembly->host.setFit(true);
 	} catch (const std::invalid_argument&) {
-		grain.assembly->host.isUnfit = true;
+		grain.assembly->host.setFit(false);
 	}
 }
 

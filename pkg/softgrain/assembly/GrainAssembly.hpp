@@ -55,6 +55,12 @@ struct HostNotes {
 	int unbounded = -1;       ///< first body whose bounding box is to be looked at; or -1
 	/// Engines were found that would end the process at a contact: there is to be none.
 	bool isUnfit = false;
+
+	void setFit(bool fit)
+	{
+		if (fit && isUnfit) moved.assign(moved.size(), true); // not searched meanwhile
+		isUnfit = !fit;
+	}
 };
 
 class GrainAssembly {
