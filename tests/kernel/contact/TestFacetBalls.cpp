@@ -4,6 +4,7 @@
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <memory>
 #include <numeric>
 
 using namespace softgrain;
@@ -11,19 +12,20 @@ using namespace softgrain::testing;
 
 namespace {
 
-template <int dim> ContactOutline<dim> fineBlock(double zeta)
+/// A block four times as long as wide, and the template that its outline needs.
+template <int dim> struct FineBlock {
+	std::shared_ptr<const GrainTemplate<dim>> reference;
+	ContactOutline<dim> outline;
+};
+
+template <int dim> FineBlock<dim> fineBlock(double zeta)
 {
 	TemplateRecipe fine = recipe(zeta);
 	fine.form.form = Form::block;
 	fine.form.aspect[0] = 4;
 	const auto reference = makeGrainTemplate<dim>(fine);
-	ContactOutline<dim> body =
-		contactBody<dim>(*reference, 2, Vec<dim>::Zero(), Mat<dim>::Identity());
-	static std::vector<OutlineMesh<dim>> meshes; // the template ends here
-	meshes.reserve(16);
-	meshes.push_back(*body.mesh);
-	body.mesh = &meshes.back();
-	return body;
+	return { reference,
+		 contactBody<dim>(*reference, 2, Vec<dim>::Zero(), Mat<dim>::Identity()) };
 }
 
 template <int dim> std::vector<int> allFacets(const ContactOutline<dim>& body)
@@ -39,7 +41,8 @@ TEMPLATE_TEST_CASE_SIG("Facet balls: the nearest place is that of all facets one
 		       "[contact]", ((int dim), dim), 2, 3)
 {
 	Random random(3);
-	const auto body = fineBlock<dim>(dim == 2 ? 0.02 : 0.15);
+	const auto block = fineBlock<dim>(dim == 2 ? 0.02 : 0.15);
+	const ContactOutline<dim>& body = block.outline;
 	const auto facets = allFacets(body);
 	const FacetBalls<dim> balls(body, facets);
 	REQUIRE(facets.size() > 500);
@@ -60,7 +63,8 @@ TEMPLATE_TEST_CASE_SIG("Facet balls: the nearest place is that of all facets one
 TEST_CASE("Facet balls: few facets are looked at, however many there are", "[contact]")
 {
 	for (double zeta : { 0.1, 0.01, 0.002 }) {
-		const auto body = fineBlock<2>(zeta);
+		const auto block = fineBlock<2>(zeta);
+		const ContactOutline<2>& body = block.outline;
 		const FacetBalls<2> balls(body, allFacets(body));
 		for (int s : { 0, body.nodes() / 3, body.nodes() / 2 }) {
 			int looked = 0;
@@ -74,7 +78,8 @@ TEST_CASE("Facet balls: few facets are looked at, however many there are", "[con
 
 TEST_CASE("Facet balls: those far from a place are left out", "[contact]")
 {
-	const auto body = fineBlock<2>(0.02);
+	const auto block = fineBlock<2>(0.02);
+	const ContactOutline<2>& body = block.outline;
 	FacetBalls<2> balls(body, allFacets(body));
 	const Vec<2> corner = body.box.low;
 	balls.leaveOutFarFrom(corner, 0.5);

@@ -11,8 +11,8 @@
 
 namespace softgrain {
 
-/// Groups are of facets that follow one another, then of groups, until one is left over: facets
-/// that are numbered side by side lie side by side, but for few.
+/// Groups are of facets that follow one another, then of groups, until few are left: facets that
+/// are numbered side by side lie side by side, but for few.
 template <int dim> class FacetBalls {
 public:
 	FacetBalls() = default;
@@ -44,7 +44,9 @@ private:
 		}
 	};
 	using Level = std::vector<Ball>;
-	static constexpr int group = 8, fewEnough = 32; ///< balls in a group, and without one
+	/// Balls in a group, and without one: about squares and hexagons of usual zeta there are
+	/// fewer facets, and groups would save nothing.
+	static constexpr int group = 8, fewEnough = 32;
 
 	static Ball ballAbout(const ContactOutline<dim>& body, int facet);
 	static Ball ballAbout(const Ball* first, const Ball* end);

@@ -178,7 +178,7 @@ void nodesFacingOutline(const ContactOutline<dim>& body, const ContactOutline<di
 			double reach, ContactList<dim>& list)
 {
 	const double deep = contactDepth(body, other);
-	const double shallow = std::max(deep - other.bulge(), 0.);
+	const double shallow = std::max(deep - other.bulge(), 0.); // nothing so near is deep
 	PlaceOnOutline<dim> within; // what is farther counts as no facing facet
 	within.squaredDistance = deep * deep;
 	int last = -1;
