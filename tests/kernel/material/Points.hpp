@@ -32,8 +32,7 @@ void setLane(PointLanes<dim>& point, LameConstants& lame, int lane, const Mat<di
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
 			point.F[a][b][lane] = F(a, b);
-	lame.lambda[lane] = c.lambda();
-	lame.mu[lane] = c.mu();
+	lame.set(lane, c, 0);
 }
 
 template <int dim> PointResult<dim> getLane(const PointLanes<dim>& point, int lane)

@@ -39,6 +39,8 @@ Batch<dim>::Batch(std::shared_ptr<const GrainTemplate<dim>> ref, Law theLaw, Con
 	for (const GrainParameters<dim>& own : grain) {
 		pointScale.push_back(std::pow(own.radius, dim));
 		massScale.push_back(own.constants.density * pointScale.back());
+		isochoricShare.push_back(
+			reference->pressureSpace.empty() && own.constants.poisson >= 0 ? 0 : 1);
 	}
 	std::vector<int> all(grains.size());
 	std::iota(all.begin(), all.end(), 0);
@@ -61,9 +63,8 @@ void Batch<dim>::arrange(const std::vector<int>& active, const std::vector<int>&
 	lame.resize(inSlot_.size() / laneWidth);
 	for (int b = 0; b < blocks(); ++b)
 		for (int l = 0; l < laneWidth; ++l) {
-			const ElasticConstants& c = grain[grainInLane(b, l)].constants;
-			lame[b].lambda[l] = c.lambda();
-			lame[b].mu[l] = c.mu();
+			const int g = grainInLane(b, l);
+			lame[b].set(l, grain[g].constants, isochoricShare[g]);
 		}
 }
 

@@ -103,8 +103,11 @@ template <int dim> struct Batch {
 	Law law;
 	Condition condition;
 	std::vector<GrainParameters<dim>> grain;
-	std::vector<double> pointScale;  ///< R^dim: Vp0 of grain over Vp0 of template
-	std::vector<double> massScale;   ///< rho R^dim: nodal mass of grain over that of template
+	std::vector<double> pointScale; ///< R^dim: Vp0 of grain over Vp0 of template
+	std::vector<double> massScale;  ///< rho R^dim: nodal mass of grain over that of template
+	/// LameConstants::isochoricShare; where volumes are projected 1, which is safe, until
+	/// `findIsochoricShares`. For the next `arrange`.
+	std::vector<double> isochoricShare;
 	std::vector<LameConstants> lame; ///< per block; empty lanes repeat the block's first grain
 
 	NodalField<dim> x;     ///< nodal positions relative to the grain's origin at t_n, m

@@ -1,6 +1,7 @@
 #include "grain/CriticalTimeStep.hpp"
 #include "grain/HighestFrequency.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace softgrain {
@@ -20,6 +21,16 @@ double highestFrequency(const GrainTemplate<dim>& reference, Condition condition
 	return highestFrequency(batch, 0) / unit.constants.waveSpeed(condition);
 }
 
+/// The same, found once in the life of the template.
+template <int dim>
+double knownFrequency(const GrainTemplate<dim>& reference, Condition condition, double poisson)
+{
+	const auto [known, isNew] = reference.highestFrequency.try_emplace(
+		{ static_cast<int>(condition), poisson }, 0.);
+	if (isNew) known->second = highestFrequency(reference, condition, poisson);
+	return known->second;
+}
+
 } // namespace
 
 template <int dim>
@@ -34,16 +45,24 @@ std::vector<double> criticalTimeSteps(const GrainTemplate<dim>& reference, Condi
 				      const std::vector<GrainParameters<dim>>& grains)
 {
 	std::vector<double> steps;
-	for (const GrainParameters<dim>& grain : grains) {
-		const auto [known, isNew] = reference.highestFrequency.try_emplace(
-			{ static_cast<int>(condition), grain.constants.poisson }, 0.);
-		if (isNew)
-			known->second =
-				highestFrequency(reference, condition, grain.constants.poisson);
+	for (const GrainParameters<dim>& grain : grains)
 		steps.push_back(2 * grain.radius /
-				(known->second * grain.constants.waveSpeed(condition)));
-	}
+				(knownFrequency(reference, condition, grain.constants.poisson) *
+				 grain.constants.waveSpeed(condition)));
 	return steps;
+}
+
+template <int dim> void findIsochoricShares(Batch<dim>& batch)
+{
+	const GrainTemplate<dim>& reference = *batch.reference;
+	if (reference.pressureSpace.empty()) return;
+	for (int g = 0; g < batch.grains(); ++g) {
+		const ElasticConstants& own = batch.grain[g].constants;
+		const double ratio = knownFrequency(reference, batch.condition, 0.) /
+				     knownFrequency(reference, batch.condition, own.poisson);
+		const double stiffness = 2 * own.mu() / (own.lambda() + 2 * own.mu());
+		batch.isochoricShare[g] = std::min(1., stiffness * ratio * ratio);
+	}
 }
 
 double dampedTimeStep(double undamped, const Damping& damping, double stiffening,
@@ -61,7 +80,8 @@ double dampedTimeStep(double undamped, const Damping& damping, double stiffening
 	template double criticalTimeStep<dim>(const GrainTemplate<dim>&, Condition,                \
 					      const GrainParameters<dim>&);                        \
 	template std::vector<double> criticalTimeSteps<dim>(                                       \
-		const GrainTemplate<dim>&, Condition, const std::vector<GrainParameters<dim>>&);
+		const GrainTemplate<dim>&, Condition, const std::vector<GrainParameters<dim>>&);   \
+	template void findIsochoricShares<dim>(Batch<dim>&);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)
 #undef SOFTGRAIN_INSTANTIATE

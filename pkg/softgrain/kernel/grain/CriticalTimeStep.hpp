@@ -24,6 +24,10 @@ template <int dim>
 std::vector<double> criticalTimeSteps(const GrainTemplate<dim>& reference, Condition condition,
 				      const std::vector<GrainParameters<dim>>& grains);
 
+/// Finds Batch::isochoricShare where volumes are projected: the squared highest frequency of a
+/// grain without the volumetric part of the law over that with it, both undeformed.
+template <int dim> void findIsochoricShares(Batch<dim>& batch);
+
 /// Critical step with damping (Damper) of a grain whose step without is `undamped`. Stable is what
 /// satisfies s omega^2 dt^2 + 2 beta q omega^2 dt <= 2 (1 + exp(-alpha dt)), omega = 2/undamped,
 /// with s how much the deformation stiffens and q = GrainSet::rateStiffening; a little less is

@@ -207,7 +207,7 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 	const GrainTemplate<dim>& reference = *batch.reference;
 	const auto& shapes = reference.pointShapes;
 	const ElasticConstants& c = batch.grain[g].constants;
-	const LameConstants lame { Lanes {} + c.lambda(), Lanes {} + c.mu() };
+	const LameConstants lame = LameConstants::ofAll(c);
 	std::vector<PointResponse<dim>> responses(reference.points());
 	visitPoints(batch, g, [&](int p, const PointLanes<dim>& point, int lane, double theta) {
 		PointResponse<dim>& r = responses[p];

@@ -191,8 +191,7 @@ public:
 		, order_(batch.reference->recipe.order)
 		, grain_(g)
 	{
-		const ElasticConstants& c = batch.grain[g].constants;
-		lame_ = { Lanes {} + c.lambda(), Lanes {} + c.mu() };
+		lame_ = LameConstants::ofAll(batch.grain[g].constants, batch.isochoricShare[g]);
 		x_.resize(padded() * dim);
 		const double inverseRadius = 1 / batch.grain[g].radius;
 		const Vec<dim>* own = field.of(g);

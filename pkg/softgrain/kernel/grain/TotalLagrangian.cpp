@@ -44,6 +44,8 @@ TotalLagrangian<dim>::TotalLagrangian(Batch<dim> batch, const Scheme& scheme)
 	, nodesWritten_(batch_.grains(), 1)
 {
 	std::iota(computed_.begin(), computed_.end(), 0);
+	findIsochoricShares(batch_);
+	batch_.arrange(computed_, {});
 	if (scheme.hasPointVelocities()) {
 		pointVelocities_.emplace(batch_, scheme.picShare);
 		for (double& step : criticalTimeStep_)

@@ -43,10 +43,7 @@ UpdatedLagrangian<dim>::UpdatedLagrangian(std::shared_ptr<const GrainTemplate<di
 		const GrainParameters<dim>& own = parameters_[g];
 		grain.spacing =
 			own.radius * reference_->recipe.nodeSpacing * reference_->pointSpacing();
-		for (int l = 0; l < laneWidth; ++l) {
-			grain.lame.lambda[l] = own.constants.lambda();
-			grain.lame.mu[l] = own.constants.mu();
-		}
+		grain.lame = LameConstants::ofAll(own.constants);
 		grain.mass.assign(padded, 0.);
 		grain.volume.assign(padded, 0.);
 		for (int p = 0; p < pointCount(); ++p) {

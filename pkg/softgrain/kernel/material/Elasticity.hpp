@@ -50,6 +50,24 @@ struct ElasticConstants {
 /// Constants of the grains of a block as laws use them.
 struct LameConstants {
 	Lanes lambda, mu; ///< Pa
+	/// Square of the highest frequency that 2 mu alone gives an undeformed grain over that of
+	/// all; 0 where pressure waves are the stiffest however it is deformed.
+	Lanes isochoricShare;
+
+	void set(int lane, const ElasticConstants& constants, double isochoric)
+	{
+		lambda[lane] = constants.lambda();
+		mu[lane] = constants.mu();
+		isochoricShare[lane] = isochoric;
+	}
+	/// The same in all lanes.
+	static LameConstants ofAll(const ElasticConstants& constants, double isochoric = 0)
+	{
+		LameConstants all;
+		for (int l = 0; l < laneWidth; ++l)
+			all.set(l, constants, isochoric);
+		return all;
+	}
 };
 
 } // namespace softgrain

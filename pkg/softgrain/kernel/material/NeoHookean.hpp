@@ -113,7 +113,7 @@ template <int dim, Condition condition> struct NeoHookean {
 			lnJ += y; // of the in-plane part so far; the thickness follows
 			point.J = (point.J > 0) & (y != y) ? y : point.J;
 		}
-		respond<false>(point, lame, lnJ, lnJ, squareF33);
+		respond(point, lame, lnJ, lnJ, squareF33);
 	}
 
 	/// Fills J from F; ln J.
@@ -131,7 +131,7 @@ template <int dim, Condition condition> struct NeoHookean {
 	{
 		static_assert(canProject);
 		const Lanes lnJ = volumetricStrain(point);
-		respond<true>(point, lame, lnJ, theta, Lanes {} + 1);
+		respond(point, lame, lnJ, theta, Lanes {} + 1);
 	}
 
 	/// Replaces the stiffening, after `evaluate`, by that seen by a grid fixed in space: with a
@@ -153,7 +153,6 @@ template <int dim, Condition condition> struct NeoHookean {
 private:
 	/// Stress, energy and stiffening with the volumetric strain `theta`: ln J or its
 	/// projection.
-	template <bool projected>
 	static void respond(PointLanes<dim>& point, const LameConstants& lame, const Lanes& lnJ,
 			    const Lanes& theta, const Lanes& squareF33)
 	{
@@ -171,11 +170,12 @@ private:
 		const Lanes inverseStretch =
 			detail::largestSquaredStretch(C) * (inverseJ * inverseJ);
 		const Lanes tangentLambda = inPlane(lambda, mu * squareF33);
-		point.stiffening = (mu + (tangentLambda - pressure) * inverseStretch) *
-				   (1 / (inPlane(lambda, mu) + 2 * mu)); // the same in all points
-		if constexpr (projected) // the shortest waves may change no projected volume
-			point.stiffening = larger((mu - pressure * inverseStretch) * (1 / (2 * mu)),
-						  point.stiffening);
+		const Lanes waves = // the divisions are the same in all points
+			(mu + (tangentLambda - pressure) * inverseStretch) *
+			(1 / (inPlane(lambda, mu) + 2 * mu));
+		const Lanes isochoric =
+			(mu - pressure * inverseStretch) * (lame.isochoricShare / (2 * mu));
+		point.stiffening = larger(isochoric, waves);
 	}
 
 	/// First Lame constant that acts in the plane where the thickness is free to follow.
