@@ -29,13 +29,14 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present, in
 	pair->restoreRest(rest);
 }
 
-/// Keys and impulses; the others are found anew by the search.
+/// Keys, impulses and normals; the others are found anew by the search.
 std::vector<ContactRecord> SoftGeom::savedRecords() const
 {
 	std::vector<ContactRecord> records(savedImpulses.size());
 	for (std::size_t k = 0; k < records.size(); ++k) {
 		records[k].key = { savedKeys[3 * k], savedKeys[3 * k + 1], savedKeys[3 * k + 2] };
 		records[k].impulse = savedImpulses[k];
+		records[k].normal = savedNormals[k];
 	}
 	return records;
 }
@@ -45,6 +46,7 @@ void SoftGeom::preSave(SoftGeom&)
 	if (!pair) return;
 	savedKeys.clear();
 	savedImpulses.clear();
+	savedNormals.clear();
 	savedAccount = pair->account().taken;
 	savedGrace = pair->account().grace;
 	savedRest = pair->rest();
@@ -52,6 +54,7 @@ void SoftGeom::preSave(SoftGeom&)
 	for (const ContactRecord& c : pair->records()) {
 		savedKeys.insert(savedKeys.end(), { c.key.side, c.key.node, c.key.other });
 		savedImpulses.push_back(c.impulse);
+		savedNormals.push_back(c.normal);
 	}
 }
 

@@ -29,6 +29,7 @@ public:
 		"Contact points of a pair of bodies of which at least one is a :yref:`SoftGrain`. Of the attributes of the base class, *normal* points from #1 to #2: the mean of the normals of all contact points by the size of their forces, from centre to centre while there is no force. *contactPoint* is the mean of the contact points by the size of their normal forces, *refR1* and *refR2* are the distances from there to the centres along the normal (of a :yref:`Sphere` its radius; :yref:`Wall`, :yref:`Facet` and :yref:`Box` have that of the grain), radii while there is no force. Functions of YADE that take a pair for two spheres (:yref:`Gl1_NormPhys`, :yref:`yade.utils.fabricTensor`) find force chains in them.",
 		((vector<int>, savedKeys, , Attr::hidden, "side, node, other of each contact point when saved."))
 		((vector<Vector3r>, savedImpulses, , Attr::hidden, "Impulses when saved."))
+		((vector<Vector3r>, savedNormals, , Attr::hidden, "Normals when saved."))
 		((Real, savedAccount, 0, Attr::hidden, "What overlaps have lately taken from the bodies, when saved [J]."))
 		((int, savedGrace, softgrain::stepsOfAccount, Attr::hidden, "Steps left, when saved, in which overlaps that were there from the start are worked off at full speed."))
 		((vector<Real>, savedRest, , Attr::hidden, "What a sleeping pair goes on from when saved; else empty."))

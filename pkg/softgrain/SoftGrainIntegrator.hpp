@@ -62,6 +62,7 @@ public:
 		((Real, lostBonds, 0, Attr::readonly, "Bonds that were whole when their contact point vanished, so far: whether the surfaces went apart in one step or slid off each other. |yupdate|"))
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
+		((Real, dtOfSpheres, 0, Attr::hidden, "Longest O.dt to be set here, for rigid spheres beside those that turned soft [s]; 0: any."))
 		((int, stepsToRaise, 0, Attr::hidden, "Steps in a row with a too short O.dt before it may be raised."))
 		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
 		((long, assemblySteps, 0, Attr::hidden, "Steps of the assembly so far."))

@@ -52,13 +52,17 @@ void SoftGrainIntegrator::followDeformation(Real undeformed, bool hasStepper)
 {
 	if (dtSet == 0 || (dtSet != scene->dt && !hasStepper))
 		dtSet = std::min(timeStepFraction * undeformed, criticalDt);
-	const bool tooShort = dtSet < lowestTimeStep * timeStepFraction * criticalDt;
+	auto longest = [this] {
+		const Real ofGrains = timeStepFraction * criticalDt;
+		return dtOfSpheres > 0 ? std::min(ofGrains, dtOfSpheres) : ofGrains;
+	};
+	const bool tooShort = dtSet < lowestTimeStep * longest();
 	const bool isRaised = tooShort && stepsToRaise == 0;
 	if (isRaised)
 		measureCriticalStep(std::numeric_limits<Real>::infinity());
 	else if (stepsToRaise > 0)
 		stepsToRaise = tooShort ? stepsToRaise - 1 : stepsBeforeRaise;
-	const Real limit = timeStepFraction * criticalDt;
+	const Real limit = longest();
 	const bool isDear = dtSet > leftTimeStep * limit &&
 			    pointsMeasured > std::max(dearPoints, dearMeasuring * pointsUpdated);
 	if (!isRaised && !isDear && dtSet <= limit * (1 + timeStepRounding)) return;

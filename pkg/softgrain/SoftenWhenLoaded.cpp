@@ -1,6 +1,7 @@
 #include "SoftenWhenLoaded.hpp"
 #include "Engines.hpp"
 #include "Require.hpp"
+#include "RigidTimeStep.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrainIntegrator.hpp"
 
@@ -39,6 +40,7 @@ void SoftenWhenLoaded::action()
 	for (const int id : loaded)
 		soften(*(*scene->bodies)[id]);
 	softened += loaded.size();
+	limitTimeStep();
 	scene->doSort = true;
 }
 
@@ -78,9 +80,20 @@ void SoftenWhenLoaded::soften(Body& body) const
 }
 
 /// The first soft grains come into a scene whose O.dt was chosen for spheres.
-void SoftenWhenLoaded::leaveTimeStepToIntegrator() const
+void SoftenWhenLoaded::leaveTimeStepToIntegrator()
 {
-	if (auto* integrator = softGrainIntegratorOf(*scene)) integrator->dtSet = scene->dt;
+	dt = scene->dt;
+	if (auto* integrator = softGrainIntegratorOf(*scene)) integrator->dtSet = dt;
+}
+
+/// To the script's, or what is usual for the rigid spheres that are left: they go on as before.
+void SoftenWhenLoaded::limitTimeStep() const
+{
+	constexpr Real usualShare = 0.3; // of utils.PWaveTimeStep()
+	const Real ofSpheres = rigidTimeStep(*scene);
+	if (auto* integrator = softGrainIntegratorOf(*scene))
+		integrator->dtOfSpheres =
+			math::isfinite(ofSpheres) ? std::max(dt, usualShare * ofSpheres) : 0;
 }
 
 } // namespace yade

@@ -15,12 +15,13 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(SoftenWhenLoaded, GlobalEngine,
-		"Turns spheres into soft grains one by one, each when it first bears load, in place, with its velocity and spin. It stands after the InteractionLoop and before :yref:`SoftGrainIntegrator`; sg.soften(when='loaded') puts it there. In the step in which a grain is turned, the contact forces that act on it already, and on its partners, act on the soft grain; contact dynamics (rigid = 'nonsmooth') has found none by then, and the contact bears nothing in that step. Either way momentum is kept, of materials with massScaling = 1. Its contacts are found anew in the next step; what overlap the rigid contact had is worked off.",
+		"Turns spheres into soft grains one by one, each when it first bears load, in place, with its velocity and spin. It stands after the InteractionLoop and before :yref:`SoftGrainIntegrator`; sg.soften(when='loaded') puts it there. In the step in which a grain is turned, the contact forces that act on it already, and on its partners, act on the soft grain; contact dynamics (rigid = 'nonsmooth') has found none by then, and the contact bears nothing in that step. Either way momentum is kept, of spheres that have the mass of the soft grain, as sg.soften() gives it to them. Its contacts are found anew in the next step; what overlap the rigid contact had is worked off.",
 		((vector<int>, ids, , , "Spheres that still wait. |yupdate|"))
 		((shared_ptr<SoftGrain>, shape, , Attr::triggerPostLoad, "Shape of the soft grains, whose radius and colour are those of the spheres; they begin undeformed, however the shape is deformed if a body has it."))
 		((shared_ptr<SoftMat>, material, , Attr::triggerPostLoad, "Their material."))
 		((Real, load, 1e-3, Attr::triggerPostLoad, "A grain is turned when the force of one of its contacts is above load times E D (3D: E D²), with E of the material and D the diameter of the sphere, ≥ 0 [-]."))
 		((int, softened, 0, Attr::readonly, "Spheres turned so far. |yupdate|"))
+		((Real, dt, 0, Attr::hidden, "O.dt before the first was turned [s]."))
 	);
 	// clang-format on
 
@@ -28,7 +29,8 @@ private:
 	bool hasSoftGrains() const;
 	bool isLoaded(const Body& body) const;
 	void soften(Body& body) const;
-	void leaveTimeStepToIntegrator() const;
+	void leaveTimeStepToIntegrator();
+	void limitTimeStep() const;
 };
 REGISTER_SERIALIZABLE(SoftenWhenLoaded);
 

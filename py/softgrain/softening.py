@@ -61,8 +61,10 @@ def soften(
     With ``when='loaded'`` spheres stay rigid until they first bear load, each for itself: a
     ``SoftenWhenLoaded`` before the ``SoftGrainIntegrator`` of ``O.engines`` turns them. Until then
     they touch each other by YADE's law, soft grains by contact dynamics; ``O.dt`` is the script's
-    before the first one is turned, the integrator's from then on. In 2D they get the mass of disks
-    at once (:func:`as_disks`). Overlaps are those of the rigid law at the load: they are relaxed.
+    before the first one is turned, the integrator's from then on, which goes beyond the script's
+    only up to 0.3 of what the stiffest sphere left asks for (``utils.PWaveTimeStep``). They get the
+    mass of soft grains, of the density of `material` and in 2D of disks, at once. Overlaps are
+    those of the rigid law at the load: they are relaxed.
 
     Args:
         ids (iterable of int | None): spheres and clumps to convert; None: all spheres that are
@@ -213,9 +215,20 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
         )
     if grain.dim == 2:
         as_disks(ids)
+    for body in bodies:
+        _give_mass(body, grain, material.density)
     keep_material(material)
     engine.timeStepFraction = fraction
     insert_before_solve(softener)
+
+
+def _give_mass(sphere, grain, density):
+    """Mass and inertia of a soft grain like `grain`, of radius 1, so that they stay when it turns
+    soft."""
+    radius = sphere.shape.radius
+    volume, inertia = volume_and_inertia(grain)
+    sphere.state.mass = density * volume * radius**grain.dim
+    sphere.state.inertia = (density * inertia * radius ** (grain.dim + 2),) * 3
 
 
 def _rigid_grains(ids):

@@ -134,6 +134,51 @@ def test_rotating_box_turns_a_grain():
     assert depth.min() > -0.02 * RADIUS and sg.wall_force(paddle.id)[1] < 0
 
 
+@pytest.mark.parametrize("turns", (3, -3))
+@pytest.mark.parametrize("dim", (2, 3))
+def test_squeezed_block_turns_with_its_boxes(dim, turns):
+    """All of the scene turns as one: what sticks bears what it bore."""
+    side, press = 2 * RADIUS, 0.05
+    soft = soft_material(poisson=0.3, massDamping=1500, frictionAngle=0.5)
+    sides = (side, side, side)[:dim]
+    block = sg.soft_block((0, 0, 0), sides, soft, zeta=0.25 if dim == 2 else 0.5)
+    O.bodies.append(block)
+    half = (5 * RADIUS, RADIUS, 5 * RADIUS)
+    rough = FrictMat(frictionAngle=0.5)
+    boxes = [
+        utils.box((0, y * 2 * RADIUS, 0), half, fixed=True, material=rough) for y in (-1, 1)
+    ]
+    O.bodies.append(boxes)
+    ready()
+    sg.set_time_step(0.85)
+    for box, speed in zip(boxes, (0.2, -0.2)):
+        box.state.vel = (0, speed, 0)
+    while boxes[1].state.pos[1] > RADIUS + (1 - press) * side / 2:
+        run(1)
+    for box in boxes:
+        box.state.vel = (0, 0, 0)
+    run(4000)
+
+    def present():
+        force = np.linalg.norm(sg.wall_force(boxes[1].id))
+        return force, block.shape.energy()["elastic"]
+
+    before = present()
+    rotation = RotationEngine(
+        ids=[box.id for box in boxes],
+        rotationAxis=(0, 0, 1),
+        angularVelocity=2 * math.pi * turns / 0.5,
+        rotateAroundZero=True,
+    )
+    sg.insert_before_solve(rotation)
+    start = O.time
+    while O.time - start < 0.5:
+        run(1)
+    rotation.angularVelocity = 0
+    run(2000)
+    np.testing.assert_allclose(present(), before, rtol=0.02)
+
+
 def pressed_cube(lid):
     """A cube on a rough floor, pressed by a lid in its middle; returns lid and floor."""
     O.reset()

@@ -276,3 +276,72 @@ def test_grain_that_waits_rigidly():
     assert sg.integrator().energy()["impact"] != 0  # they have met
     momentum = sum(b.state.mass * b.state.vel[0] for b in sg.soft_bodies())
     assert momentum == pytest.approx(disk.state.mass, rel=1e-12)
+
+
+def bonded(multirate):
+    """Two disks that hold fast to each other and swing, beside a small one."""
+    O.reset()
+    for x, speed in ((0, (0.3, 0, 0)), (2 * RADIUS, (-0.3, 0.2, 0))):
+        add_disk((x, 0, 0)).state.vel = speed
+    add_disk((0, 8 * RADIUS, 0), RADIUS / 8)
+    stiff = {"bondStrength": 1e9, "bondEnergy": 1e9, "bondStiffness": 5e9}
+    ready(multirate=multirate, interface=stiff)
+    O.trackEnergy = True
+
+
+def test_bonded_grains_are_computed_in_every_step():
+    """Held forces would feed what a bond swings."""
+    bonded(multirate=True)
+    run(2)
+    assert sg.integrator().rates() == {1: 1, 8: 2}
+    run(10)  # the first bonds form in the midst of a long step
+    balance = sg.Balance()
+    run(4000)
+    assert abs(balance.error()) < 1e-3
+
+
+@pytest.mark.parametrize("met", (False, True))
+def test_rates_that_change_after_loading(met, tmp_path):
+    """Forces held for the step of before, and intervals of before, are forgotten."""
+    soft = soft_material()
+    disk = add_disk(material=soft)
+    stiff = add_disk((1.72 * RADIUS, 0, 0), 0.7 * RADIUS, soft_material(young=4e6))
+    tiny = add_disk((0, 5 * RADIUS, 0), RADIUS / 16, soft)
+    stiff.state.vel = (-2, 0, 0) if met else (2, 0, 0)
+    disk.state.angVel = (0, 0, 100)
+    ready(multirate=True, rigidMotion=False)
+    if not met:  # swings
+        walls = add_wall(RADIUS, 1), add_wall(-RADIUS, 1)
+        walls[0].state.vel = (0, -3, 0)
+        while walls[0].state.pos[1] > 0.97 * RADIUS:
+            run(1)
+        for wall in walls:
+            O.bodies.erase(wall.id)
+    O.trackEnergy = True
+    while O.time < 0.01 or O.iter % max(sg.integrator().rates()) != 1:
+        run(1)
+    before = sum(disk.shape.energy().values())
+    path = str(tmp_path / "scene.yade.bz2")
+    O.save(path)
+    O.load(path)
+    O.bodies.erase(tiny.id)
+    O.dt = sg.integrator().dtSet
+    run(300)
+    assert max(sg.integrator().rates()) < 5
+    assert sum(O.bodies[disk.id].shape.energy().values()) == pytest.approx(before, rel=0.2)
+
+
+@pytest.mark.parametrize("damped", (False, True))
+def test_damping_of_another_grain_changes_after_loading(damped, tmp_path):
+    """What is held of a grain is its own."""
+    materials = [soft_material(massDamping=0 if k else 100 * damped) for k in range(2)]
+    for x, material in zip((0, 5 * RADIUS), materials):
+        add_disk((x, 0, 0), material=material).state.angVel = (0, 0, 100)
+    add_disk((0, 5 * RADIUS, 0), RADIUS / RATIO, materials[0])
+    ready(multirate=True, rigidMotion=False)
+    run(RATIO + 4)
+    O.save(str(tmp_path / "scene.yade.bz2"))
+    O.load(str(tmp_path / "scene.yade.bz2"))
+    O.bodies[0].material.massDamping = 0 if damped else 100
+    run(2 * RATIO)
+    assert sg.integrator().rates() == {1: 1, RATIO - (not damped): 2}

@@ -176,3 +176,61 @@ def test_woken_by_a_wall_of_which_another_side_acts():
     assert not any(asleep())
     run(60)
     assert all(disk.state.pos[1] < y - 0.02 * RADIUS for disk, y in zip(disks, heights))
+
+
+def let_go():
+    (interaction,) = O.interactions
+    interaction.phys.interface.cohesion = 0
+
+
+def take_the_law_away():
+    (interaction,) = O.interactions
+    interaction.phys.interface = None
+
+
+@pytest.mark.parametrize("change", (let_go, take_the_law_away), ids=lambda change: change.__name__)
+@pytest.mark.parametrize("meanwhile", ("nothing", "loaded", "appended"))
+def test_woken_by_an_interface_that_changes(change, meanwhile, tmp_path):
+    """A disk that hangs from a wall by cohesion."""
+    O.reset()
+    disk = add_disk(material=soft_material(massDamping=4000.0))
+    add_wall(RADIUS, 1)
+    glue = {"cohesion": 4e5, "cohesionRange": 0.03 * RADIUS}
+    ready(gravity=(0, -GRAVITY, 0), interface=glue)
+    rest()
+    if meanwhile == "loaded":
+        O.save(str(tmp_path / "asleep.yade.bz2"))
+        O.load(str(tmp_path / "asleep.yade.bz2"))
+        disk = O.bodies[0]
+        run(1)
+        assert asleep() == [True]
+        O.load(str(tmp_path / "asleep.yade.bz2"))
+        disk = O.bodies[0]
+    elif meanwhile == "appended":
+        add_disk((30 * RADIUS, 0, 0))
+    change()
+    start, height = O.time, disk.state.pos[1]
+    run(300)
+    fall = GRAVITY * (O.time - start) ** 2 / 2
+    assert height - disk.state.pos[1] == pytest.approx(fall, rel=0.1)
+
+
+@pytest.mark.parametrize("sleep", (True, False))
+def test_squeezed_grains_that_slide_do_not_sleep(sleep):
+    """A weight that is small beside what squeezes them, and that nothing bears."""
+    O.reset()
+    small = 0.1 * RADIUS
+    disk = add_disk(radius=small, material=soft_material(young=1e9, massDamping=1e6))
+    walls = add_wall(-small, 0), add_wall(small, 0)
+    ready(gravity=(0, 0, 0), sleep=sleep)
+    walls[1].state.vel = (-10, 0, 0)
+    while walls[1].state.pos[0] > 0.96 * small:
+        run(1)
+    walls[1].state.vel = (0, 0, 0)
+    run(10000)
+    assert asleep() == [sleep]
+    newton().gravity = (0, -9.81, 0)
+    start, height = O.time, disk.state.pos[1]
+    run(2000)
+    fall = 9.81 * (O.time - start) ** 2 / 2
+    assert height - disk.state.pos[1] == pytest.approx(fall, rel=0.01)

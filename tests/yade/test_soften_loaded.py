@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from partner_scenes import add_rigid_disk, momentum
+from partner_scenes import add_rigid_disk, momentum, rigid_material
 from scenes import (
     RADIUS,
     add_disk,
@@ -16,7 +16,7 @@ from scenes import (
     run_python,
     soft_material,
 )
-from yade import O
+from yade import O, utils
 
 import softgrain as sg
 
@@ -152,3 +152,50 @@ def test_shape_of_a_deformed_body():
     run_until_softened(1)
     late = sg.soft_bodies()[0]
     assert np.ptp(late.shape.outline()[:, 0]) == pytest.approx(2 * RADIUS, rel=0.01)
+
+
+@pytest.mark.parametrize("dim", (2, 3))
+def test_spheres_of_another_density(dim):
+    """They get the mass of soft grains at once: what they carry stays when they turn."""
+    for x, speed in ((0, 1), (2.02 * RADIUS, 0)):
+        sphere = utils.sphere((x, 0, 0), RADIUS, material=rigid_material(density=2600, young=1e7))
+        sphere.state.blockedDOFs = "zXY" if dim == 2 else ""
+        sphere.state.vel = (speed, 0, 0)
+        O.bodies.append(sphere)
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    O.dt = 1e-5
+    material = soft_material()
+    sg.soften(material=material, zeta=0.25 if dim == 2 else 0.4, dim=dim, when="loaded")
+    volume = math.pi * RADIUS**2 if dim == 2 else 4 / 3 * math.pi * RADIUS**3
+    state = O.bodies[0].state
+    assert state.mass == pytest.approx(material.density * volume)
+    assert state.inertia[2] == pytest.approx((0.5 if dim == 2 else 0.4) * state.mass * RADIUS**2)
+    before = momentum()
+    run_until_softened(2)
+    np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-12 * before[0])
+
+
+def test_step_of_spheres_that_stay_rigid():
+    """It is not raised beyond what they go with: a column of stiff ones on one that turns soft."""
+    disks = [add_rigid_disk((0, 2 * RADIUS * k, 0), RADIUS, young=1e9) for k in range(6)]
+    add_wall(-RADIUS, 1)
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS, gravity=(0, -9.81, 0))
+    O.dt = 3e-6  # a fifth of RADIUS (density/young)^(1/2)
+    sg.soften([disks[0].id], material=soft_material(), zeta=0.25, when="loaded", load=1e-5)
+    run_until_softened(1)
+    run(4000)
+    assert 3e-6 <= O.dt <= 5e-6
+    heights = [d.state.pos[1] / RADIUS for d in disks]
+    np.testing.assert_allclose(heights, 2 * np.arange(6), rtol=0, atol=0.1)
+
+
+def test_step_after_the_last_sphere_has_turned():
+    """It is that of soft grains alone."""
+    for x in (0, 1.999 * RADIUS):
+        add_rigid_disk((x, 0, 0), RADIUS, density=1000, young=1e10)
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    O.dt = 1e-7
+    sg.soften(material=soft_material(), zeta=0.25, when="loaded", load=0)
+    run_until_softened(2)
+    run(3)
+    assert O.dt > 1e-5

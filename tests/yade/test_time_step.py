@@ -268,13 +268,13 @@ def test_vibrations_are_not_fed():
     O.engines = sg.engines()
     sg.set_time_step(0.9)
     run(3)
-    before, steps = total_energy(), set()
+    before, steps = total_energy(), []
     for _ in range(4000):
         run(1)
-        steps.add(O.dt)
+        steps.append(O.dt)
     assert sg.integrator().activeContacts == 0
     assert min(steps) < 0.6 * max(steps)
-    assert len(steps) < 40
+    assert np.count_nonzero(np.diff(steps) > 0) <= 4000 / 1000
     assert total_energy() == pytest.approx(before, rel=0.02)
 
 

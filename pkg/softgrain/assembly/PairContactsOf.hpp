@@ -190,6 +190,7 @@ public:
 			Contact<dim> c;
 			c.key = record.key;
 			c.impulse = toKernel<dim>(record.impulse);
+			c.normal = toKernel<dim>(record.normal);
 			list.contacts.push_back(c);
 		}
 	}
@@ -210,6 +211,7 @@ public:
 		append(sum.shear);
 		append(sum.point);
 		append(sum.moment);
+		append((list.interface ? list.interface->law : InterfaceLaw()).numbers());
 		append(list.rest.placeOfSecond);
 		return numbers;
 	}
@@ -217,9 +219,10 @@ public:
 	{
 		if (saved.empty()) return;
 		PairImpulse<dim>& sum = list.impulse;
+		InterfaceLaw::Numbers law;
 		const long scalars = 3, spins = sum.moment.size();
 		const long size = static_cast<long>(saved.size());
-		if (size < scalars + 3 * dim + spins) {
+		if (size < scalars + 3 * dim + spins + static_cast<long>(law.size())) {
 			noteUnreadable("it was saved asleep", saved);
 			return;
 		}
@@ -234,6 +237,11 @@ public:
 		take(sum.shear);
 		take(sum.point);
 		take(sum.moment);
+		take(law);
+		if (list.interface) { // what it rests with, to be compared with the one to come
+			list.interface->law = InterfaceLaw::fromNumbers(law);
+			lawUnknown_ = false;
+		}
 		list.rest = { saved[0], { from, saved.end() }, false, false };
 	}
 
@@ -249,6 +257,7 @@ private:
 			return c;
 		}
 		c.impulse = -c.impulse;
+		c.normal = -c.normal;
 		if (!body.isOnGrid()) std::swap(c.key.node, c.key.other);
 		return c;
 	}

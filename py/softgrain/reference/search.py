@@ -58,6 +58,16 @@ def contacts_of_grains(first, second, reach, shift=np.zeros(2), drift=np.zeros(2
     return contacts
 
 
+def turned_with(last, present, vector):
+    """A vector turned as a unit normal was, from `last` to `present`; as it was if these differ by
+    a right angle or more, which are normals of two places."""
+    cosine = last @ present
+    if cosine <= 0:
+        return vector
+    sine = last[0] * present[1] - last[1] * present[0]
+    return np.array([[cosine, -sine], [sine, cosine]]) @ vector
+
+
 def contacts_with_plane(grain, point, normal, reach):
     """Contacts of a grain with the plane through `point` on the side of `normal`, sorted by key.
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from .cell import Cell
 from .interface import Interface, has_slid, node_areas
-from .search import contacts_of_grains, contacts_with_plane
+from .search import contacts_of_grains, contacts_with_plane, turned_with
 from .solver import (
     OverlapAccount,
     SolverSettings,
@@ -72,7 +72,8 @@ class System:
         return report
 
     def find_contacts(self, dt):
-        """Find the contacts of t_n; those that were there before keep impulse and memory."""
+        """Find the contacts of t_n; those that were there before keep memory and impulse, which
+        turns with the normal."""
         last = {(pair, contact.key): contact for pair, contact in self.contacts}
         self.contacts = []
         for g, grain in enumerate(self.grains):
@@ -99,7 +100,8 @@ class System:
         self.contacts = in_sweep_order(self.contacts)
         for pair, contact in self.contacts:
             before = last.get((pair, contact.key), contact)
-            contact.impulse, contact.slid = before.impulse, before.slid
+            contact.impulse = turned_with(before.normal, contact.normal, before.impulse)
+            contact.slid = before.slid
         present = {pair: OverlapAccount() for pair, _ in self.contacts}
         self.account = {pair: self.account.get(pair, new) for pair, new in present.items()}
 

@@ -89,6 +89,12 @@ public:
 	/// Keeps what became of contact k, with mu_s = `friction`; returns its whole impulse, r' +
 	/// p.
 	Vec<dim> remember(std::size_t k, const ContactOutcome<dim>& outcome, double friction);
+	/// Whether some contact is.
+	bool isBonded() const
+	{
+		return std::any_of(history.begin(), history.end(),
+				   [](const auto& h) { return h.bond == Bond::whole; });
+	}
 	/// Contact k is bonded from now on.
 	void bondNow(std::size_t k, double gap);
 

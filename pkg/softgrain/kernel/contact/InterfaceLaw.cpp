@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <tuple>
 
 namespace softgrain {
 
@@ -66,13 +65,15 @@ double InterfaceLaw::range() const
 	return std::max(hasCohesion() ? cohesionRange : 0, hasBond() ? finalOpening() : 0);
 }
 
-bool InterfaceLaw::operator==(const InterfaceLaw& o) const
+InterfaceLaw::Numbers InterfaceLaw::numbers() const
 {
-	auto all = [](const InterfaceLaw& l) {
-		return std::tie(l.dynamicFriction, l.cohesion, l.cohesionRange, l.bondStrength,
-				l.bondEnergy, l.bondStiffness, l.bondAtTouch, l.restitution);
-	};
-	return all(*this) == all(o);
+	return { dynamicFriction, cohesion,      cohesionRange,         bondStrength,
+		 bondEnergy,      bondStiffness, bondAtTouch ? 1. : 0., restitution };
+}
+
+InterfaceLaw InterfaceLaw::fromNumbers(const Numbers& n)
+{
+	return { n[0], n[1], n[2], n[3], n[4], n[5], n[6] != 0, n[7] };
 }
 
 } // namespace softgrain

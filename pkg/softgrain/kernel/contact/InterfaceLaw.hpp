@@ -10,6 +10,8 @@
 // Restitution (Newton, Moreau): what closes in a step leaves with e times the speed it came with.
 #pragma once
 
+#include <array>
+
 namespace softgrain {
 
 struct InterfaceLaw {
@@ -34,7 +36,12 @@ struct InterfaceLaw {
 	/// No traction acts across a larger gap, m.
 	double range() const;
 
-	bool operator==(const InterfaceLaw& o) const;
+	/// For saving, and back.
+	static constexpr int numberCount = 8;
+	using Numbers = std::array<double, numberCount>;
+	Numbers numbers() const;
+	static InterfaceLaw fromNumbers(const Numbers& numbers);
+	bool operator==(const InterfaceLaw& o) const { return numbers() == o.numbers(); }
 };
 
 } // namespace softgrain

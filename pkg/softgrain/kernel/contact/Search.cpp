@@ -129,12 +129,30 @@ void forEachStillThere(const std::vector<Contact<dim>>& last,
 	}
 }
 
+/// A vector turned as the normal was. (Normals far from each other are those of two places.)
+Vec<2> turnedAsNormal(const Vec<2>& r, const Vec<2>& last, const Vec<2>& present)
+{
+	const double c = last.dot(present), s = cross(last, present);
+	if (last == present || !(c > 0)) return r;
+	return { c * r[0] - s * r[1], s * r[0] + c * r[1] };
+}
+Vec<3> turnedAsNormal(const Vec<3>& r, const Vec<3>& last, const Vec<3>& present)
+{
+	const double c = last.dot(present);
+	if (last == present || !(c > 0)) return r;
+	const Vec<3> axis = last.cross(present);
+	return c * r + axis.cross(r) + axis.dot(r) / (1 + c) * axis;
+}
+
 /// Impulses of the last step, and the history of an interface, go to the contacts that are still
-/// there.
+/// there. Where contacts turn, impulses turn with them: sweeps that begin with those of before
+/// would follow, and not quite reach, what bears a load, always on the same side.
 template <int dim> void carryOver(const std::vector<Contact<dim>>& last, ContactList<dim>& list)
 {
 	forEachStillThere<dim>(last, list.contacts, [&](std::size_t from, std::size_t to) {
-		list.contacts[to].impulse = last[from].impulse;
+		Contact<dim>& contact = list.contacts[to];
+		contact.impulse =
+			turnedAsNormal(last[from].impulse, last[from].normal, contact.normal);
 	});
 	if (!list.interface) return;
 	list.interface->resize(list.contacts.size());

@@ -20,11 +20,9 @@ template <int dim> double power(const Batch<dim>& batch, const NodalField<dim>& 
 
 template <int dim> void ForceHolder<dim>::setRate(int g, int steps)
 {
+	if (steps == of_[g].rate) return;
 	slow_ += (steps > 1) - (of_[g].rate > 1);
-	of_[g].rate = steps;
-	if (steps > 1) return;
-	of_[g].holds = false;
-	of_[g].shorter = 0;
+	of_[g] = { .rate = steps };
 }
 
 /// How far ahead of the present the middle of the kicks lies, s.
@@ -67,8 +65,9 @@ void ForceHolder<dim>::append(const Batch<dim>& batch, int g, std::vector<double
 {
 	const Held& held = of_[g];
 	if (!held.holds && held.shorter == 0) return;
-	numbers.push_back(held.shorter);
-	numbers.push_back(static_cast<double>(held.met));
+	numbers.insert(numbers.end(),
+		       { static_cast<double>(held.rate), static_cast<double>(held.shorter),
+			 static_cast<double>(held.met) });
 	if (!held.holds) return;
 	numbers.push_back(static_cast<double>(held.until));
 	numbers.push_back(held.energy);
@@ -79,15 +78,16 @@ void ForceHolder<dim>::append(const Batch<dim>& batch, int g, std::vector<double
 template <int dim>
 void ForceHolder<dim>::restore(Batch<dim>& batch, int g, const std::vector<double>& numbers)
 {
+	setRate(g, static_cast<int>(numbers[0]));
 	Held& held = of_[g];
+	held.shorter = static_cast<int>(numbers[1]);
+	held.met = static_cast<long>(numbers[2]);
 	held.holds = numbers.size() > intervalNumbers;
-	held.shorter = static_cast<int>(numbers[0]);
-	held.met = static_cast<long>(numbers[1]);
 	if (!held.holds) return;
-	held.until = static_cast<long>(numbers[2]);
-	held.energy = numbers[3];
-	batch.report[g].stiffening = numbers[4];
-	setField(batch.force, g, batch.reference->nodes(), &numbers[5]);
+	held.until = static_cast<long>(numbers[3]);
+	held.energy = numbers[4];
+	batch.report[g].stiffening = numbers[5];
+	setField(batch.force, g, batch.reference->nodes(), &numbers[6]);
 }
 
 template class ForceHolder<2>;

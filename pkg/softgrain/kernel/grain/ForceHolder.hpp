@@ -54,12 +54,13 @@ public:
 	void followMove(const Batch<dim>& batch, int g, double dt);
 
 	/// What is held, for saving, and back: nothing, how often a grain is computed if that is
-	/// not by its rate, or so many numbers. `restore` expects as many as `append` makes.
+	/// not by its rate, or so many numbers. `restore` expects as many as `append` makes. It is
+	/// of use with the same rate only: `setRate` forgets it with another.
 	static int numberCount(const Batch<dim>& batch)
 	{
 		return intervalNumbers + 3 + batch.reference->nodes() * dim;
 	}
-	static constexpr int intervalNumbers = 2;
+	static constexpr int intervalNumbers = 3;
 	void append(const Batch<dim>& batch, int g, std::vector<double>& numbers) const;
 	void restore(Batch<dim>& batch, int g, const std::vector<double>& numbers);
 

@@ -57,6 +57,12 @@ template <int dim> Vec<dim> GrainSet<dim>::fallAsleep(int) { refuseSleep(); }
 template <int dim> void GrainSet<dim>::wake(int) { refuseSleep(); }
 
 template <int dim>
+WholeImpulses GrainSet<dim>::wholeImpulses(int, double, const BodyLoad<dim>&) const
+{
+	refuseSleep();
+}
+
+template <int dim>
 void GrainSet<dim>::massPoints(int, std::vector<Vec<dim>>&, std::vector<double>&) const
 {
 	throw std::logic_error("this formulation does not give its mass to a common grid");

@@ -25,6 +25,13 @@ template <int dim> struct BodyLoad {
 	}
 };
 
+/// Sizes of what acts on a grain as a whole in a step, with moments over the radius of its rim, N
+/// s.
+struct WholeImpulses {
+	double sum = 0;  ///< of all together
+	double load = 0; ///< of its load
+};
+
 /// When the forces of a grain are computed: at steps that are multiples of its rate, to act until
 /// the next of these (doc/decisions/0018-multirate.md).
 struct ForceSchedule {
@@ -123,6 +130,8 @@ public:
 	/// Before the next `move`: whether the forces of this step, which act for `kick`, balance
 	/// as well as those of a grain at rest do.
 	virtual bool isBalanced(int /*g*/, double /*kick*/) const { return false; }
+	/// At the same time.
+	virtual WholeImpulses wholeImpulses(int g, double kick, const BodyLoad<dim>& load) const;
 	/// Before the last `move`: the new velocities become 0. Returns the momentum that this
 	/// takes away, N s.
 	virtual Vec<dim> fallAsleep(int g);

@@ -49,6 +49,7 @@ public:
 	bool isAsleep(int g) const override { return rest_[g].isAsleep(); }
 	double watchRest(int g, double dt) override;
 	bool isBalanced(int g, double kick) const override;
+	WholeImpulses wholeImpulses(int g, double kick, const BodyLoad<dim>& load) const override;
 	Vec<dim> fallAsleep(int g) override;
 	void wake(int g) override;
 	void arrangeGrains() override;

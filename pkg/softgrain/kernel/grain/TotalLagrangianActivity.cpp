@@ -3,6 +3,7 @@
 #include "grain/TotalLagrangian.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace softgrain {
 
@@ -94,6 +95,22 @@ template <int dim> bool TotalLagrangian<dim>::isBalanced(int g, double kick) con
 	return rest_[g].isBalanced(energy, kick, batch_.report[g].elasticEnergy);
 }
 
+template <int dim>
+WholeImpulses TotalLagrangian<dim>::wholeImpulses(int g, double kick,
+						  const BodyLoad<dim>& load) const
+{
+	const double rim = outlineRadius_ * batch_.grain[g].radius;
+	const auto change = wholeOf<dim>(nodes(), [&](int I) {
+		return Particle<dim> { batch_.nodeMass(g, I), batch_.x.get(g, I),
+				       batch_.vNext.get(g, I) - batch_.v.get(g, I),
+				       batch_.reference->nodePosition[I] };
+	});
+	const double spin = load.angular.norm() / std::numbers::sqrt2; // skew: each number twice
+	return { change.mass * change.velocity.norm() + change.angularMomentum.norm() / rim,
+		 kick * (change.mass * load.acceleration.norm() +
+			 change.inertia.norm() * spin / rim) };
+}
+
 template <int dim> Vec<dim> TotalLagrangian<dim>::fallAsleep(int g)
 {
 	rest_[g].fallAsleep();
@@ -152,6 +169,8 @@ template <int dim> void TotalLagrangian<dim>::writeNodes(int g) const
 	template void TotalLagrangian<dim>::computeFirst(std::vector<int>);                        \
 	template double TotalLagrangian<dim>::watchRest(int, double);                              \
 	template bool TotalLagrangian<dim>::isBalanced(int, double) const;                         \
+	template WholeImpulses TotalLagrangian<dim>::wholeImpulses(int, double,                    \
+								   const BodyLoad<dim>&) const;    \
 	template Vec<dim> TotalLagrangian<dim>::fallAsleep(int);                                   \
 	template void TotalLagrangian<dim>::wake(int);                                             \
 	template RigidBounds<dim> TotalLagrangian<dim>::rigidBounds(int) const;                    \

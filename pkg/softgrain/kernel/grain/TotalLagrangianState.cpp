@@ -96,7 +96,7 @@ template <int dim> std::vector<double> TotalLagrangian<dim>::heldForces(int g) c
 {
 	std::vector<double> numbers;
 	holder_.append(batch_, g, numbers);
-	if (holder_.holds(g) && damper_) damper_->append(g, numbers);
+	if (holder_.holds(g) && batch_.grain[g].damping.acts()) damper_->append(g, numbers);
 	return numbers;
 }
 
@@ -105,11 +105,12 @@ void TotalLagrangian<dim>::setHeldForces(int g, const std::vector<double>& numbe
 {
 	holder_.forget(g);
 	if (numbers.empty()) return;
+	const bool damps = batch_.grain[g].damping.acts();
 	const int own = ForceHolder<dim>::numberCount(batch_);
 	if (numbers.size() != ForceHolder<dim>::intervalNumbers)
-		requireSize("forces", numbers, own + (damper_ ? damper_->numberCount() : 0));
+		requireSize("forces", numbers, own + (damps ? damper_->numberCount() : 0));
 	holder_.restore(batch_, g, numbers);
-	if (holder_.holds(g) && damper_) damper_->restore(g, numbers.data() + own);
+	if (holder_.holds(g) && damps) damper_->restore(g, numbers.data() + own);
 }
 
 template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodePositions(int g) const

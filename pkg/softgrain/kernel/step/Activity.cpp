@@ -16,6 +16,9 @@ constexpr double calmPeriods = 4;
 /// has some tens of steps.
 constexpr int watchInterval = 8;
 
+/// Of the loads of an island, what may be left over while it falls asleep.
+constexpr double unborneShare = 1e-2;
+
 } // namespace
 
 template <int dim> void Activity<dim>::followNewGrains()
@@ -223,16 +226,27 @@ void Activity<dim>::findRested(const std::vector<ContactList<dim>*>& lists,
 }
 
 /// Islands in which something has begun to act, while nothing moves yet, stay awake: what bore them
-/// may have gone before this step.
+/// may have gone before this step. So do those whose loads are not borne: where grains are squeezed
+/// hard, these may be small beside what is calm, and nobody holds who slides.
 template <int dim>
 void Activity<dim>::keepBalanced(const std::vector<ContactList<dim>*>& lists, double kick)
 {
 	Islands islands = islandsInContact(lists);
 	std::vector<char> isDriven(grains_.count(), 0); // by island
-	for (int g : rested_)
-		if (!grains_.setOf(g).isBalanced(grains_.indexInSet(g), kick))
-			isDriven[islands.of(g)] = 1;
-	std::erase_if(rested_, [&](int g) { return isDriven[islands.of(g)]; });
+	std::vector<WholeImpulses> whole(grains_.count());
+	for (int g : rested_) {
+		const GrainSet<dim>& set = grains_.setOf(g);
+		const int k = grains_.indexInSet(g), island = islands.of(g);
+		if (!set.isBalanced(k, kick)) isDriven[island] = 1;
+		const WholeImpulses own = set.wholeImpulses(k, kick, grains_.loads()[g]);
+		whole[island].sum += own.sum;
+		whole[island].load += own.load;
+	}
+	std::erase_if(rested_, [&](int g) {
+		const WholeImpulses& all = whole[islands.of(g)];
+		const bool isBorne = all.load == 0 || all.sum <= unborneShare * all.load;
+		return isDriven[islands.of(g)] || !isBorne;
+	});
 }
 
 template <int dim>

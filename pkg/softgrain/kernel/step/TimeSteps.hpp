@@ -34,7 +34,8 @@ public:
 	/// sets were added. False if nothing changes.
 	bool setMultirate(bool on);
 	/// In step number `step`: forces of slow grains are computed as often as those of stiffer,
-	/// faster ones that they touch, or of grains like themselves which do.
+	/// faster ones that they touch, or of grains like themselves which do; of bonded ones in
+	/// every step, as bonds swing them faster than their own forces do.
 	void followContacts(const std::vector<ContactList<dim>*>& lists, long step);
 	/// Steps from one computation of the forces of a grain to the next, at most.
 	int rate(int g) const { return rate_[g]; }
