@@ -263,6 +263,24 @@ void SoftInteractions::checkInterfaces() const
 		}
 }
 
+namespace {
+
+/// The commonest cause of a deep overlap with a Wall; empty for other bodies.
+string hintAtSide(const Interaction& I, const Scene& scene)
+{
+	for (const Body::id_t id : { I.getId1(), I.getId2() }) {
+		const auto* wall = dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get());
+		if (wall && wall->sense != 0)
+			return "is the grain on the " +
+			       string(wall->sense > 0 ? "positive" : "negative") +
+			       " side of the wall, as its sense = " + std::to_string(wall->sense) +
+			       " says? Else ";
+	}
+	return "";
+}
+
+} // namespace
+
 void SoftInteractions::stopOnOverlap(Real maxOverlap) const
 {
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -275,8 +293,9 @@ void SoftInteractions::stopOnOverlap(Real maxOverlap) const
 		else
 			message << " overlap by " << deepest << " point spacings, more";
 		message << " than maxOverlap = " << maxOverlap
-			<< ". Hint: start from less overlap (sg.soften(overlap='shrink')), load "
-			   "more slowly, reduce tolerance, or, under pressures near young "
+			<< ". Hint: " << hintAtSide(*interactions_[k], scene_)
+			<< "start from less overlap (sg.soften(overlap='shrink')), load more "
+			   "slowly, reduce tolerance, or, under pressures near young "
 			   "and above, make grains with nodeSpacing = 2";
 		throw std::runtime_error(message.str());
 	}

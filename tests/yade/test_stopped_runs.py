@@ -159,3 +159,11 @@ def test_body_removed_and_added_in_the_run():
     run(5)
     assert second.state.pos[0] == pytest.approx(3 * RADIUS + O.time, rel=1e-10)
     assert isinstance(O.engines[-1], NewtonIntegrator)
+
+
+@pytest.mark.parametrize("sense, side", ((1, "positive"), (-1, "negative")))
+def test_grain_on_the_wrong_side_of_a_wall(sense, side):
+    add_disk()
+    add_wall(2 * sense * RADIUS, 0, sense=sense)
+    O.engines = sg.engines()
+    assert f"on the {side} side of the wall, as its sense = {sense} says" in message_of_step()
