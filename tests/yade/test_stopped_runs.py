@@ -164,6 +164,6 @@ def test_body_removed_and_added_in_the_run():
 @pytest.mark.parametrize("sense, side", ((1, "positive"), (-1, "negative")))
 def test_grain_on_the_wrong_side_of_a_wall(sense, side):
     add_disk()
-    add_wall(2 * sense * RADIUS, 0, sense=sense)
+    add_wall(-0.5 * sense * RADIUS, 0, sense=sense)
     O.engines = sg.engines()
     assert f"on the {side} side of the wall, as its sense = {sense} says" in message_of_step()
