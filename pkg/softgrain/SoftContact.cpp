@@ -29,7 +29,7 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present, in
 	pair->restoreRest(rest);
 }
 
-/// Keys, impulses and normals; the others are found anew by the search.
+/// Keys, impulses and how they turn; the others are found anew by the search.
 std::vector<ContactRecord> SoftGeom::savedRecords() const
 {
 	std::vector<ContactRecord> records(savedImpulses.size());
@@ -37,6 +37,7 @@ std::vector<ContactRecord> SoftGeom::savedRecords() const
 		records[k].key = { savedKeys[3 * k], savedKeys[3 * k + 1], savedKeys[3 * k + 2] };
 		records[k].impulse = savedImpulses[k];
 		records[k].normal = savedNormals[k];
+		records[k].twist = savedTwists[k];
 	}
 	return records;
 }
@@ -47,6 +48,7 @@ void SoftGeom::preSave(SoftGeom&)
 	savedKeys.clear();
 	savedImpulses.clear();
 	savedNormals.clear();
+	savedTwists.clear();
 	savedAccount = pair->account().taken;
 	savedGrace = pair->account().grace;
 	savedRest = pair->rest();
@@ -55,6 +57,7 @@ void SoftGeom::preSave(SoftGeom&)
 		savedKeys.insert(savedKeys.end(), { c.key.side, c.key.node, c.key.other });
 		savedImpulses.push_back(c.impulse);
 		savedNormals.push_back(c.normal);
+		savedTwists.push_back(c.twist);
 	}
 }
 

@@ -30,6 +30,7 @@ public:
 		((vector<int>, savedKeys, , Attr::hidden, "side, node, other of each contact point when saved."))
 		((vector<Vector3r>, savedImpulses, , Attr::hidden, "Impulses when saved."))
 		((vector<Vector3r>, savedNormals, , Attr::hidden, "Normals when saved."))
+		((vector<Real>, savedTwists, , Attr::hidden, "Turns about them in the step after they were solved, when saved [rad]."))
 		((Real, savedAccount, 0, Attr::hidden, "What overlaps have lately taken from the bodies, when saved [J]."))
 		((int, savedGrace, softgrain::stepsOfAccount, Attr::hidden, "Steps left, when saved, in which overlaps that were there from the start are worked off at full speed."))
 		((vector<Real>, savedRest, , Attr::hidden, "What a sleeping pair goes on from when saved; else empty."))

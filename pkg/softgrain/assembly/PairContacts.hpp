@@ -15,6 +15,7 @@ struct ContactRecord {
 	ContactKey key;
 	Vec3 point, normal, impulse; ///< normal and impulse act on the node's grain
 	double gap;
+	double twist = 0;         ///< ContactTwist, rad
 	Vec3 pull = Vec3::Zero(); ///< impulse of the interface's tractions, besides, N s
 	Bond bond = Bond::none;
 	double damage = 0; ///< of the bond, in [0, 1]

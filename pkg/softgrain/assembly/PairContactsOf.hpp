@@ -152,6 +152,7 @@ public:
 			result.push_back({ c.key, toSpace<dim>(pointOf(c), z_),
 					   toSpace<dim>(c.normal), toSpace<dim>(c.impulse),
 					   c.gap });
+			if constexpr (dim == 3) result.back().twist = c.twist;
 		}
 		if (!list.interface) return result;
 		for (std::size_t k = 0; k < result.size(); ++k) {
@@ -191,6 +192,7 @@ public:
 			c.key = record.key;
 			c.impulse = toKernel<dim>(record.impulse);
 			c.normal = toKernel<dim>(record.normal);
+			c.setTwist(record.twist);
 			list.contacts.push_back(c);
 		}
 	}

@@ -34,8 +34,18 @@ struct ContactKey {
 	}
 };
 
+/// How far a contact turned about its normal in the last step: what rests on the other body turns
+/// with it. In the plane it cannot.
+template <int dim> struct ContactTwist {
+	void setTwist(double) {}
+};
+template <> struct ContactTwist<3> {
+	double twist = 0; ///< rad
+	void setTwist(double angle) { twist = angle; }
+};
+
 /// One contact node of one body against a place on another body.
-template <int dim> struct Contact {
+template <int dim> struct Contact : ContactTwist<dim> {
 	ContactKey key;
 	int partners = 0; ///< nodes of the other body it leans on: 0 (plane), 1 or `mostPartners`
 	int facet = -1;   ///< of the other body that it lies against, where that has facets

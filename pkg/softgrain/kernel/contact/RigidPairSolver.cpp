@@ -127,7 +127,7 @@ template <int dim> ResidualSum RigidPairSolver<dim>::residual() const
 	return sum;
 }
 
-template <int dim> void RigidPairSolver<dim>::finish()
+template <int dim> void RigidPairSolver<dim>::finish(double dt)
 {
 	PairSum<dim> sum;
 	Spin<dim> turning = Spin<dim>::Zero();
@@ -151,6 +151,7 @@ template <int dim> void RigidPairSolver<dim>::finish()
 							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;
+		list_->contacts[k].setTwist(dt * spinOfPartner(c.normal));
 		const Vec<dim> place = placeOf(c);
 		sum.add(r, c.normal, 1, place);
 		turning -= moment<dim>(place - list_->rigid->pivot, r);

@@ -23,7 +23,7 @@ public:
 		     const SolverSettings& settings);
 	SweepChange sweep(SweepOrder order);
 	ResidualSum residual() const;
-	void finish();
+	void finish(double dt);
 	int active() const { return list_->impulse.active; }
 	ContactWork work() const;
 

@@ -129,18 +129,22 @@ void forEachStillThere(const std::vector<Contact<dim>>& last,
 	}
 }
 
-/// A vector turned as the normal was. (Normals far from each other are those of two places.)
-Vec<2> turnedAsNormal(const Vec<2>& r, const Vec<2>& last, const Vec<2>& present)
+/// The impulse of a contact, turned as its normal has turned since, and in 3D about it. (Normals
+/// far from each other are those of two places.)
+Vec<2> turnedImpulse(const Contact<2>& last, const Vec<2>& normal)
 {
-	const double c = last.dot(present), s = cross(last, present);
-	if (last == present || !(c > 0)) return r;
+	const Vec<2>& r = last.impulse;
+	const double c = last.normal.dot(normal), s = cross(last.normal, normal);
+	if (last.normal == normal || !(c > 0)) return r;
 	return { c * r[0] - s * r[1], s * r[0] + c * r[1] };
 }
-Vec<3> turnedAsNormal(const Vec<3>& r, const Vec<3>& last, const Vec<3>& present)
+Vec<3> turnedImpulse(const Contact<3>& last, const Vec<3>& normal)
 {
-	const double c = last.dot(present);
-	if (last == present || !(c > 0)) return r;
-	const Vec<3> axis = last.cross(present);
+	Vec<3> r = last.impulse;
+	if (last.twist != 0) r = Eigen::AngleAxisd(last.twist, last.normal) * r;
+	const double c = last.normal.dot(normal);
+	if (last.normal == normal || !(c > 0)) return r;
+	const Vec<3> axis = last.normal.cross(normal);
 	return c * r + axis.cross(r) + axis.dot(r) / (1 + c) * axis;
 }
 
@@ -151,8 +155,7 @@ template <int dim> void carryOver(const std::vector<Contact<dim>>& last, Contact
 {
 	forEachStillThere<dim>(last, list.contacts, [&](std::size_t from, std::size_t to) {
 		Contact<dim>& contact = list.contacts[to];
-		contact.impulse =
-			turnedAsNormal(last[from].impulse, last[from].normal, contact.normal);
+		contact.impulse = turnedImpulse(last[from], contact.normal);
 	});
 	if (!list.interface) return;
 	list.interface->resize(list.contacts.size());
