@@ -52,7 +52,7 @@ RIGID_SETTLING_STEPS = 5000
 def parse_options(arguments=None):
     parser = command_line.case_parser(__doc__, out="compaction")
     add = parser.add_argument
-    add("--grains", type=command_line.whole_from(4), default=400, help="number of grains [-]")
+    add("--grains", type=command_line.whole_from(6), default=400, help="number of grains [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
     add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
     add("--poisson", type=command_line.poisson, default=0.45, help="Poisson's ratio [-]")

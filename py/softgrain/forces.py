@@ -50,7 +50,8 @@ def pair_forces():
         (n, 3) and shear_force (n, 3), sums of the normal and of the tangential forces of all
         contact points on #2 [N, 2D N/m]; area (n,) of contact, of what presses and what pulls [m²,
         2D m]; pressure (n,) and traction (n,), magnitudes of these sums over the area, whichever
-        way they point [Pa].
+        way they point [Pa]. The last three are nan where contact points are not there: after
+        ``O.load``, before the next step.
     """
     rows = [_pair(i) for i in _soft_interactions() if i.phys.activeContacts > 0]
     names = ("id1", "id2", "point", *_SUMS, "area", "pressure", "traction")
@@ -101,7 +102,8 @@ def body_forces():
 
 
 def _over(force, area):
-    return np.divide(force, area, out=np.zeros_like(force), where=area > 0)
+    """0 without an area; nan where that is."""
+    return np.divide(force, area, out=np.zeros_like(force), where=~(area <= 0))
 
 
 def _soft_interactions():
@@ -133,11 +135,12 @@ def _beside_owners(points, owners, others):
 def _pair(interaction):
     """A row of :func:`pair_forces`."""
     arrays = interaction.geom.contacts()
+    isKnown = len(arrays["side"]) > 0
     normal, shear = np.array(interaction.phys.normalForce), np.array(interaction.phys.shearForce)
     carries = arrays["pressure"] != 0  # cohesion and bonds pull
     both = [arrays["area"][carries & (arrays["side"] == side)].sum() for side in (0, 1)]
     seen = [area for area in both if area > 0]  # both outlines, or that of the grain
-    area = sum(seen) / len(seen) if seen else 0.0
+    area = sum(seen) / len(seen) if seen else 0.0 if isKnown else np.nan
     sums = np.array([np.linalg.norm(normal), np.linalg.norm(shear)])
     pressure, traction = _over(sums, np.full(2, area))
     point = np.array(interaction.geom.contactPoint)

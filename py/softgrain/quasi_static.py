@@ -23,7 +23,8 @@ def quasi_static():
     """How far the soft grains of the scene are from equilibrium, after the last step.
 
     Returns:
-        dict: *kinetic* and *elastic*, energies of all soft grains [J, 2D J/m];
+        dict: *kinetic*, of all soft grains at the end of the last step, and *elastic*, at its
+        beginning, when forces were computed [J, 2D J/m];
         *kinetic_over_elastic* [-], inf where nothing is deformed but something moves;
         *unbalanced_force* [-], mean magnitude of the sum of forces on a soft grain (contacts,
         ``O.forces``, weight) over mean magnitude of the contact forces, as

@@ -344,7 +344,7 @@ def as_disks(ids=None):
             radius. Nothing has been changed then.
     """
     if ids is None:
-        bodies = [b for b in O.bodies if b and (b.isClump or _is_single_sphere(b))]
+        bodies = [b for b in O.bodies if b and (_is_clump_of_spheres(b) or _is_single_sphere(b))]
     else:
         bodies = bodies_of(ids)
     if not bodies:
@@ -354,6 +354,10 @@ def as_disks(ids=None):
         body.state.mass = mass
         body.state.inertia = (inertia,) * 3
     return [b.id for b in bodies]
+
+
+def _is_clump_of_spheres(body):
+    return body.isClump and all(isinstance(part.shape, Sphere) for part in _spheres_of(body))
 
 
 def _is_single_sphere(body):

@@ -102,7 +102,7 @@ def fabricTensor(cutoff=0.0, splitTensor=False, thresholdForce=math.nan, extrema
     Raises:
         ValueError: *cutoff* is not in [0, 1].
     """
-    if not extrema and soft_bodies():
+    if len(extrema) == 0 and soft_bodies():
         extrema = aabbExtrema(cutoff)
     return _of_yade["fabricTensor"](cutoff, splitTensor, thresholdForce, list(extrema))
 
@@ -116,10 +116,14 @@ def porosity(volume=-1):
 
     Returns:
         float: [-], negative if the grains do not fit into the volume.
+
+    Raises:
+        ValueError: *volume* is no number.
     """
     grains = soft_bodies()
     if not grains:
         return _of_yade["porosity"](volume)
+    volume = number("volume", volume, "(-inf, inf)")
     flat = grains[0].shape.dim == 2
     if O.periodic:
         volume = cell_volume()
@@ -160,7 +164,11 @@ def _ends(body, centers):
     if not _is_soft(body):
         return place - radius, place + radius
     outline = np.array(body.shape.outline())
-    thick = [0, 0, radius if body.shape.dim == 2 else 0]
+    # with 'points' of the middles of disks (balls) of diameter dr = zeta R
+    around = body.shape.zeta * radius / 2 if body.shape.contact == "points" else 0
+    thick = np.full(3, float(around))
+    if body.shape.dim == 2:
+        thick[2] = radius
     return outline.min(axis=0) - thick, outline.max(axis=0) + thick
 
 

@@ -142,6 +142,8 @@ def test_balance(monkeypatch):
     assert balance.error() == pytest.approx(0)
     ledger.values.update(loads=0.5, damping=-0.8)
     assert balance.error() == pytest.approx(0)
+    ledger.values.update(elastic=0.4, friction=1.0, damping=0.0, walls=3.6)  # the largest was 8
+    assert balance.error() == pytest.approx(0.8 / 8)
 
 
 def test_balance_beside_rigid_bodies(monkeypatch):

@@ -1,5 +1,7 @@
 """Contact forces as arrays, and what YADE's own functions make of soft pairs."""
 
+import math
+
 import numpy as np
 import pytest
 from partner_scenes import add_clump
@@ -115,6 +117,29 @@ def test_tractions_make_the_forces():
     assert pairs["area"][row] == pytest.approx(4 * RADIUS, rel=0.1)
     assert pairs["pressure"][row] == pytest.approx(force[1] / pairs["area"][row], rel=1e-9)
     assert pairs["traction"][row] == pytest.approx(abs(force[0]) / pairs["area"][row], rel=1e-9)
+    on_floor = {name: column[-2] for name, column in sg.body_forces().items()}
+    assert on_floor["id"] == floor
+    for name in ("area", "pressure", "traction"):
+        assert on_floor[name] == pytest.approx(pairs[name][row], rel=1e-12)
+
+
+def test_what_is_not_there_after_loading(tmp_path):
+    """Contact points, and with them areas: nan, not 0. Forces of pairs are."""
+    add_disk(material=soft_material(massDamping=600))
+    add_wall(-0.99 * RADIUS, axis=0)
+    add_wall(0.99 * RADIUS, axis=0)
+    ready()
+    run(100)
+    before = sg.pair_forces()
+    assert (before["pressure"] > 0).all() and len(before["pressure"]) == 2
+    O.save(str(tmp_path / "pressed.yade.bz2"))
+    O.load(str(tmp_path / "pressed.yade.bz2"))
+    loaded = sg.pair_forces()
+    np.testing.assert_array_equal(loaded["normal_force"], before["normal_force"])
+    for name in ("area", "pressure", "traction"):
+        assert np.isnan(loaded[name]).all() and np.isnan(sg.body_forces()[name]).all()
+    run(1)
+    np.testing.assert_allclose(sg.pair_forces()["pressure"], before["pressure"], rtol=0.1)
 
 
 def test_no_contact_gives_empty_arrays():
@@ -240,10 +265,29 @@ def test_boxes_and_fabric_by_yade():
     assert utils.porosity(box) == pytest.approx(1 - sg.packing_fraction(box), rel=1e-12)
     area = np.prod((high - low)[:2])
     assert utils.porosity() == pytest.approx(1 - sg.packing_fraction(area), rel=1e-12)
+    for nothing in (math.nan, "a", None):
+        with pytest.raises(ValueError, match="volume = "):
+            utils.porosity(nothing)
+    inside = utils.fabricTensor(extrema=np.array((low, high)))[0]
+    np.testing.assert_array_equal(inside, utils.fabricTensor()[0])
     O.bodies.append(utils.sphere((9 * RADIUS, RADIUS, 0), RADIUS, material=FrictMat()))
     assert _utils.aabbExtrema()[1][0] == pytest.approx(10 * RADIUS)
     filled = sg.packing_fraction(box) + np.pi * RADIUS**2 / box
     assert utils.porosity(box) == pytest.approx(1 - filled, rel=1e-12)
+
+
+@pytest.mark.parametrize("dim", (2, 3))
+@pytest.mark.parametrize("zeta", (0.5, 0.25))
+def test_box_and_porosity_of_boundary_points(zeta, dim):
+    """Disks, or balls, about them are part of the grain."""
+    make = sg.soft_disk if dim == 2 else sg.soft_sphere
+    O.bodies.append(make((0, 0, 0), RADIUS, soft_material(), zeta=zeta, contact="points"))
+    ready()
+    low, high = np.array(utils.aabbExtrema())
+    np.testing.assert_allclose(high[:dim], RADIUS, rtol=0.05)
+    np.testing.assert_allclose(low, -high)
+    full = np.pi / 4 if dim == 2 else np.pi / 6
+    assert utils.porosity() == pytest.approx(1 - full, abs=0.1)
 
 
 SCRIPT = """

@@ -35,9 +35,9 @@ def test_grains_from_an_image(how, tmp_path):
             picture.putpalette([int(v) for v in np.arange(768) % 256])
         if how == "colour":
             colours = np.zeros((*labels.shape, 3), np.uint8)
-            colours[:, :, 1] = labels
+            colours[:, :, :2] = labels[:, :, None]  # red, green
             picture = Image.fromarray(colours)
-            names = [256 * name for name in names]
+            names = [(1 + 256) * name for name in names]
         picture.save(image)
     pixel = 1e-4
     found = sg.grains_from_image(image, pixel, soft_material(), zeta=0.25)

@@ -137,6 +137,16 @@ def test_outline_and_box_of_a_turned_star():
     assert (high - low <= np.ptp(expected, axis=0) + 0.3 * body.shape.radius).all()
 
 
+@pytest.mark.parametrize("axes", ((0.01, 0.02), (0.02, 0.01)))
+@pytest.mark.parametrize("make", (sg.soft_ellipse, sg.soft_superdisk))
+def test_axes_lie_as_they_are_given(make, axes):
+    O.bodies.append(make((0, 0, 0), axes, material=soft_material(), zeta=0.15))
+    ready()
+    O.step()
+    ends = np.abs(O.bodies[0].shape.outline()[:, :2]).max(axis=0)
+    np.testing.assert_allclose(ends, axes, rtol=0.01)
+
+
 def test_congruent_grains_share_their_tables():
     for k, angle in enumerate((0, 0.7, 2.0)):
         polygon((1 + k) * turned(IRON, angle) + (0.2 * k, 0))

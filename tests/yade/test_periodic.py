@@ -20,7 +20,7 @@ from scenes import (
     run_python,
     soft_material,
 )
-from yade import FrictMat, O, utils
+from yade import FrictMat, Matrix3, O, utils
 
 import softgrain as sg
 
@@ -31,6 +31,24 @@ def positions():
 
 def total_momentum():
     return np.sum([b.state.mass * np.array(b.state.vel) for b in sg.soft_bodies()], axis=0)
+
+
+def test_motion_with_the_cell_carries_no_stress():
+    """Grains apart from each other that a shear carries along; against it they do."""
+    set_cell(8 * RADIUS, 8 * RADIUS)
+    disks = [add_disk((2 * RADIUS, y * RADIUS, 0)) for y in (1.5, 6)]
+    O.cell.velGrad = Matrix3(0, 5, 0, 0, 0, 0, 0, 0, 0)
+    for disk in disks:
+        disk.state.vel = O.cell.velGrad * disk.state.pos
+    ready()
+    run(3)
+    mass, area = disks[0].state.mass, (8 * RADIUS) ** 2
+    unit = mass * (5 * RADIUS) ** 2 / area
+    np.testing.assert_allclose(np.array(sg.cell_stress()) / unit, 0, atol=1e-3)
+    disks[0].state.vel += (1, 0, 0)
+    run(1)
+    carried = -2 * mass * 0.5**2 / area
+    assert np.array(sg.cell_stress())[0, 0] == pytest.approx(carried, rel=0.01)
 
 
 @pytest.mark.parametrize("shear", [0.0, 1.0])

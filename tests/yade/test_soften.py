@@ -203,6 +203,14 @@ def test_relaxed_overlap():
     assert max(abs(b.state.vel[0]) for b in sg.soft_bodies()) < 0.2  # kept slow: c is 61 m/s
 
 
+def test_overlap_is_that_over_the_smaller_radius():
+    """6 % of it, and 3 % of the larger one."""
+    add_spheres([(0, 0, 0)])
+    add_spheres([((1.5 - 0.03) * RADIUS, 0, 0)], radius=RADIUS / 2)
+    with pytest.raises(ValueError, match=r"bodies #0 and #1 overlap by 6(\.0\d*)? %"):
+        sg.soften()
+
+
 @pytest.mark.parametrize("distance, shown", [(1.9, 10), (1.0, 1e2)])
 def test_overlap_too_large_to_relax(distance, shown):
     add_spheres([(0, 0, 0), (distance * RADIUS, 0, 0)])
