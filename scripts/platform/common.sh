@@ -15,7 +15,7 @@ fail() {
     exit 1
 }
 
-mkdir -p -- "$logs" 2>/dev/null \
+mkdir -p -- "$logs" 2>/dev/null && [ -w "$cache" ] && [ -w "$logs" ] \
     || fail "cannot write to $cache: free some space there, or set XDG_CACHE_HOME to a folder that can be written"
 
 # with_lock NAME STEP...: one call at a time runs STEP, the others wait for it. STEP must look again
