@@ -63,7 +63,7 @@ def test_exit_status(tmp_path):
     """The status of the whole run, so that a batch of runs notices."""
     process = yade_script("compaction", "--grains", "2", "--out", str(tmp_path))
     assert process.returncode == 2, process.stdout + process.stderr
-    assert "argument --grains: '2' is not a whole number in [4, inf)" in process.stderr
+    assert "argument --grains: '2' is not a whole number in [6, inf)" in process.stderr
 
 
 #: Of several cases.
@@ -75,8 +75,8 @@ CELLS = {
 #: By case, wrong options and what is said about them.
 REFUSED = {
     compaction: {
-        "--grains 3": "--grains: '3' is not a whole number in [4, inf)",
-        "--grains many": "--grains: 'many' is not a whole number in [4, inf)",
+        "--grains 3": "--grains: '3' is not a whole number in [6, inf)",
+        "--grains many": "--grains: 'many' is not a whole number in [6, inf)",
         "--seed 0": "--seed: '0' is not a whole number in [1, 1000000000]",
         "--seed 99999999999": "--seed: '99999999999' is not a whole number in [1, 1000000000]",
         "--until-phi 0.5": "--until-phi: 0.5 is not above the start at 0.7",

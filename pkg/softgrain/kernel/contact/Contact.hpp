@@ -34,8 +34,9 @@ struct ContactKey {
 	}
 };
 
-/// How far a contact turned about its normal in the last step: what rests on the other body turns
-/// with it. In the plane it cannot.
+/// How far a contact with a rigid body turned about its normal in the last step, as that did. In
+/// the plane it cannot. (About facets of grains local vibrations turn by more than the grain:
+/// impulses that followed these would amplify rounding.)
 template <int dim> struct ContactTwist {
 	void setTwist(double) {}
 };

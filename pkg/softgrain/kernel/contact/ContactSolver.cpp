@@ -151,7 +151,6 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, double d
 				 const SolverSettings& settings, int threads)
 {
 	settings_ = settings;
-	dt_ = dt;
 	const int listed = static_cast<int>(lists_.size());
 	const int work = listed + (count_ - listed) / rigidContactsPerPair;
 	threads_ = threadsFor(work / std::max(plan_.colours(), 1), threads, pairsPerThread);
@@ -362,7 +361,7 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 	const int ahead = staysInCache() ? 1 : pairsAhead; // from a near cache it comes soon
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		fetch(k + ahead, &PairSolver<dim>::fetchResults);
-		withPair(k, [this](auto& pair) { pair.finish(dt_); });
+		withPair(k, [](auto& pair) { pair.finish(); });
 	});
 	for (int k = 0; k < count_; ++k)
 		report.active += withPair(k, [](const auto& pair) { return pair.active(); });

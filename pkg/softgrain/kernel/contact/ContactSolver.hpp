@@ -171,7 +171,6 @@ private:
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	std::vector<long> visits_;        ///< of contacts, by pairs on their own
 	SolverSettings settings_;
-	double dt_ = 0; ///< of the step at hand, s
 	int threads_ = 1;
 };
 

@@ -295,7 +295,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairSolver<dim>::solveAlone(double violat
 	return sweeps;
 }
 
-template <int dim> void PairSolver<dim>::finish(double dt)
+template <int dim> void PairSolver<dim>::finish()
 {
 	PairSum<dim> sum;
 	WorkOfOverlaps overlaps;
@@ -312,7 +312,6 @@ template <int dim> void PairSolver<dim>::finish(double dt)
 							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;
-		list_->contacts[k].setTwist(dt * spinOfOther(c));
 		sum.add(r, c.normal, c.onFirst ? 1 : -1, placeOf(c));
 		own(c)->impulse[c.node] += r;
 		for (int i = 0; i < c.partners; ++i)

@@ -77,9 +77,9 @@ public:
 	}
 	/// How far the present impulses are from a solution.
 	ResidualSum residual() const;
-	/// Gives the list its impulses, how they turn in the step dt, and their sums, and adds them
-	/// up on every contact node (ContactBody::impulse).
-	void finish(double dt);
+	/// Gives the list its impulses and their sums, and adds them up on every contact node
+	/// (ContactBody::impulse).
+	void finish();
 	int active() const { return list_->impulse.active; } ///< contacts with an impulse
 	ContactWork work() const;
 

@@ -110,7 +110,7 @@ template <int dim> ContactWork RigidContactSolver<dim>::work() const
 	return work;
 }
 
-template <int dim> void RigidContactSolver<dim>::finish(double) { contact_->impulse = c_.impulse; }
+template <int dim> void RigidContactSolver<dim>::finish() { contact_->impulse = c_.impulse; }
 
 template class RigidContactSolver<2>;
 template class RigidContactSolver<3>;

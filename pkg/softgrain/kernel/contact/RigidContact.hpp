@@ -39,7 +39,7 @@ public:
 		     double dt);
 	SweepChange sweep(SweepOrder order);
 	ResidualSum residual() const;
-	void finish(double dt);
+	void finish();
 	/// After the velocities are solved: how far the bodies are to be moved apart. False where
 	/// the overlap at the end of the step may stay.
 	bool findSeparation(double dt, const SolverSettings& settings);

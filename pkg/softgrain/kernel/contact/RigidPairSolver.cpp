@@ -13,6 +13,7 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 			      const SolverSettings& settings)
 {
 	list_ = &list;
+	dt_ = dt;
 	grain_ = &bodies[list.first];
 	side_ = BodySide<dim>(*grain_);
 	partner_ = &partners[list.rigid->partner];
@@ -127,7 +128,7 @@ template <int dim> ResidualSum RigidPairSolver<dim>::residual() const
 	return sum;
 }
 
-template <int dim> void RigidPairSolver<dim>::finish(double dt)
+template <int dim> void RigidPairSolver<dim>::finish()
 {
 	PairSum<dim> sum;
 	Spin<dim> turning = Spin<dim>::Zero();
@@ -151,7 +152,7 @@ template <int dim> void RigidPairSolver<dim>::finish(double dt)
 							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;
-		list_->contacts[k].setTwist(dt * spinOfPartner(c.normal));
+		list_->contacts[k].setTwist(dt_ * spinOfPartner(c.normal));
 		const Vec<dim> place = placeOf(c);
 		sum.add(r, c.normal, 1, place);
 		turning -= moment<dim>(place - list_->rigid->pivot, r);

@@ -23,7 +23,7 @@ public:
 		     const SolverSettings& settings);
 	SweepChange sweep(SweepOrder order);
 	ResidualSum residual() const;
-	void finish(double dt);
+	void finish();
 	int active() const { return list_->impulse.active; }
 	ContactWork work() const;
 
@@ -75,6 +75,7 @@ private:
 	RigidPartner<dim>* partner_ = nullptr;
 	ContactList<dim>* list_ = nullptr;        ///< valid for the step
 	PairInterface<dim>* interface_ = nullptr; ///< of the list; null if there is none
+	double dt_ = 0;                           ///< of the step, s
 	bool moves_ = false;                      ///< the rigid body
 	Spin<dim> heldSpin_;                      ///< of it, as prescribed, 1/s
 	Vec<dim> drift_; ///< of the image of the rigid body beyond its own velocity, m/s
