@@ -60,7 +60,7 @@ void Batch<dim>::arrange(const std::vector<int>& active, const std::vector<int>&
 	fillSlots(active);
 	activeBlocks_ = static_cast<int>(inSlot_.size()) / laneWidth;
 	fillSlots(others);
-	lame.resize(inSlot_.size() / laneWidth);
+	lame.assign(inSlot_.size() / laneWidth, LameConstants());
 	for (int b = 0; b < blocks(); ++b)
 		for (int l = 0; l < laneWidth; ++l) {
 			const int g = grainInLane(b, l);

@@ -53,12 +53,14 @@ struct LameConstants {
 	/// Square of the highest frequency that 2 mu alone gives an undeformed grain over that of
 	/// all; 0 where pressure waves are the stiffest however it is deformed.
 	Lanes isochoricShare;
+	bool anyIsochoric = false; ///< in some lane
 
 	void set(int lane, const ElasticConstants& constants, double isochoric)
 	{
 		lambda[lane] = constants.lambda();
 		mu[lane] = constants.mu();
 		isochoricShare[lane] = isochoric;
+		anyIsochoric = anyIsochoric || isochoric > 0;
 	}
 	/// The same in all lanes.
 	static LameConstants ofAll(const ElasticConstants& constants, double isochoric = 0)

@@ -170,12 +170,13 @@ private:
 		const Lanes inverseStretch =
 			detail::largestSquaredStretch(C) * (inverseJ * inverseJ);
 		const Lanes tangentLambda = inPlane(lambda, mu * squareF33);
-		const Lanes waves = // the divisions are the same in all points
-			(mu + (tangentLambda - pressure) * inverseStretch) *
-			(1 / (inPlane(lambda, mu) + 2 * mu));
-		const Lanes isochoric =
-			(mu - pressure * inverseStretch) * (lame.isochoricShare / (2 * mu));
-		point.stiffening = larger(isochoric, waves);
+		// the divisions are the same in all points
+		point.stiffening = (mu + (tangentLambda - pressure) * inverseStretch) *
+				   (1 / (inPlane(lambda, mu) + 2 * mu));
+		if (lame.anyIsochoric)
+			point.stiffening = larger((mu - pressure * inverseStretch) *
+							  (lame.isochoricShare / (2 * mu)),
+						  point.stiffening);
 	}
 
 	/// First Lame constant that acts in the plane where the thickness is free to follow.
