@@ -38,6 +38,7 @@ DENSITY = 1000  # kg/m3, the paper's value
 MEAN_RADIUS = 0.01  # m, the paper's value
 RADIUS_SPREAD = 0.15  # uniform in mean (1 +- spread): weak, yet enough not to crystallise
 CLOUD_PHI = 0.45  # of the generated cloud
+FEWEST_GRAINS = 6  # fewer do not fit side by side, and overlap more than can be relaxed
 MOST_SEEDS = 20  # tried for it: a few grains may leave no room for the last one
 START_PHI = 0.70  # of the loose packing made by rigid DEM, below random loose packing for all mu
 RECORDS_PER_UNIT_PHI = 400
@@ -52,7 +53,8 @@ RIGID_SETTLING_STEPS = 5000
 def parse_options(arguments=None):
     parser = command_line.case_parser(__doc__, out="compaction")
     add = parser.add_argument
-    add("--grains", type=command_line.whole_from(6), default=400, help="number of grains [-]")
+    some = command_line.whole_from(FEWEST_GRAINS)
+    add("--grains", type=some, default=400, help="number of grains [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
     add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
     add("--poisson", type=command_line.poisson, default=0.45, help="Poisson's ratio [-]")

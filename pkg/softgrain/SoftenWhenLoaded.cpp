@@ -89,7 +89,8 @@ void SoftenWhenLoaded::leaveTimeStepToIntegrator()
 /// To the script's, or what is usual for the rigid spheres that are left: they go on as before.
 void SoftenWhenLoaded::limitTimeStep() const
 {
-	constexpr Real usualShare = 0.3; // of utils.PWaveTimeStep()
+	// of utils.PWaveTimeStep(), with which a column of stiff spheres on a soft grain stands
+	constexpr Real usualShare = 0.3;
 	const Real ofSpheres = rigidTimeStep(*scene);
 	if (auto* integrator = softGrainIntegratorOf(*scene))
 		integrator->dtOfSpheres =

@@ -102,8 +102,8 @@ def body_forces():
 
 
 def _over(force, area):
-    """0 without an area; nan where that is."""
-    return np.divide(force, area, out=np.zeros_like(force), where=~(area <= 0))
+    """0 without an area, nan where it is not known."""
+    return np.divide(force, area, out=np.zeros_like(force), where=(area > 0) | np.isnan(area))
 
 
 def _soft_interactions():
@@ -135,12 +135,13 @@ def _beside_owners(points, owners, others):
 def _pair(interaction):
     """A row of :func:`pair_forces`."""
     arrays = interaction.geom.contacts()
-    isKnown = len(arrays["side"]) > 0
     normal, shear = np.array(interaction.phys.normalForce), np.array(interaction.phys.shearForce)
     carries = arrays["pressure"] != 0  # cohesion and bonds pull
     both = [arrays["area"][carries & (arrays["side"] == side)].sum() for side in (0, 1)]
     seen = [area for area in both if area > 0]  # both outlines, or that of the grain
-    area = sum(seen) / len(seen) if seen else 0.0 if isKnown else np.nan
+    area = sum(seen) / len(seen) if seen else 0.0
+    if len(arrays["side"]) == 0:
+        area = np.nan
     sums = np.array([np.linalg.norm(normal), np.linalg.norm(shear)])
     pressure, traction = _over(sums, np.full(2, area))
     point = np.array(interaction.geom.contactPoint)

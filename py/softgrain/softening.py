@@ -214,7 +214,8 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
             "sg.engines(verlet_distance=...) first"
         )
     if grain.dim == 2:
-        as_disks(ids)
+        for body in bodies:
+            _require_plane(body)
     for body in bodies:
         _give_mass(body, grain, material.density)
     keep_material(material)
@@ -364,15 +365,19 @@ def _is_single_sphere(body):
     return isinstance(body.shape, Sphere) and not body.isClumpMember
 
 
-def _disk_mass_and_inertia(body):
-    """Of a sphere or a clump of spheres, as disks per metre of thickness [kg/m, kg m]."""
-    if not (body.isClump or _is_single_sphere(body)):
-        raise ValueError(f"ids: body #{body.id} is no sphere outside clumps and no clump")
+def _require_plane(body):
     if not set("zXY") <= set(body.state.blockedDOFs):
         raise ValueError(
             f"ids: body #{body.id} has blockedDOFs = {body.state.blockedDOFs!r}; a disk of a 2D "
             "scene has at least 'zXY'"
         )
+
+
+def _disk_mass_and_inertia(body):
+    """Of a sphere or a clump of spheres, as disks per metre of thickness [kg/m, kg m]."""
+    if not (body.isClump or _is_single_sphere(body)):
+        raise ValueError(f"ids: body #{body.id} is no sphere outside clumps and no clump")
+    _require_plane(body)
     parts = _spheres_of(body)
     if not all(isinstance(part.shape, Sphere) for part in parts):
         raise ValueError(f"ids: clump #{body.id} has a member that is no sphere")

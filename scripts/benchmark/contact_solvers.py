@@ -172,7 +172,8 @@ def problems(options):
 def parse_options():
     parser = command_line.case_parser(__doc__, out="contact_solvers")
     add = parser.add_argument
-    add("--grains", type=command_line.whole_from(6), default=25, help="number of grains [-]")
+    some = command_line.whole_from(compaction.FEWEST_GRAINS)
+    add("--grains", type=some, default=25, help="number of grains [-]")
     add("--zeta", type=command_line.resolution, default=0.1, help="relative resolution 2 dr/D [-]")
     add("--tolerance", type=command_line.positive, default=1e-3, help="of the run [-]")
     return parser.parse_args()

@@ -150,7 +150,8 @@ def compactions(out, grains, zeta):
 def parse_options(arguments=None):
     parser = command_line.case_parser(__doc__, out="quasi_static")
     add = parser.add_argument
-    add("--grains", type=command_line.whole_from(6), default=30, help="of the compaction [-]")
+    some = command_line.whole_from(compaction.FEWEST_GRAINS)
+    add("--grains", type=some, default=30, help="of the compaction [-]")
     add("--zeta", type=command_line.resolution, default=0.25, help="relative resolution [-]")
     return parser.parse_args(arguments)
 

@@ -27,7 +27,8 @@ WINDOWS = (0.72, 0.76, 0.80, 0.84, 0.88, 0.92, 0.95, 0.98)
 def parse_options(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add, positive = parser.add_argument, command_line.positive
-    add("--grains", type=command_line.whole_from(6), default=100, help="number of grains [-]")
+    some = command_line.whole_from(compaction.FEWEST_GRAINS)
+    add("--grains", type=some, default=100, help="number of grains [-]")
     add("--zeta", type=command_line.resolution, default=0.2, help="relative resolution 2 dr/D [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
     add("--speed", type=positive, default=0.5, help="of the top wall [m/s]")

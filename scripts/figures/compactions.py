@@ -16,6 +16,7 @@ def compaction_options(description, **extra):
         description,
         jobs=2,
         out="figures",
+        # from as many on as compaction.py has it
         grains={"type": whole_from(6), "default": 400, "help": "number of grains [-]"},
         until_phi={"type": fraction, "default": 0.98, "help": "packing fraction to stop at [-]"},
         **extra,

@@ -278,20 +278,15 @@ def test_grain_that_waits_rigidly():
     assert momentum == pytest.approx(disk.state.mass, rel=1e-12)
 
 
-def bonded(multirate):
-    """Two disks that hold fast to each other and swing, beside a small one."""
-    O.reset()
+def test_bonded_grains_are_computed_in_every_step():
+    """Held forces would feed what a bond swings: two disks that hold fast to each other, beside a
+    small one."""
     for x, speed in ((0, (0.3, 0, 0)), (2 * RADIUS, (-0.3, 0.2, 0))):
         add_disk((x, 0, 0)).state.vel = speed
     add_disk((0, 8 * RADIUS, 0), RADIUS / 8)
     stiff = {"bondStrength": 1e9, "bondEnergy": 1e9, "bondStiffness": 5e9}
-    ready(multirate=multirate, interface=stiff)
+    ready(multirate=True, interface=stiff)
     O.trackEnergy = True
-
-
-def test_bonded_grains_are_computed_in_every_step():
-    """Held forces would feed what a bond swings."""
-    bonded(multirate=True)
     run(2)
     assert sg.integrator().rates() == {1: 1, 8: 2}
     run(10)  # the first bonds form in the midst of a long step

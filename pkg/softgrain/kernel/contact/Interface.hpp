@@ -11,6 +11,7 @@
 #include "Vector.hpp"
 #include "contact/InterfaceLaw.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -89,7 +90,7 @@ public:
 	/// Keeps what became of contact k, with mu_s = `friction`; returns its whole impulse, r' +
 	/// p.
 	Vec<dim> remember(std::size_t k, const ContactOutcome<dim>& outcome, double friction);
-	/// Whether some contact is.
+	/// Whether a bond holds.
 	bool isBonded() const
 	{
 		return std::any_of(history.begin(), history.end(),

@@ -37,8 +37,7 @@ struct InterfaceLaw {
 	double range() const;
 
 	/// For saving, and back.
-	static constexpr int numberCount = 8;
-	using Numbers = std::array<double, numberCount>;
+	using Numbers = std::array<double, 8>;
 	Numbers numbers() const;
 	static InterfaceLaw fromNumbers(const Numbers& numbers);
 	bool operator==(const InterfaceLaw& o) const { return numbers() == o.numbers(); }

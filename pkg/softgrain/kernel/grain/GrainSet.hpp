@@ -130,7 +130,7 @@ public:
 	/// Before the next `move`: whether the forces of this step, which act for `kick`, balance
 	/// as well as those of a grain at rest do.
 	virtual bool isBalanced(int /*g*/, double /*kick*/) const { return false; }
-	/// At the same time.
+	/// At the same time: what the step does to the grain as a whole, and its load of that.
 	virtual WholeImpulses wholeImpulses(int g, double kick, const BodyLoad<dim>& load) const;
 	/// Before the last `move`: the new velocities become 0. Returns the momentum that this
 	/// takes away, N s.

@@ -226,8 +226,8 @@ void Activity<dim>::findRested(const std::vector<ContactList<dim>*>& lists,
 }
 
 /// Islands in which something has begun to act, while nothing moves yet, stay awake: what bore them
-/// may have gone before this step. So do those whose loads are not borne: where grains are squeezed
-/// hard, these may be small beside what is calm, and nobody holds who slides.
+/// may have gone before this step. So do those whose loads nothing bears: beside the energy of
+/// grains that are squeezed hard a weight is small, and what slides under it would stop on its way.
 template <int dim>
 void Activity<dim>::keepBalanced(const std::vector<ContactList<dim>*>& lists, double kick)
 {

@@ -177,9 +177,9 @@ void TimeSteps<dim>::followContacts(const std::vector<ContactList<dim>*>& lists,
 	if (!multirate_ || !ratesChosen_) return;
 	for (const ContactList<dim>* list : lists) {
 		if (list->contacts.empty()) continue;
-		const bool isBonded = list->interface && list->interface->isBonded();
-		for (int g : { list->first, list->second })
-			if (g >= 0 && isBonded && rate_[g] > 1) setInterval(g, { 1, step });
+		if (list->interface && list->interface->isBonded())
+			for (int g : { list->first, list->second })
+				if (g >= 0 && rate_[g] > 1) setInterval(g, { 1, step });
 		if (list->second < 0) continue;
 		followContact(list->first, list->second, step);
 		followContact(list->second, list->first, step);
