@@ -36,7 +36,13 @@ def parse_options(arguments=None):
         default="apart",
         help="apart: no two that touch each other, nor a wall; half: every second one",
     )
-    add("--errors", type=command_line.positive, nargs="+", default=[0.005, 0.01, 0.02, 0.05])
+    add(
+        "--errors",
+        type=command_line.number(hardening.ERROR_RANGE),
+        nargs="+",
+        default=[0.005, 0.01, 0.02, 0.05],
+        help="of the outlines of clumps, over the radius [-]",
+    )
     add(
         "--depth",
         type=command_line.fraction,

@@ -33,7 +33,17 @@ def parse_options(arguments=None):
     )
     add("--rate", type=command_line.positive, default=1.0, help="of compression [1/s]")
     add("--until", type=command_line.positive, default=0.05, help="displacement w/D to stop at [-]")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    end = solution(options.lattice).wall_displacement_over_D[-1]
+    if not LATE < options.until <= end:
+        parser.error(f"argument --until: {options.until} is not in the range ({LATE}, {end}]")
+    return options
+
+
+def solution(lattice):
+    """By finite elements."""
+    cells = {"square": finite_elements.square_cell, "triangular": finite_elements.hexagonal_cell}
+    return cells[lattice]()
 
 
 def make_scene(options):
@@ -103,9 +113,8 @@ def main():
     displacement, phi, xx, yy, xy, grains_xx, grains_yy, done, expected = compress(options)
     stress = -0.5 * (xx + yy)
     force = neighbour_force(options.lattice, stress, 1 - 2 * displacement)
-    cell = "square_cell" if options.lattice == "square" else "hexagonal_cell"
-    curve = getattr(finite_elements, cell)()
-    late = displacement >= LATE
+    curve = solution(options.lattice)
+    late = (LATE <= displacement) & (displacement <= curve.wall_displacement_over_D[-1])
     exact = finite_elements.interpolated(
         displacement[late], curve.wall_displacement_over_D, curve.force_over_ED
     )

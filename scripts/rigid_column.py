@@ -67,7 +67,12 @@ def parse_options(arguments=None):
         default=[1, 2, 3],
         help="of random places and radii",
     )
-    add("--width", type=command_line.positive, default=12, help="L0 over the mean diameter [-]")
+    add(
+        "--width",
+        type=command_line.number("[2, inf)"),
+        default=12,
+        help="L0 over the mean diameter [-]",
+    )
     add("--floor", choices=("disks", "flat"), default="disks", help="what the column stands on")
     add("--mu", type=command_line.non_negative, default=0.5, help="friction [-]")
     add("--restitution", type=command_line.share, default=0.5, help="of either law [-]")
@@ -83,7 +88,19 @@ def parse_options(arguments=None):
     options = parser.parse_args(arguments)
     if missing := set(options.linear) - set(options.aspects):
         parser.error(f"argument --linear: {sorted(missing)} are not among --aspects")
+    lowest = min(options.aspects)
+    if disks_in_column(lowest, options.width) < columns(options.width):
+        parser.error(f"argument --aspects: {lowest} makes no whole row of disks")
     return options
+
+
+def columns(width):
+    """How many disks stand side by side."""
+    return int(width / (1 + SPREAD))
+
+
+def disks_in_column(aspect, width):
+    return round(SETTLED * aspect * width**2 / (0.25 * math.pi))
 
 
 def disks():
@@ -194,11 +211,10 @@ def build_column(aspect, seed, options):
     add_floor(options.floor, 2 * (1 + farthest) * width, grains, random)
     O.bodies.append(utils.wall(0, axis=0, sense=1, material=smooth))
     gate = O.bodies.append(utils.wall(width, axis=0, sense=-1, material=smooth))
-    columns = int(width / pitch)
-    area = SETTLED * aspect * width**2
-    for k in range(round(area / (0.25 * math.pi * DIAMETER**2))):
-        row, column = divmod(k, columns)
-        place = (np.array([column, row]) + 0.5) * [width / columns, pitch]
+    side_by_side = columns(options.width)
+    for k in range(disks_in_column(aspect, options.width)):
+        row, column = divmod(k, side_by_side)
+        place = (np.array([column, row]) + 0.5) * [width / side_by_side, pitch]
         place[1] += FLOOR_TOP + CLEARANCE
         radius = 0.5 * DIAMETER * random.uniform(1 - SPREAD, 1 + SPREAD)
         room = 0.5 * pitch - radius

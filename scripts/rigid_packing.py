@@ -43,10 +43,10 @@ def parse_options(arguments=None):
     parser = command_line.case_parser(__doc__, out="rigid_packing")
     add = parser.add_argument
     add("--spheres", type=command_line.whole_from(1), default=2000, help="in the box")
-    add("--disks", type=command_line.whole_from(1), default=400, help="squeezed by walls")
+    add("--disks", type=command_line.whole_from(20), default=400, help="squeezed by walls")
     add(
         "--in-cell",
-        type=command_line.whole_from(1),
+        type=command_line.whole_from(30),  # YADE wants cells of some grains side by side
         default=100,
         help="disks, spheres in a periodic cell",
     )

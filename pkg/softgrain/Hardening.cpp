@@ -1,29 +1,8 @@
 #include "Hardening.hpp"
-#include "PythonArrays.hpp"
-#include "SceneAssembly.hpp"
-#include "SoftGrain.hpp"
 
 #include <Eigen/Eigenvalues>
 
 namespace yade {
-
-using softgrain::Rotation;
-using softgrain::Vec3;
-
-boost::python::object presentOutline(int id)
-{
-	Scene& scene = *Omega::instance().getScene();
-	if (!scene.bodies->exists(id) || !isSoftGrain(*(*scene.bodies)[id]))
-		throw std::invalid_argument("body #" + std::to_string(id) + " is no soft grain");
-	assembleScene(scene);
-	const SoftGrain& grain = grainOf(scene, id);
-	const State& state = *(*scene.bodies)[id]->state;
-	const Rotation turn = state.ori * grain.written.orientation.conjugate();
-	std::vector<Vec3> nodes = grain.assembly->outline(grain.index);
-	for (Vec3& x : nodes)
-		x = state.pos + turn * (x - grain.written.position);
-	return softgrain::numpyArray(nodes);
-}
 
 void becomeClump(int id, const Vector3r& centre, Real mass, const Matrix3r& inertia,
 		 const Vector3r& velocity, const Vector3r& angularMomentum)

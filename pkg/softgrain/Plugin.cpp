@@ -94,9 +94,6 @@ BOOST_PYTHON_MODULE(_softgrain)
 		"Whether O.forces holds the forces of the last step, or of the present one.");
 	py::def("letColliderReadBodies", letColliderReadBodies,
 		"Has the next run of the collider take the bodies from their list.");
-	py::def("presentOutline", yade::presentOutline,
-		"Outline of the soft grain of a body where its State has it now, also if that was "
-		"changed since the last step: array (n, 3) [m].");
 	py::def("becomeClump", yade::becomeClump,
 		"(id, centre, mass, inertia (axes of space), velocity, angular momentum): gives a "
 		"clump what a body has that it is to stand for; its members stay where they are.");

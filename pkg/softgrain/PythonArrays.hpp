@@ -23,6 +23,16 @@ inline boost::python::object numpyArray(const std::vector<Number>& numbers,
 	return py::import("numpy").attr("frombuffer")(bytes, type).attr("reshape")(shape);
 }
 
+/// Array (n, dim) of the first `dim` components of vectors in space.
+template <class Vector>
+inline boost::python::object numpyArray(const std::vector<Vector>& vectors, int dim)
+{
+	std::vector<double> numbers;
+	for (const Vector& v : vectors)
+		numbers.insert(numbers.end(), v.data(), v.data() + dim);
+	return numpyArray(numbers, boost::python::make_tuple(-1, dim));
+}
+
 /// Array (n, 3) of vectors, (n, 3, 3) of matrices.
 template <class Tensor> inline boost::python::object numpyArray(const std::vector<Tensor>& tensors)
 {

@@ -3,11 +3,11 @@
 #include "Fetch.hpp"
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
-#include "SoftBodies.hpp"
 #include "SoftContact.hpp"
 #include "SoftGrain.hpp"
 #include "SoftGrainIntegrator.hpp"
 #include "SoftMat.hpp"
+#include "StateChange.hpp"
 #include "Threads.hpp"
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 #include "SceneAssembly.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
+#include "StateChange.hpp"
 #include "Threads.hpp"
 
 #include <atomic>
@@ -10,29 +11,12 @@
 
 namespace yade {
 
-using softgrain::Rotation;
 using softgrain::Vec3;
 
 namespace {
 
-/// What NewtonIntegrator's own sums leave between State and what was written, and more than that of
-/// a user's change that is worth an answer: lengths over the radius, angles in rad.
-constexpr Real lengthRounding = 1e-9, angleRounding = 1e-9;
-/// Squared difference of quaternions within `angleRounding`.
-constexpr Real quaternionRounding = 1e-19;
-/// Over the distance from the origin and over the speed of the grain.
-constexpr Real placeRounding = 1e-14, speedRounding = 1e-12;
-/// Over the spin of the grain.
-constexpr Real spinRounding = 1e-9;
-
 /// How far a shift may be from whole periods, over the radius.
 constexpr Real wrapTolerance = 1e-6;
-
-/// Of the norm of a quaternion that stands for a rotation.
-constexpr Real unitRounding = 1e-6;
-
-/// A rotation within a step that is none, rad.
-constexpr Real noTurn = 1e-16;
 
 /// 40 us of work: waking a thread for this pass, after a stretch on one, takes some 30.
 constexpr int loadsPerThread = 2000;
@@ -40,35 +24,6 @@ constexpr int loadsPerThread = 2000;
 /// Outlines leave their boxes when they are as near to its sides as this, over the spacing of
 /// material points, or as surfaces reach: contacts start before touch.
 constexpr Real boxReserve = 0.1;
-
-void requireMotion(const Body& body)
-{
-	const State& state = *body.state;
-	for (const Vector3r& v : { state.pos, state.vel, state.angVel })
-		if (!v.allFinite())
-			throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
-						 ": its State (pos, vel, angVel) holds a value "
-						 "that is not finite; assign a finite one");
-	softgrain::requireDigits(body.getId(), state.pos,
-				 static_cast<const SoftGrain&>(*body.shape).radius);
-	const Real norm = state.ori.norm();
-	if (!(std::abs(norm - 1) <= unitRounding))
-		throw std::runtime_error("soft grain #" + std::to_string(body.getId()) +
-					 ": its State.ori has the norm " + std::to_string(norm) +
-					 "; admissible: 1, a rotation");
-}
-
-void refuseOutOfPlane(const Body& body, const string& what, const string& admissible)
-{
-	throw std::runtime_error("soft grain #" + std::to_string(body.getId()) + ": its State." +
-				 what + " the plane of 2D grains; admissible: " + admissible);
-}
-
-void requireTurnInPlane(const Body& body, const Rotation& turn)
-{
-	if (turn.vec().head<2>().norm() > angleRounding)
-		refuseOutOfPlane(body, "ori turns it out of", "turns about z");
-}
 
 /// Nothing of it would act.
 void requireGravityInPlane(const Vector3r& gravity, const SoftGrain& grain)
@@ -78,73 +33,12 @@ void requireGravityInPlane(const Vector3r& gravity, const SoftGrain& grain)
 				   "0 m/s^2: 2D soft grains lie in a plane z = const");
 }
 
-struct Placement {
-	Vector3r pos;
-	Quaternionr ori;
-};
-
-/// From where NewtonIntegrator lands on a motion.
-Placement stepBefore(const softgrain::GrainMotion& motion, Real dt)
-{
-	const Real rate = motion.angularVelocity.norm();
-	const Rotation turn =
-		rate * dt > noTurn
-			? Rotation(Eigen::AngleAxisd(-rate * dt, motion.angularVelocity / rate))
-			: Rotation(Rotation::Identity());
-	return { motion.position - dt * motion.velocity, turn * motion.orientation };
-}
-
-/// Where an engine stopped the last step, which was dt, before NewtonIntegrator, State is left
-/// behind the grain: no motion of the user's.
-void catchUp(State& state, const softgrain::GrainMotion& written, Real dt)
-{
-	const Placement behind = stepBefore(written, dt);
-	if (state.pos != behind.pos || state.ori.coeffs() != behind.ori.coeffs()) return;
-	state.pos = written.position;
-	state.ori = written.orientation;
-}
-
 bool isFinite(const softgrain::GrainLoad& load)
 {
 	return load.acceleration.allFinite() && load.angularAcceleration.allFinite();
 }
 
-/// Of a 2D grain, in a step dt: what it would have besides its motion in the plane would be lost.
-void requireInPlane(const Body& body, const Vec3& shift, const Rotation& turn, Real dt)
-{
-	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
-	if (grain.dim == 3) return;
-	const State& state = *body.state;
-	requireTurnInPlane(body, turn);
-	const Real length = lengthRounding * grain.radius;
-	if (std::abs(shift.z()) > length)
-		refuseOutOfPlane(body, "pos shifts it out of", "the z it has had");
-	if (std::abs(state.vel.z()) * dt > length)
-		refuseOutOfPlane(body, "vel leads out of", "vel[2] = 0");
-	if (state.angVel.head<2>().norm() * dt > angleRounding)
-		refuseOutOfPlane(body, "angVel turns it out of", "angVel[0] = angVel[1] = 0");
-}
-
 } // namespace
-
-void requireFirstMotion(const Body& body)
-{
-	requireMotion(body);
-	if (static_cast<const SoftGrain&>(*body.shape).dim == 2)
-		requireTurnInPlane(body, body.state->ori);
-}
-
-bool isAsWritten(const Body& body)
-{
-	const State& state = *body.state;
-	const SoftGrain& grain = static_cast<const SoftGrain&>(*body.shape);
-	const softgrain::GrainMotion& written = grain.written;
-	const Real length = lengthRounding * grain.radius;
-	return state.vel == written.velocity && state.angVel == written.angularVelocity &&
-	       (state.pos - written.position).squaredNorm() <= length * length &&
-	       (state.ori.coeffs() - written.orientation.coeffs()).squaredNorm() <=
-		       quaternionRounding;
-}
 
 void SoftBodies::requireCarried(const NewtonIntegrator& newton) const
 {
@@ -177,37 +71,26 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 	const Body& body = *(*scene_.bodies)[assembly_.idOf(g)];
 	State& state = *body.state;
 	SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
-	const softgrain::GrainMotion written = grain.written;
-	const Real radius = grain.radius;
 	requireMotion(body);
 	assembly_.host.publishedAsleep[g] = false; // whatever becomes of it, State is written next
-	catchUp(state, written, assembly_.continuation().lastStep);
-	Vec3 shift = state.pos - written.position;
-	Rotation turn = state.ori * written.orientation.conjugate();
-	requireInPlane(body, shift, turn, scene_.dt);
-	const bool turned = turn.vec().norm() > angleRounding;
-	if (!turned) turn.setIdentity();
-	// what a turn of the whole grain, velocities included, does not bring along
-	Vec3 velocity = state.vel - turn * written.velocity;
-	const Vec3 spin = state.angVel - turn * written.angularVelocity;
-	const bool moved =
-		shift.norm() > lengthRounding * radius + placeRounding * state.pos.norm();
-	const auto image =
-		moved ? followWrap(scene_, body, shift, wrapTolerance * radius) : std::nullopt;
+	if (isBehind(body, assembly_.continuation().lastStep)) {
+		state.pos = grain.written.position;
+		state.ori = grain.written.orientation;
+	}
+	StateChange change = changeOf(body);
+	requireInPlane(body, change, scene_.dt);
+	const auto image = change.shift.isZero(0) ? std::nullopt
+						  : followWrap(scene_, body, change.shift,
+							       wrapTolerance * grain.radius);
 	if (image) { // State too: the flow's share in the load of this step is taken from it
 		const Vec3 faster = flow.before(*image, comingVelGrad(scene_) * *image, scene_.dt);
-		velocity += faster;
+		change.velocity += faster;
 		state.vel += faster;
-		state.pos += *image - shift;
-		shift = *image;
+		state.pos += *image - change.shift;
+		change.shift = *image;
 	}
-	const bool pushed = velocity.norm() > speedRounding * state.vel.norm();
-	const bool spun = spin.norm() > spinRounding * state.angVel.norm() &&
-			  spin.norm() * radius > speedRounding * state.vel.norm();
-	if (!moved && !turned && !pushed && !spun) return false;
-	assembly_.moveRigidly(g, turn, moved ? shift : Vec3(Vec3::Zero()),
-			      pushed ? velocity : Vec3(Vec3::Zero()),
-			      spun ? spin : Vec3(Vec3::Zero()));
+	if (change.isNone()) return false;
+	assembly_.moveRigidly(g, change.turn, change.shift, change.velocity, change.spin);
 	grain.written = assembly_.motion(g); // done, whatever becomes of the step
 	return true;
 }

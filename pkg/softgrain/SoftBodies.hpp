@@ -8,15 +8,6 @@
 
 namespace yade {
 
-/// Whether the State of a soft grain is what was written to it, up to the rounding of
-/// NewtonIntegrator, which adds vel dt to pos and turns ori: the usual case, told apart at little
-/// cost. False where a value is not finite.
-bool isAsWritten(const Body& body);
-
-/// Of a soft grain that is not yet in an assembly: throws std::runtime_error where its State is no
-/// motion, or turned out of the plane of 2D grains, which would be built into the nodes.
-void requireFirstMotion(const Body& body);
-
 /// How far the sides of the box of a grain are from its outline when the collider runs, m: `margin`
 /// at least, and more where surfaces look farther for each other.
 Real roomInBox(const softgrain::GrainAssembly& assembly, int g, Real margin);

@@ -10,6 +10,8 @@
 
 namespace yade {
 
+using softgrain::Vec3;
+
 YADE_PLUGIN((SoftGrain)(Bo1_SoftGrain_Aabb));
 
 CREATE_LOGGER(Bo1_SoftGrain_Aabb);
@@ -167,28 +169,61 @@ softgrain::GrainAssembly& SoftGrain::assembled()
 	return *assembly;
 }
 
-py::object SoftGrain::outlineArray() { return softgrain::numpyArray(assembled().outline(index)); }
+StateChange SoftGrain::shownChange()
+{
+	const softgrain::GrainAssembly& grains = assembled();
+	const Scene& scene = *Omega::instance().getScene();
+	const int id = grains.idOf(index);
+	if (!scene.bodies->exists(id) || (*scene.bodies)[id]->shape.get() != this) return {};
+	return shownChangeOf(*(*scene.bodies)[id], grains.continuation().lastStep);
+}
+
+py::object SoftGrain::outlineArray()
+{
+	std::vector<Vec3> nodes = assembled().outline(index);
+	const StateChange change = shownChange();
+	for (Vec3& x : nodes)
+		x = change.positionOf(x);
+	return softgrain::numpyArray(nodes);
+}
 
 py::object SoftGrain::facetsArray()
 {
 	return softgrain::numpyArray(assembled().facets(index), py::make_tuple(-1, dim));
 }
 
-Matrix3r SoftGrain::presentInertia() { return assembled().inertia(index); }
+Matrix3r SoftGrain::presentInertia() { return shownChange().tensorOf(assembled().inertia(index)); }
 
 py::object SoftGrain::nodesArray()
 {
-	return softgrain::numpyArray(assembled().nodePositions(index), py::make_tuple(-1, dim));
+	std::vector<Vec3> nodes = assembled().nodePositions(index);
+	const StateChange change = shownChange();
+	for (Vec3& x : nodes)
+		x = change.positionOf(x);
+	return softgrain::numpyArray(nodes, dim);
 }
 
 py::object SoftGrain::nodalVelocitiesArray()
 {
-	return softgrain::numpyArray(assembled().nodeVelocities(index), py::make_tuple(-1, dim));
+	std::vector<Vec3> velocities = assembled().nodeVelocities(index);
+	const std::vector<Vec3> nodes = assembled().nodePositions(index);
+	const StateChange change = shownChange();
+	for (std::size_t I = 0; I < nodes.size(); ++I)
+		velocities[I] = change.velocityOf(nodes[I], velocities[I]);
+	return softgrain::numpyArray(velocities, dim);
 }
 
 py::dict SoftGrain::pointArrays()
 {
-	const auto fields = assembled().points(index);
+	auto fields = assembled().points(index);
+	const StateChange change = shownChange();
+	const softgrain::Mat3 turn = change.turn.toRotationMatrix();
+	for (Vec3& x : fields.position)
+		x = change.positionOf(x);
+	for (softgrain::Mat3& F : fields.F)
+		F = turn * F;
+	for (softgrain::Mat3& stress : fields.cauchy)
+		stress = change.tensorOf(stress);
 	py::dict arrays;
 	arrays["position"] = softgrain::numpyArray(fields.position);
 	arrays["F"] = softgrain::numpyArray(fields.F);
@@ -205,7 +240,7 @@ py::dict SoftGrain::energyDict()
 {
 	const auto energy = assembled().energy(index);
 	py::dict d;
-	d["kinetic"] = energy.kinetic;
+	d["kinetic"] = energy.kinetic + shownChange().energyOf(written, assembled().inertia(index));
 	d["elastic"] = energy.elastic;
 	return d;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "StateChange.hpp"
 #include "Yade.hpp"
 #include "assembly/GrainAssembly.hpp"
 
@@ -78,7 +79,7 @@ public:
 		((vector<Real>, savedRest, , Attr::hidden, "What a grain that comes to rest or sleeps goes on from, as last fetched; else empty."))
 		((vector<Real>, savedSleep, , Attr::hidden, "Load and number of pairs with which a grain sleeps as last fetched; else empty.")),
 		createIndex();,
-		.def("outline", &SoftGrain::outlineArray, "Present positions of the contact nodes, in 2D counter-clockwise: array (n, 3) [m].")
+		.def("outline", &SoftGrain::outlineArray, "Present positions of the contact nodes, in 2D counter-clockwise: array (n, 3) [m]. A change of *State* by a script, which acts in the next step, is in this and all that is read of the grain already.")
 		.def("facets", &SoftGrain::facetsArray, "Facets of the outline, as indices of *outline()*: array (n, dim) of int; in 2D the segments in order around the grain, in 3D triangles with the normal outwards. None (0, dim) with contact 'points'.")
 		.def("inertia", &SoftGrain::presentInertia, "Present tensor of inertia about the centre of mass, axes of space [kg m²]; in 2D about z alone [kg m]. :yref:`State.inertia` has its mean.")
 		.def("nodes", &SoftGrain::nodesArray, "Present positions of the background nodes (formulation 'updated': of the material points, since nodes keep nothing): array (n, dim) [m].")
@@ -95,6 +96,8 @@ public:
 
 private:
 	softgrain::GrainAssembly& assembled();
+	/// Of the State of its body, which is none where that is another one by now.
+	StateChange shownChange();
 };
 REGISTER_SERIALIZABLE(SoftGrain);
 

@@ -48,7 +48,7 @@ def add_grain_options(parser, speed, speed_help, tolerance=TOLERANCE):
     command_line.add_method_options(parser, tolerance)
     add(
         "--orientation",
-        type=command_line.angle,
+        type=command_line.any_number,
         default=0.0,
         help="angle by which the disks' grids are turned [degrees]; the answer should not feel it",
     )

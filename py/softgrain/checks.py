@@ -93,6 +93,14 @@ def _numbers(value):
         return ()
 
 
+def in_range(value, admissible):
+    """Whether a number (float; never nan) is in a range, such as '(0, inf)' or '[0, 1]'."""
+    low, high = map(float, admissible[1:-1].split(","))
+    above = value >= low if admissible[0] == "[" else value > low
+    below = value <= high if admissible[-1] == "]" else value < high
+    return above and below
+
+
 def number(name, value, admissible, unit=""):
     """An argument as a float.
 
@@ -108,14 +116,11 @@ def number(name, value, admissible, unit=""):
     Raises:
         ValueError: no number, or outside the range.
     """
-    low, high = map(float, admissible[1:-1].split(","))
     try:
         x = math.nan if isinstance(value, (str, bytes)) else float(value)
     except (TypeError, ValueError, OverflowError):
         x = math.nan
-    above = x >= low if admissible[0] == "[" else x > low
-    below = x <= high if admissible[-1] == "]" else x < high
-    if not (above and below):
+    if not in_range(x, admissible):
         raise ValueError(
             f"{name} = {value} is outside the admissible range {admissible} {unit}".rstrip()
         )

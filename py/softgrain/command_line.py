@@ -9,68 +9,31 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-
-def positive(text):
-    """Argument type: a finite number > 0."""
-    return _checked(text, lambda value: value > 0, "a number in (0, inf)")
+from softgrain import checks
 
 
-def negative(text):
-    """Argument type: a finite number < 0."""
-    return _checked(text, lambda value: value < 0, "a number in (-inf, 0)")
+def number(admissible):
+    """Argument type: a finite number in a range, e.g. '(0, inf)' (float)."""
+    return lambda text: _checked(text, float, admissible, f"a number in {admissible}")
 
 
-def non_negative(text):
-    """Argument type: a finite number >= 0."""
-    return _checked(text, lambda value: value >= 0, "a number in [0, inf)")
-
-
-def fraction(text):
-    """Argument type: a number in (0, 1)."""
-    return _checked(text, lambda value: 0 < value < 1, "a number in (0, 1)")
-
-
-def step_fraction(text):
-    """Argument type: a number in (0, 1]."""
-    return _checked(text, lambda value: 0 < value <= 1, "a number in (0, 1]")
-
-
-def share(text):
-    """Argument type: a number in [0, 1]."""
-    return _checked(text, lambda value: 0 <= value <= 1, "a number in [0, 1]")
-
-
-def angle(text):
-    """Argument type: a finite number."""
-    return _checked(text, lambda value: True, "a number in (-inf, inf)")
-
-
-def resolution(text):
-    """Argument type: the relative resolution zeta."""
-    return _checked(text, lambda value: 0.001 <= value <= 0.5, "a number in [0.001, 0.5]")
-
-
-def node_spacing(text):
-    """Argument type: step of the background grid over dr."""
-    return _checked(text, lambda value: 1.25 <= value <= 4, "a number in [1.25, 4]")
-
-
-def surface_spacing(text):
-    """Argument type: distance of surface nodes over dr."""
-    return _checked(text, lambda value: 0.5 <= value <= 4, "a number in [0.5, 4]")
-
-
-def poisson(text):
-    """Argument type: Poisson's ratio."""
-    return _checked(text, lambda value: -1 < value < 0.5, "a number in (-1, 0.5)")
+positive = number("(0, inf)")
+negative = number("(-inf, 0)")
+non_negative = number("[0, inf)")
+any_number = number("(-inf, inf)")
+fraction = number("(0, 1)")
+step_fraction = number("(0, 1]")
+share = number("[0, 1]")
+poisson = number("(-1, 0.5)")
+resolution = number("[0.001, 0.5]")  # zeta
+node_spacing = number("[1.25, 4]")  # over dr
+surface_spacing = number("[0.5, 4]")  # over dr
 
 
 def whole_from(least, most=math.inf):
     """Argument type: a whole number from ``least`` to ``most`` (int)."""
     admissible = f"[{least}, {most}{')' if most == math.inf else ']'}"
-    return lambda text: _checked(
-        text, lambda value: least <= value <= most, f"a whole number in {admissible}", int
-    )
+    return lambda text: _checked(text, int, admissible, f"a whole number in {admissible}")
 
 
 def seed(text):
@@ -99,13 +62,13 @@ def output_folder(text):
     return folder
 
 
-def _checked(text, admissible, range_text, number=float):
+def _checked(text, kind, admissible, description):
     try:
-        value = number(text)
+        value = kind(text)
     except ValueError:
         value = math.nan
-    if not (math.isfinite(value) and admissible(value)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not {range_text}")
+    if not (math.isfinite(value) and checks.in_range(value, admissible)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not {description}")
     return value
 
 

@@ -22,7 +22,7 @@ DEFAULT_ERROR = {2: 0.01, 3: 0.05}
 #: press on what the grain touches (``doc/decisions/0025-hardening.md``).
 DEPTH_OVER_ERROR = 0.1
 #: Below there would be hundreds of spheres, above nothing of the outline is left.
-ERROR_RANGE = (0.002, 0.3)
+ERROR_RANGE = "[0.002, 0.3]"
 
 
 @dataclass
@@ -230,15 +230,14 @@ def _outline(body):
             f"ids: soft grain #{body.id} has contact = {body.shape.contact!r}, and so no outline; "
             "use into='spheres'"
         )
-    return _softgrain.presentOutline(body.id), facets
+    return body.shape.outline(), facets
 
 
 def _into_clumps(bodies, material, overlap, error):
     _refuse(overlap != "keep", "overlap", overlap, "clumps")
     if error is None:
         error = DEFAULT_ERROR[bodies[0].shape.dim]
-    low, high = ERROR_RANGE
-    error = number("error", error, f"[{low}, {high}]")
+    error = number("error", error, ERROR_RANGE)
     fillings = [_filling(body, error) for body in bodies]
     made = Hardened()
     for body, (centres, radii) in zip(bodies, fillings):

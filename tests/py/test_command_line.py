@@ -17,7 +17,7 @@ from softgrain import command_line
         (command_line.negative, ("-1e-9", "-3"), ("0", "1", "nan", "x")),
         (command_line.non_negative, ("0", "0.3"), ("-1e-9", "nan", "x")),
         (command_line.fraction, ("0.5", "1e-3"), ("0", "1", "-1", "nan", "x")),
-        (command_line.angle, ("0", "-30", "400"), ("nan", "x")),
+        (command_line.any_number, ("0", "-30", "400"), ("nan", "x")),
         (command_line.node_spacing, ("1.25", "4"), ("1.24", "4.1", "nan", "x")),
         (command_line.surface_spacing, ("0.5", "4"), ("0.49", "4.1", "nan", "x")),
         (command_line.step_fraction, ("1e-3", "1"), ("0", "1.01", "nan", "x")),
@@ -41,7 +41,7 @@ def test_number_types(check, good, bad):
         command_line.positive,
         command_line.negative,
         command_line.non_negative,
-        command_line.angle,
+        command_line.any_number,
         command_line.whole_from(0),
     ),
 )

@@ -6,10 +6,14 @@ from pathlib import Path
 import adhesion
 import compaction
 import compare_rigid
+import harden_packing
 import hertz
 import hexagonal_cell
 import interfaces
+import periodic_lattice
 import pytest
+import rigid_column
+import rigid_packing
 import square_cell
 import stress_control
 from runs import run_case
@@ -128,6 +132,23 @@ REFUSED = {
         "--mu -1": "--mu: '-1' is not a number in [0, inf)",
         "--poisson 0.3": "--poisson: invalid choice: ",
         "--models springs": "--models: invalid choice: 'springs'",
+    },
+    harden_packing: {
+        "--errors 0.01 0.001": "--errors: '0.001' is not a number in [0.002, 0.3]",
+        "--depth 1": "--depth: '1' is not a number in (0, 1)",
+    },
+    periodic_lattice: {
+        "--until 0.01": "--until: 0.01 is not in the range (0.01, 0.115]",
+        "--lattice triangular --until 0.06": "--until: 0.06 is not in the range (0.01, 0.057]",
+    },
+    rigid_column: {
+        "--width 1.9": "--width: '1.9' is not a number in [2, inf)",
+        "--width 6 --aspects 2 0.1": "--aspects: 0.1 makes no whole row of disks",
+        "--linear 3": "--linear: [3.0] are not among --aspects",
+    },
+    rigid_packing: {
+        "--disks 19": "--disks: '19' is not a whole number in [20, inf)",
+        "--in-cell 29": "--in-cell: '29' is not a whole number in [30, inf)",
     },
 }
 

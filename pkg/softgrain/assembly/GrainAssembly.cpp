@@ -261,10 +261,7 @@ public:
 
 	std::vector<Vec3> outline(int g) const override
 	{
-		std::vector<Vec3> result;
-		for (const Vec<dim>& x : system_.body(g).position)
-			result.push_back(toSpace<dim>(x, z_));
-		return result;
+		return allToSpace<dim>(system_.body(g).position, z_);
 	}
 
 	std::vector<int> facets(int g) const override
@@ -304,13 +301,13 @@ public:
 		return std::pow(grain.radius, dim) * system_.setOf(g).reference().volume;
 	}
 
-	std::vector<double> nodePositions(int g) const override
+	std::vector<Vec3> nodePositions(int g) const override
 	{
-		return numbersOf<dim>(system_.setOf(g).nodePositions(system_.indexInSet(g)));
+		return allToSpace<dim>(system_.setOf(g).nodePositions(system_.indexInSet(g)), z_);
 	}
-	std::vector<double> nodeVelocities(int g) const override
+	std::vector<Vec3> nodeVelocities(int g) const override
 	{
-		return numbersOf<dim>(system_.setOf(g).nodeVelocities(system_.indexInSet(g)));
+		return allToSpace<dim>(system_.setOf(g).nodeVelocities(system_.indexInSet(g)));
 	}
 
 	GrainState state(int g, Vec3& origin) const override

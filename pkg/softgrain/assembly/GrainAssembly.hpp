@@ -156,9 +156,9 @@ public:
 	virtual PointFields points(int g) const = 0;
 	virtual double presentVolume(int g) const = 0;    ///< m^2 (m^3)
 	virtual double undeformedVolume(int g) const = 0; ///< m^2 (m^3)
-	/// Of the background nodes, `dim` numbers a node.
-	virtual std::vector<double> nodePositions(int g) const = 0;
-	virtual std::vector<double> nodeVelocities(int g) const = 0;
+	/// Of the background nodes.
+	virtual std::vector<Vec3> nodePositions(int g) const = 0;
+	virtual std::vector<Vec3> nodeVelocities(int g) const = 0;
 	/// Present state and its origin as GrainDescription takes them.
 	virtual GrainState state(int g, Vec3& origin) const = 0;
 

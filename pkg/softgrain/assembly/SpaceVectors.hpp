@@ -24,6 +24,13 @@ template <int dim> Vec3 toSpace(const Vec<dim>& v, double z = 0)
 	result.head<dim>() = v;
 	return result;
 }
+template <int dim> std::vector<Vec3> allToSpace(const std::vector<Vec<dim>>& vectors, double z = 0)
+{
+	std::vector<Vec3> result;
+	for (const Vec<dim>& v : vectors)
+		result.push_back(toSpace<dim>(v, z));
+	return result;
+}
 template <int dim> Mat3 toSpace(const Mat<dim>& m)
 {
 	Mat3 result = Mat3::Zero();
