@@ -50,7 +50,7 @@ void requireInPlane(const Body& body, const StateChange& change, Real dt);
 /// value is not finite.
 bool isAsWritten(const Body& body);
 
-/// State must be finite.
+/// Of a State that is finite.
 StateChange changeOf(const Body& body);
 
 /// The same between any two engines of a step, as the last one, lastStep s long, left State; none

@@ -4,12 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from matplotlib.collections import TriMesh
-from matplotlib.figure import Figure
 from yade import FrictMat, O, utils
 
 import softgrain as sg
-from softgrain import picture
 
 SHEAR = 3.0
 
@@ -178,99 +175,6 @@ def test_balance_ends_with_its_energies(monkeypatch):
     ledger.steps, O.trackEnergy = 1, False
     with pytest.raises(RuntimeError, match="O.trackEnergy = False"):
         balance.error()
-
-
-def test_wall_box():
-    for position, axis in ((0, 0), (2, 0), (-1, 1), (3, 1), (7, 2)):
-        O.bodies.append(utils.wall(position, axis=axis, material=FrictMat()))
-    assert picture.wall_box() == (0, 2, -1, 3)
-
-
-def test_wall_box_with_too_few_walls():
-    O.bodies.append(utils.wall(0, axis=0, material=FrictMat()))
-    with pytest.raises(ValueError, match="two walls"):
-        picture.wall_box()
-
-
-@pytest.mark.parametrize("field", ("von_mises", "pressure", None))
-@pytest.mark.parametrize("contact", ("surface", "points"))
-def test_picture(tmp_path, field, contact):
-    O.bodies.append(sg.soft_disk((0, 0, 0), 0.01, sg.SoftMat(), zeta=0.3, contact=contact))
-    path = tmp_path / "packing.png"
-    sg.draw_packing(
-        path, box=(-0.01, 0.01, -0.01, 0.01), field=field, scale=1e6, title="a disk", dpi=50
-    )
-    assert path.read_bytes()[:4] == b"\x89PNG"
-    assert path.stat().st_size > 1000
-
-
-def test_colours_are_the_stresses(monkeypatch):
-    """A disk that a wall strikes and one that nothing touches, and the range of colours."""
-    drawn = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
-    soft = sg.SoftMat(young=1e6)
-    disks = [sg.soft_disk((x, 0, 0), 0.01, soft, zeta=0.3) for x in (0, 0.05)]
-    O.bodies.append(disks)
-    O.bodies.append(utils.wall(-0.01, axis=0, material=FrictMat()))
-    O.bodies[2].state.vel = (1, 0, 0)
-    O.engines = sg.engines()
-    sg.set_time_step()
-    sg.advance(40)
-    for field, sign in (("von_mises", 1), ("pressure", -1 / 3)):
-        sg.draw_packing("p.png", field=field, scale=1e6)
-        (mesh,) = [c for c in drawn[-1].axes[0].collections if isinstance(c, TriMesh)]
-        struck, free = np.split(mesh.get_array(), 2)
-        cauchy = disks[0].shape.points()["cauchy"] / 1e6
-        expected = sg.von_mises(cauchy) if field == "von_mises" else sign * np.trace(cauchy.T)
-        shown = struck[: len(expected)]
-        np.testing.assert_allclose(np.sort(shown), np.sort(expected), atol=1e-12)
-        assert np.abs(expected).max() > 1e-3 > 1e6 * np.abs(free).max()
-        assert 0.5 * expected.max() < mesh.get_clim()[1] <= expected.max()
-
-
-@pytest.mark.parametrize(
-    "scale, label", ((None, "(kPa)"), (2e6, "/ E"), (1e6, "/ 1e+06 Pa")), ids=str
-)
-def test_unit_of_the_colours(scale, label):
-    O.bodies.append(sg.soft_disk((0, 0, 0), 0.01, sg.SoftMat(young=2e6), zeta=0.3))
-    assert picture._unit_label(scale) == label
-
-
-def area(polygon):
-    x, y = polygon.T
-    return 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
-
-
-def test_rigid_bodies_in_the_picture():
-    sphere = utils.sphere((0.03, 0.01, 0), 0.01)
-    box = utils.box((0, 0.05, 0), (0.02, 0.01, 0.5), orientation=((0, 0, 1), math.pi / 2))
-    facet = utils.facet([(0, 0, -1), (0.1, 0.02, 1), (0, 0, 1)])
-    two_disks()
-    O.bodies.append([sphere, box, utils.wall(0, axis=0), facet])
-    ball, block, line = picture.rigid_polygons()
-    assert area(ball) == pytest.approx(math.pi * 1e-4, rel=2e-3)
-    assert ball.mean(axis=0) == pytest.approx((0.03, 0.01))
-    assert area(block) == pytest.approx(8e-4)
-    assert np.ptp(block, axis=0) == pytest.approx((0.02, 0.04))
-    assert line.tolist() == [pytest.approx(p) for p in ([0, 0], [0.1, 0.02], [0, 0])]
-
-
-def test_picture_of_rigid_bodies_alone(tmp_path):
-    O.bodies.append([utils.sphere((0.02 * k, 0, 0), 0.01) for k in range(2)])
-    sg.draw_packing(tmp_path / "packing.png")
-    assert (tmp_path / "packing.png").exists()
-
-
-def test_picture_errors(tmp_path):
-    with pytest.raises(ValueError, match="draws soft disks and rigid bodies; the scene has none"):
-        sg.draw_packing(tmp_path / "packing.png")
-    two_disks()
-    with pytest.raises(ValueError, match="field = 'tresca' is unknown.*'von_mises', 'pressure'"):
-        sg.draw_packing(tmp_path / "packing.png", field="tresca")
-    O.bodies.append(sg.soft_sphere((0, 0, 0.1), 0.01, sg.SoftMat(), zeta=0.5))
-    with pytest.raises(ValueError, match="this one has soft grains in 3D"):
-        sg.draw_packing(tmp_path / "packing.png")
-    assert not (tmp_path / "packing.png").exists()
 
 
 @pytest.mark.parametrize("area", (0, -1, math.nan, math.inf))

@@ -59,6 +59,27 @@ def test_scaled_mass_is_refused(into):
     assert isinstance(disk.shape, Sphere)
 
 
+@pytest.mark.parametrize("into", ("spheres", "clumps", "fixed"))
+def test_look_and_mask_are_kept(into):
+    disk = add_disk()
+    disk.mask, disk.shape.color = 6, (0.1, 0.5, 0.9)
+    ids = sg.harden(material=rigid_material(), into=into).ids
+    members = [k for i in ids for k in (O.bodies[i].shape.ids if O.bodies[i].isClump else [i])]
+    assert {O.bodies[i].mask for i in (*ids, *members)} == {6}
+    assert {tuple(O.bodies[i].shape.color) for i in members} == {(0.1, 0.5, 0.9)}
+
+
+def test_energy_of_a_grain_that_was_given_another_motion():
+    """It is that of the motion that it has now; none is lost of a rigid motion."""
+    disk = add_disk()
+    ready()
+    disk.state.vel = (1, 0, 0)
+    run(2)
+    disk.state.vel, disk.state.angVel = (0, 2, 0), (0, 0, 30)
+    lost = sg.harden(material=rigid_material(), into="clumps").energy
+    assert abs(lost) < 1e-6 * disk.state.mass
+
+
 def test_one_of_two_in_3d():
     balls = [
         sg.soft_sphere((x * RADIUS, 0, 0), RADIUS, soft_material(), zeta=0.5) for x in (0, 1.99)

@@ -6,6 +6,7 @@ from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 from yade import O
 
 import softgrain as sg
+from softgrain.profile import _tangent
 
 
 def pressed(speed=0.5, friction=0.0, **shape):
@@ -75,6 +76,22 @@ def test_pair_of_disks():
     assert set(profile["side"]) == {0, 1} and (np.diff(profile["position"]) >= 0).all()
     assert np.ptp(profile["position"]) > 0.1 * RADIUS
     assert (profile["pressure"] > 0).any()
+
+
+@pytest.mark.parametrize(
+    "normal, tangent",
+    [
+        ((0, 1, 0), (1, 0, 0)),
+        ((0, -1, 0), (1, 0, 0)),
+        ((1, 0, 0), (0, 1, 0)),
+        ((-1, 0, 0), (0, 1, 0)),
+        ((0.6, -0.8, 0), (0.8, 0.6, 0)),
+        ((-0.8, 0.6, 0), (0.6, 0.8, 0)),
+        ((0.8, 0.6, 0), (-0.6, 0.8, 0)),
+    ],
+)
+def test_tangent_points_to_where_its_larger_component_grows(normal, tangent):
+    assert _tangent(np.array(normal)) == pytest.approx(tangent)
 
 
 def test_balls_are_refused():

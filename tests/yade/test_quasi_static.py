@@ -20,6 +20,7 @@ from scenes import (
 from yade import FrictMat, O, PyRunner, utils
 
 import softgrain as sg
+from softgrain import time_loop
 
 WAVE_SPEED = math.sqrt(YOUNG * 0.55 / (1.45 * 0.1) / DENSITY)  # nu = 0.45, plane strain
 
@@ -201,6 +202,20 @@ def test_scaling_out_of_range(factor):
     assert disk.material.massScaling == 1
 
 
+def test_scaling_that_fails_leaves_all_as_it_was(monkeypatch):
+    disks = [
+        add_disk((x, 0, 0), material=soft_material(massScaling=k)) for k, x in ((1, 0), (3, 1))
+    ]
+
+    def fail():
+        raise RuntimeError("no time step")
+
+    monkeypatch.setattr(time_loop, "critical_time_step", fail)
+    with pytest.raises(RuntimeError, match="no time step"):
+        sg.scale_mass(2)
+    assert [disk.material.massScaling for disk in disks] == [1, 3]
+
+
 def test_no_soft_grain():
     for ask in (sg.quasi_static, sg.suggest_speed, lambda: sg.scale_mass(2)):
         with pytest.raises(ValueError, match="no soft grain"):
@@ -325,6 +340,17 @@ def test_suggested_speed():
     assert sg.suggest_speed() == pytest.approx(0.5 * expected, rel=1e-12)
     add_disk((5 * RADIUS, 0, 0), material=soft_material(density=16 * DENSITY))
     assert sg.suggest_speed() == pytest.approx(0.25 * expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("dim, condition", [(2, "planeStress"), (3, "planeStrain")])
+def test_suggested_speed_of_other_waves(dim, condition):
+    """Of sheets, in which they are slower, and of balls."""
+    make = sg.soft_disk if dim == 2 else sg.soft_sphere
+    material = soft_material(condition=condition, poisson=0.3)
+    O.bodies.append(make((0, 0, 0), RADIUS, material, zeta=0.4))
+    modulus = 1 / (1 - 0.3**2) if dim == 2 else 0.7 / (1.3 * 0.4)
+    expected = 1e-3 * math.sqrt(YOUNG / (modulus * DENSITY))
+    assert sg.suggest_speed() == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("argument", [{"stress": 0}, {"stress": math.nan}, {"share": 0}])

@@ -65,6 +65,17 @@ def test_centre_of_members_of_different_size():
     np.testing.assert_allclose(body.state.vel, (-10 * apart[1], 10 * apart[0], 0), atol=1e-15)
 
 
+def test_look_and_mask_are_kept():
+    clump = add_clump()
+    for k in (*O.bodies[clump].shape.ids, clump):
+        O.bodies[k].mask = 6
+    for k in O.bodies[clump].shape.ids:
+        O.bodies[k].shape.color = (0.1, 0.5, 0.9)
+    (made,) = sg.soften([clump], soft_material(), zeta=ZETA)
+    assert O.bodies[made].mask == 6
+    assert tuple(O.bodies[made].shape.color) == (0.1, 0.5, 0.9)
+
+
 def test_congruent_clumps_share_their_table():
     clumps = [add_clump((3 * k * RADIUS, 0, 0), angle=0.7 * k) for k in range(3)]
     sg.soften(clumps, soft_material(), zeta=ZETA)
