@@ -21,6 +21,10 @@ constexpr Real wrapTolerance = 1e-6;
 /// 40 us of work: waking a thread for this pass, after a stretch on one, takes some 30.
 constexpr int loadsPerThread = 2000;
 
+/// Steps from one look for grains that overlap themselves to the next, so that it costs a few
+/// percent of a step at most.
+constexpr long selfOverlapInterval = 20;
+
 /// Outlines leave their boxes when they are as near to its sides as this, over the spacing of
 /// material points, or as surfaces reach: contacts start before touch.
 constexpr Real boxReserve = 0.1;
@@ -51,6 +55,26 @@ void SoftBodies::requireCarried(const NewtonIntegrator& newton) const
 			" leaves out soft grain #" + std::to_string(body.getId()) +
 			" of mask = " + std::to_string(body.groupMask) +
 			"; it carries State along: let masks have a bit in common");
+	}
+}
+
+void SoftBodies::stopOnSelfOverlap(Real maxOverlap, int threads) const
+{
+	if (assembly_.continuation().steps % selfOverlapInterval != 0) return;
+	const int count = assembly_.grains();
+	std::vector<Real> overlap(count);
+#pragma omp parallel for schedule(static) num_threads(softgrain::threadsFor(count, threads))
+	for (int g = 0; g < count; ++g)
+		if (!assembly_.isRigid(g)) overlap[g] = assembly_.overlapWithItself(g);
+	for (int g = 0; g < count; ++g) {
+		if (overlap[g] <= maxOverlap) continue;
+		std::ostringstream message;
+		message << "soft grain #" << assembly_.idOf(g) << " overlaps itself by "
+			<< overlap[g] << " point spacings, more than maxOverlap = " << maxOverlap
+			<< ": contact of a grain with itself is not computed. Hint: make its arms "
+			   "grains of their own, with a bond between them, or end the run before "
+			   "they meet";
+		throw std::runtime_error(message.str());
 	}
 }
 

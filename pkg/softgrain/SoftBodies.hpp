@@ -23,6 +23,9 @@ public:
 
 	/// Throws std::runtime_error naming a grain whose State the engine leaves out.
 	void requireCarried(const NewtonIntegrator& newton) const;
+	/// Throws std::runtime_error naming a grain that overlaps itself by more than `maxOverlap`
+	/// (SoftGrainIntegrator.maxOverlap), looked for every so many steps.
+	void stopOnSelfOverlap(Real maxOverlap, int threads) const;
 	/// Changes of State since it was written, as assembleScene has found them in this step, are
 	/// the user's: they act as rigid motions. A grain shifted by whole periods of the cell goes
 	/// on as its image, and its State with it; returns the ids of all that were moved. Throws

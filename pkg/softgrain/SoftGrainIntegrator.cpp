@@ -124,6 +124,7 @@ void SoftGrainIntegrator::advance()
 	clock_.end("chooseTimeStep");
 	const SoftInteractions interactions(*scene, assembly_, order_, moved);
 	interactions.check(maxOverlap);
+	bodies.stopOnSelfOverlap(maxOverlap, threads());
 	interactions.updateVelocities(newton);
 	clock_.end("softInteractions");
 	bodies.applyLoads(newton, flow, threads());

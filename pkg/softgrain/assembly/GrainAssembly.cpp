@@ -1,6 +1,7 @@
 #include "assembly/GrainAssembly.hpp"
 #include "assembly/PairContactsOf.hpp"
 #include "assembly/RigidInKernel.hpp"
+#include "contact/SelfOverlap.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -262,6 +263,15 @@ public:
 	std::vector<Vec3> outline(int g) const override
 	{
 		return allToSpace<dim>(system_.body(g).position, z_);
+	}
+
+	double overlapWithItself(int g) const override
+	{
+		if constexpr (dim == 2) {
+			const ContactOutline<2>& body = system_.body(g);
+			if (body.mesh->irregular) return selfOverlap(body) / body.pointSpacing;
+		}
+		return 0;
 	}
 
 	std::vector<int> facets(int g) const override
