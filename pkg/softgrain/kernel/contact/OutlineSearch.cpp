@@ -3,6 +3,7 @@
 #include "contact/PlaceOnOutline.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace softgrain {
 
@@ -179,6 +180,7 @@ void nodesFacingOutline(const ContactOutline<dim>& body, const ContactOutline<di
 {
 	const double deep = contactDepth(body, other);
 	const double shallow = std::max(deep - other.bulge(), 0.); // nothing so near is deep
+	const bool irregular = other.mesh->irregular;
 	PlaceOnOutline<dim> within; // what is farther counts as no facing facet
 	within.squaredDistance = deep * deep;
 	int last = -1;
@@ -188,17 +190,21 @@ void nodesFacingOutline(const ContactOutline<dim>& body, const ContactOutline<di
 	forNodesNear(body, other, reach, list, [&](int s, const auto& facets) {
 		const Vec<dim>& x = body.position[s];
 		const NodeFacing<dim> facing(body, s);
-		const bool mayBeInside = !other.mesh->irregular || other.encloses(x);
+		std::optional<bool> enclosed; // once it is asked for
+		auto mayBeInside = [&] {
+			if (!enclosed) enclosed = !irregular || other.encloses(x);
+			return *enclosed;
+		};
 		auto bears = [&](int f) {
 			return facing.isAgainst(other.normalOfFacet(f)) &&
-			       (mayBeInside || isBefore(x, other, f));
+			       ((irregular && isBefore(x, other, f)) || mayBeInside());
 		};
 		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, bears,
 							 startAt(x, other, last, bears, within));
 		// None near: the node lies against no side of the grain, but it may be inside.
 		const bool faces = place.facet >= 0;
 		if (!faces) {
-			if (!mayBeInside) return;
+			if (!mayBeInside()) return;
 			place = startAt(x, other, last, anyFacet, {});
 			if (place.squaredDistance < shallow * shallow) return;
 			place = nearestPlace(x, other, facets, anyFacet, place);
@@ -211,7 +217,7 @@ void nodesFacingOutline(const ContactOutline<dim>& body, const ContactOutline<di
 		if (contact.gap >= (faces ? reach : -deep)) return;
 		// behind the line of a side that has been bent, and outside all the same
 		const bool doubtful = contact.gap < -trustedDepth * other.pointSpacing;
-		if (doubtful && !other.mesh->irregular && !other.encloses(x)) return;
+		if (doubtful && !irregular && !other.encloses(x)) return;
 		append({ side, s, -1 }, contact, body, other, list);
 	});
 }
