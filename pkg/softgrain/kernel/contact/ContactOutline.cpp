@@ -80,7 +80,7 @@ template <int dim> void ContactOutline<dim>::updateGeometry()
 	folded = leastTurn < 0;
 	normalizeAll(normal);
 	facetNormal.clear();
-	if (mesh->sharp.empty()) return;
+	if (!mesh->hasCorners()) return;
 	for (std::size_t f = 0; f < mesh->facet.size(); ++f)
 		facetNormal.push_back(areaOfFacet(static_cast<int>(f)).normalized());
 }

@@ -48,7 +48,7 @@ template <int dim> struct ContactOutline {
 	{
 		return isOnGrid() ? gridNode[node].centre : position[node];
 	}
-	bool isSharp(int node) const { return mesh->sharp.count(node) > 0; }
+	bool isSharp(int node) const { return mesh->isSharp(node); }
 
 	/// Nodes in a region, in their order.
 	std::vector<int> nodesIn(const Box<dim>& region) const;
@@ -102,8 +102,7 @@ public:
 		: body_(body)
 		, normal_(body.normal[node])
 	{
-		const auto corner = body.mesh->sharp.find(node);
-		if (corner != body.mesh->sharp.end()) sides_ = &corner->second;
+		if (body.isSharp(node)) sides_ = &body.mesh->facetsAbout[node];
 	}
 	/// Cosine of the angle by which it faces against `direction` (unit): 1 where it faces it
 	/// head-on, below 0 where it turns away. At a corner of the facet that faces it most.

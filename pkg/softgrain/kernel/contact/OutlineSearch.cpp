@@ -1,9 +1,10 @@
 #include "contact/OutlineSearch.hpp"
 #include "contact/CandidateSearch.hpp"
+#include "contact/CornerSearch.hpp"
+#include "contact/OutlineEdges.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
 #include <algorithm>
-#include <optional>
 
 namespace softgrain {
 
@@ -71,60 +72,6 @@ void leanOnOutline(const Vec<3>& centre, const ContactOutline<3>& body,
 	contact.gap = apart.norm() - bulge;
 }
 
-/// Whether the outline is indented at a corner: what lies beyond the ends of both sides is inside.
-bool isIndented(const ContactOutline<2>& body, int corner)
-{
-	const auto& side = body.mesh->sharp.at(corner);
-	const Vec<2> in = body.areaOfFacet(side[0]), out = body.areaOfFacet(side[1]);
-	return cross(in, out) < 0;
-}
-
-/// In 3D there are blocks only.
-bool isIndented(const ContactOutline<3>&, int) { return false; }
-
-/// What is beyond an edge by less, in dr, lies over the facet still. Of a node, which is held
-/// against facets that it faces only: where two edges lie upon each other the direction from one to
-/// the other is that of rounding. In a notch, and of the tip of a rigid body, only where there is
-/// no direction.
-constexpr double edgeWidth = 0.05, noWidth = 1e-9;
-
-/// Whether the place nearest to `x` is a sharp edge or corner of the outline with `x` beyond the
-/// end of the facet: no facet lies under `x` then, and the distance to the edge is the gap,
-/// negative below an indentation. `width`: of the edge, in dr.
-template <int dim>
-bool isBeyondEdge(const Vec<dim>& x, const ContactOutline<dim>& body,
-		  const PlaceOnOutline<dim>& place, double width, Contact<dim>& contact)
-{
-	Vec<dim> foot = Vec<dim>::Zero();
-	bool indented = false;
-	for (int i = 0; i < dim; ++i) {
-		const int vertex = body.mesh->facet[place.facet][i];
-		foot += place.weight[i] * body.position[vertex];
-		if (!(place.weight[i] > 0)) continue;
-		if (!body.isSharp(vertex)) return false;
-		indented = indented || isIndented(body, vertex);
-	}
-	const Vec<dim> apart = x - foot;
-	const Vec<dim> normal = body.normalOfFacet(place.facet);
-	const double beyond = (apart - apart.dot(normal) * normal).norm();
-	if (beyond < (indented ? noWidth : width) * body.pointSpacing) return false;
-	const double sign = indented && body.encloses(x) ? -1 : 1;
-	contact.normal = sign * apart.normalized();
-	contact.gap = sign * apart.norm();
-	return true;
-}
-
-/// Whether a place outside of a grain lies before a facet, not behind it on the far side of a thin
-/// arm.
-bool isBefore(const Vec<2>& x, const ContactOutline<2>& body, int facet)
-{
-	const Vec<2>& start = body.position[body.mesh->facet[facet][0]];
-	return (x - start).dot(body.normalOfFacet(facet)) >= -OutlineCurve(body, facet).bulge();
-}
-
-/// In 3D no grain has thin arms.
-bool isBefore(const Vec<3>&, const ContactOutline<3>&, int) { return true; }
-
 /// The shares that the nodes of a place have of what leans on it, without those beside the facet.
 void setShares(const PlaceOnOutline<2>& place, Contact<2>& contact)
 {
@@ -158,82 +105,17 @@ void goOutAtJoint(const Vec<dim>& x, const ContactOutline<dim>& body,
 	contact.gap = -depth;
 }
 
-/// Deeper nodes, in dr, are looked at once more: whether they are inside at all. Bent sides feign 1
-/// to 2; what is pressed in stays far below, and need not be looked at.
-constexpr double trustedDepth = 0.5;
-
-/// A place on a facet that counts for a search from the beginning: most nodes lie against a facet
-/// near that of the node before.
-template <int dim, class Admissible>
-PlaceOnOutline<dim> startAt(const Vec<dim>& x, const ContactOutline<dim>& body, int facet,
-			    Admissible&& admissible, const PlaceOnOutline<dim>& start)
-{
-	if (facet < 0 || !admissible(facet)) return start;
-	const PlaceOnOutline<dim> place = placeOnFacet(x, body, facet);
-	return comesBefore(place, start) ? place : start;
-}
-
-/// Nodes of `body` against the outline of `other`, where one of them has corners or indentations.
-template <int dim>
-void nodesFacingOutline(const ContactOutline<dim>& body, const ContactOutline<dim>& other, int side,
-			double reach, ContactList<dim>& list)
-{
-	const double deep = contactDepth(body, other);
-	const double shallow = std::max(deep - other.bulge(), 0.); // nothing so near is deep
-	const bool irregular = other.mesh->irregular;
-	PlaceOnOutline<dim> within; // what is farther counts as no facing facet
-	within.squaredDistance = deep * deep;
-	int last = -1;
-	// Near a corner or in a notch the nearest facet need not be the one that a node lies
-	// against: there only facets count that the node faces. One that is outside must be before
-	// them, not behind the far side of a thin arm.
-	forNodesNear(body, other, reach, list, [&](int s, const auto& facets) {
-		const Vec<dim>& x = body.position[s];
-		const NodeFacing<dim> facing(body, s);
-		std::optional<bool> enclosed; // once it is asked for
-		auto mayBeInside = [&] {
-			if (!enclosed) enclosed = !irregular || other.encloses(x);
-			return *enclosed;
-		};
-		auto bears = [&](int f) {
-			return facing.isAgainst(other.normalOfFacet(f)) &&
-			       ((irregular && isBefore(x, other, f)) || mayBeInside());
-		};
-		PlaceOnOutline<dim> place = nearestPlace(x, other, facets, bears,
-							 startAt(x, other, last, bears, within));
-		// None near: the node lies against no side of the grain, but it may be inside.
-		const bool faces = place.facet >= 0;
-		if (!faces) {
-			if (!mayBeInside()) return;
-			place = startAt(x, other, last, anyFacet, {});
-			if (place.squaredDistance < shallow * shallow) return;
-			place = nearestPlace(x, other, facets, anyFacet, place);
-		}
-		last = place.facet;
-		Contact<dim> contact = contactAt(x, other, place);
-		if (isBeyondEdge(x, other, place, edgeWidth, contact) &&
-		    !facing.isAgainst(contact.normal))
-			return;
-		if (contact.gap >= (faces ? reach : -deep)) return;
-		// behind the line of a side that has been bent, and outside all the same
-		const bool doubtful = contact.gap < -trustedDepth * other.pointSpacing;
-		if (doubtful && !irregular && !other.encloses(x)) return;
-		append({ side, s, -1 }, contact, body, other, list);
-	});
-}
-
 } // namespace
 
 template <int dim>
 void findOutlineContacts(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
 			 double reach, ContactList<dim>& list)
 {
-	const bool corners = !first.mesh->sharp.empty() || !second.mesh->sharp.empty();
+	const bool corners = first.mesh->hasCorners() || second.mesh->hasCorners();
 	const bool irregular = first.mesh->irregular || second.mesh->irregular;
-	if (corners || irregular) {
-		nodesFacingOutline(first, second, 0, reach, list);
-		nodesFacingOutline(second, first, 1, reach, list);
-	} else
+	if (corners || irregular)
+		findContactsAtCorners(first, second, reach, list);
+	else
 		findContactsOfCandidates(first, second, reach, list);
 }
 

@@ -19,8 +19,10 @@ void closeOutline(OutlineMesh<2>& mesh, const std::vector<int>& corners)
 	const int count = static_cast<int>(mesh.vertex.size());
 	for (int s = 0; s < count; ++s)
 		mesh.facet.push_back({ s, (s + 1) % count });
+	if (corners.empty()) return;
+	mesh.sharp.assign(count, false);
 	for (int s : corners)
-		mesh.sharp[s] = { (s + count - 1) % count, s };
+		mesh.sharp[s] = true;
 }
 
 template <> OutlineMesh<2> UnitBall<2>::mesh(double spacing) const
@@ -202,17 +204,13 @@ OutlineMesh<3> meshOfBlock(const Vec<3>& half, double spacing)
 					mesh.facet.push_back({ loop[0], loop[2], loop[3] });
 				}
 		}
+	mesh.sharp.assign(mesh.vertex.size(), false);
 	for (const auto& [index, vertex] : known) {
 		int ends = 0;
 		for (int a = 0; a < 3; ++a)
 			ends += index[a] == 0 || index[a] == parts[a];
-		if (ends > 1) mesh.sharp[vertex] = {};
+		mesh.sharp[vertex] = ends > 1;
 	}
-	for (std::size_t f = 0; f < mesh.facet.size(); ++f)
-		for (int vertex : mesh.facet[f]) {
-			const auto edge = mesh.sharp.find(vertex);
-			if (edge != mesh.sharp.end()) edge->second.push_back(static_cast<int>(f));
-		}
 	return mesh;
 }
 

@@ -3,7 +3,6 @@
 
 #include "Vector.hpp"
 #include <array>
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -18,14 +17,16 @@ template <int dim> constexpr int mostPartners = dim == 2 ? 4 : 3;
 template <int dim> struct OutlineMesh {
 	std::vector<Vec<dim>> vertex;            ///< on the true boundary
 	std::vector<std::array<int, dim>> facet; ///< vertex indices; in 2D in order around it
-	/// Vertices where the outline has no single normal, with the facets that meet there. At any
-	/// other vertex the facets approximate one smooth surface.
-	std::map<int, std::vector<int>> sharp;
+	/// By vertex, whether the outline has no single normal there; empty where it has one
+	/// everywhere. About any other vertex the facets approximate one smooth surface.
+	std::vector<char> sharp;
 	std::vector<std::vector<int>> facetsAbout; ///< those that meet at a vertex, in order
 	/// The centre of its box may lie outside, and far pieces of it may be equally near to a
 	/// place: searches take no short cuts.
 	bool irregular = false;
 
+	bool hasCorners() const { return !sharp.empty(); }
+	bool isSharp(int v) const { return hasCorners() && sharp[v]; }
 	/// The vertices that carry the outline over a facet: in 2D its ends between their
 	/// neighbours (contact/OutlineCurve.hpp), in 3D its corners.
 	std::array<int, mostPartners<dim>> carriers(int f) const

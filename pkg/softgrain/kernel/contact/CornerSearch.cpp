@@ -1,0 +1,288 @@
+#include "contact/CornerSearch.hpp"
+#include "contact/Candidates.hpp"
+#include "contact/OutlineEdges.hpp"
+#include "contact/PlaceOnOutline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace softgrain {
+
+namespace {
+
+/// Whether a place outside of a grain lies before a facet, not behind it on the far side of a thin
+/// arm.
+bool isBefore(const Vec<2>& x, const ContactOutline<2>& body, int facet)
+{
+	const Vec<2>& start = body.position[body.mesh->facet[facet][0]];
+	return (x - start).dot(body.normalOfFacet(facet)) >= -OutlineCurve(body, facet).bulge();
+}
+
+/// In 3D no grain has thin arms.
+bool isBefore(const Vec<3>&, const ContactOutline<3>&, int) { return true; }
+
+/// Deeper nodes, in dr, are looked at once more: whether they are inside at all. Bent sides feign 1
+/// to 2; what is pressed in stays far below, and need not be looked at.
+constexpr double trustedDepth = 0.5;
+
+/// What is always near, as a clearance.
+constexpr double none = -std::numeric_limits<double>::infinity();
+
+/// Whether x is outside of a grain, known the place on its facets that is nearest.
+bool isOutside(const Vec<2>& x, const ContactOutline<2>& body, const PlaceOnOutline<2>& place)
+{
+	const auto [before, begin, end, after] = body.mesh->carriers(place.facet);
+	const Vec<2> along = body.position[end] - body.position[begin];
+	if (place.weight[0] == 0)
+		return cross(along, body.position[after] - body.position[end]) > 0;
+	if (place.weight[1] == 0)
+		return cross(body.position[begin] - body.position[before], along) > 0;
+	return cross(along, x - body.position[begin]) < 0;
+}
+/// (Beyond an edge x is before one of the facets that meet there.)
+bool isOutside(const Vec<3>& x, const ContactOutline<3>& body, const PlaceOnOutline<3>& place)
+{
+	auto isBefore = [&](int facet) {
+		const Vec<3>& corner = body.position[body.mesh->facet[facet][0]];
+		return (x - corner).dot(body.areaOfFacet(facet)) > 0;
+	};
+	if (isBefore(place.facet)) return true;
+	for (int i = 0; i < 3; ++i) {
+		if (!(place.weight[i] > 0)) continue;
+		const auto& about = body.mesh->facetsAbout[body.mesh->facet[place.facet][i]];
+		if (std::any_of(about.begin(), about.end(), isBefore)) return true;
+	}
+	return !body.encloses(x);
+}
+
+/// Whether a node lies beside a place that bears it, beyond the end of the curve over its facet,
+/// and farther from it than `reach`.
+bool isAside(const Vec<2>& x, const ContactOutline<2>& body, const Contact<2>& contact,
+	     double reach)
+{
+	Vec<2> apart = x;
+	for (int i = 0; i < contact.partners; ++i)
+		apart -= contact.weight[i] * body.position[contact.partner[i]];
+	return contact.gap > 0 && apart.squaredNorm() >= reach * reach;
+}
+/// In 3D outlines are smooth but for edges.
+bool isAside(const Vec<3>&, const ContactOutline<3>&, const Contact<3>&, double) { return false; }
+
+/// The outline bulges out of a facet by less, m.
+double bulgeOver(const ContactOutline<2>& body, int facet)
+{
+	return OutlineCurve(body, facet).bulge();
+}
+/// (measureGap: three times the third of half of the largest term.)
+double bulgeOver(const ContactOutline<3>& body, int facet)
+{
+	const auto& vertex = body.mesh->facet[facet];
+	double most = 0;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < i; ++j)
+			most = std::max(
+				most,
+				(body.normalAt(facet, vertex[j]) - body.normalAt(facet, vertex[i]))
+					.dot(body.position[vertex[j]] - body.position[vertex[i]]));
+	return most / 6;
+}
+
+/// Some facets of an outline, to be told apart by distance.
+template <int dim> struct NearFacets {
+	const ContactOutline<dim>& body;
+	FacetBalls<dim> facets;
+	double bulge = 0; ///< over any of them, m
+
+	NearFacets(const ContactOutline<dim>& of, FacetBalls<dim> some)
+		: body(of)
+		, facets(std::move(some))
+	{
+		for (int f : facets.facets())
+			bulge = std::max(bulge, bulgeOver(body, f));
+	}
+	/// Nearest to x of all places, known one on a facet (-1: none).
+	PlaceOnOutline<dim> nearest(const Vec<dim>& x, int facet) const
+	{
+		const PlaceOnOutline<dim> start =
+			facet < 0 ? PlaceOnOutline<dim>() : placeOnFacet(x, body, facet);
+		return nearestPlace(x, body, facets, anyFacet, start);
+	}
+	/// What the gap of a node outside is at least, m.
+	double leastGap(const PlaceOnOutline<dim>& place) const
+	{
+		return std::sqrt(place.squaredDistance) - bulge -
+		       jumpOfGaps<dim> * body.pointSpacing;
+	}
+};
+
+template <int dim>
+void findCandidates(const ContactOutline<dim>& body, const ContactOutline<dim>& other, int side,
+		    double within, ContactList<dim>& list)
+{
+	ContactCandidates<dim>& candidates = list.candidates;
+	const auto nodes = nodesNear(body, other, within);
+	if (nodes.empty()) return;
+	const NearFacets<dim> near(other, facetsNear(body, other, within + other.bulge()));
+	if (near.facets.empty()) return;
+	list.tested += static_cast<int>(nodes.size());
+	int facet = -1;
+	for (int s : nodes) {
+		const Vec<dim>& x = body.position[s];
+		const auto place = near.nearest(x, facet);
+		const double gap = near.leastGap(place);
+		facet = place.facet;
+		const bool inside = gap > 0 && !isOutside(x, other, place);
+		if (inside || gap < within)
+			candidates.nodes.push_back(
+				{ side, s, facet, inside ? none : gap + candidates.approached });
+	}
+}
+
+template <int dim>
+void renewCandidates(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
+		     double reach, ContactList<dim>& list)
+{
+	ContactCandidates<dim>& candidates = list.candidates;
+	if (reach + candidates.approached <= candidates.covered) return;
+	const double within = candidateReach(first, second, reach);
+	candidates.clear();
+	candidates.covered = within + candidates.approached;
+	findCandidates(first, second, 0, within, list);
+	findCandidates(second, first, 1, within, list);
+}
+
+/// Measures nodes of one body at the outline of the other in one step.
+template <int dim> class NodesAtCorners {
+public:
+	NodesAtCorners(const ContactOutline<dim>& body, const ContactOutline<dim>& other,
+		       double reach, ContactList<dim>& list)
+		: body_(body)
+		, other_(other)
+		, reach_(reach)
+		, deep_(contactDepth(body, other))
+		, shallow_(std::max(deep_ - other.bulge(), 0.))
+		, list_(list)
+	{
+	}
+
+	/// `near`: all facets that may be the nearest to the node or bear it.
+	void measure(typename ContactCandidates<dim>::Node& node, const NearFacets<dim>& near)
+	{
+		const Vec<dim>& x = body_.position[node.node];
+		const auto nearest = near.nearest(x, node.facet);
+		const ContactCandidates<dim>& candidates = list_.candidates;
+		const double gap = near.leastGap(nearest);
+		++list_.tested;
+		node.facet = nearest.facet;
+		// facets that are not looked at may be nearer than that, and no nearer than this
+		node.clearance = std::min(gap + candidates.approached, candidates.covered);
+		if (gap >= reach_) {
+			if (isOutside(x, other_, nearest)) return;
+			node.clearance = none;
+		}
+		findContact(node, x, nearest, near.facets);
+	}
+
+private:
+	/// Only facets count that the node faces. One that is outside must be before them, not
+	/// behind the far side of a thin arm.
+	void findContact(const typename ContactCandidates<dim>::Node& node, const Vec<dim>& x,
+			 const PlaceOnOutline<dim>& nearest, const FacetBalls<dim>& facets)
+	{
+		const bool irregular = other_.mesh->irregular;
+		std::optional<bool> enclosed; // once it is asked for
+		auto mayBeInside = [&] {
+			if (!enclosed) enclosed = !irregular || other_.encloses(x);
+			return *enclosed;
+		};
+		const NodeFacing<dim> facing(body_, node.node);
+		auto bears = [&](int f) {
+			return facing.isAgainst(other_.normalOfFacet(f)) &&
+			       ((irregular && isBefore(x, other_, f)) || mayBeInside());
+		};
+		PlaceOnOutline<dim> place = placeThat(bears, x, nearest, facets);
+		// None near: the node lies against no side of the grain, but it may be inside.
+		const bool faces = place.facet >= 0;
+		if (!faces) {
+			if (nearest.squaredDistance < shallow_ * shallow_ || !mayBeInside()) return;
+			place = nearest;
+		}
+		Contact<dim> contact = contactAt(x, other_, place);
+		const bool isBeyond = isBeyondEdge(x, other_, place, edgeWidth, contact);
+		if (isBeyond && !facing.isAgainst(contact.normal)) return;
+		if (!isBeyond && isAside(x, other_, contact, reach_)) return;
+		if (contact.gap >= (faces ? reach_ : -deep_)) return;
+		// behind the line of a side that has been bent, and outside all the same
+		const bool doubtful = contact.gap < -trustedDepth * other_.pointSpacing;
+		if (doubtful && !irregular && !other_.encloses(x)) return;
+		append({ node.side, node.node, -1 }, contact, body_, other_, list_);
+	}
+
+	/// The nearest on a facet that bears; no facet where none is as near as contacts are deep.
+	template <class Bears>
+	PlaceOnOutline<dim> placeThat(Bears&& bears, const Vec<dim>& x,
+				      const PlaceOnOutline<dim>& nearest,
+				      const FacetBalls<dim>& facets) const
+	{
+		PlaceOnOutline<dim> within;
+		within.squaredDistance = deep_ * deep_;
+		if (nearest.squaredDistance >= within.squaredDistance) return within;
+		return bears(nearest.facet) ? nearest
+					    : nearestPlace(x, other_, facets, bears, within);
+	}
+
+	const ContactOutline<dim>&body_, &other_;
+	double reach_, deep_;
+	double shallow_; ///< nothing so near is deep, m
+	ContactList<dim>& list_;
+};
+
+/// Those candidates of a side that may be within reach; their facets are near them.
+template <int dim>
+void measureCandidates(const ContactOutline<dim>& body, const ContactOutline<dim>& other, int side,
+		       double reach, ContactList<dim>& list)
+{
+	ContactCandidates<dim>& candidates = list.candidates;
+	std::optional<Box<dim>> region;
+	auto forDue = [&](auto&& use) {
+		forCandidates(reach, candidates, [&](auto& node) {
+			if (node.side == side) use(node);
+		});
+	};
+	forDue([&](const auto& node) {
+		const Vec<dim>& x = body.position[node.node];
+		if (!region) region = Box<dim> { x, x };
+		region = Box<dim> { region->low.cwiseMin(x), region->high.cwiseMax(x) };
+	});
+	if (!region) return;
+	const double unseen = candidates.covered - candidates.approached + other.bulge();
+	const NearFacets<dim> near(
+		other, facetsIn(other, region->grown(std::max(unseen, contactDepth(body, other)))));
+	NodesAtCorners<dim> nodes(body, other, reach, list);
+	forDue([&](auto& node) { nodes.measure(node, near); });
+}
+
+} // namespace
+
+template <int dim>
+void findContactsAtCorners(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
+			   double reach, ContactList<dim>& list)
+{
+	followBodies(first, second, reach, list.candidates);
+	renewCandidates(first, second, reach, list);
+	measureCandidates(first, second, 0, reach, list);
+	measureCandidates(second, first, 1, reach, list);
+}
+
+#define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
+	template void findContactsAtCorners<dim>(const ContactOutline<dim>&,                       \
+						 const ContactOutline<dim>&, double,               \
+						 ContactList<dim>&);
+SOFTGRAIN_INSTANTIATE(2)
+SOFTGRAIN_INSTANTIATE(3)
+#undef SOFTGRAIN_INSTANTIATE
+
+} // namespace softgrain

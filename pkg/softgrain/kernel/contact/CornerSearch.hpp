@@ -1,0 +1,16 @@
+// The search for outlines with corners or indentations: near these the nearest facet need not be
+// the one that a node lies against.
+#pragma once
+
+#include "contact/Contact.hpp"
+#include "contact/ContactOutline.hpp"
+
+namespace softgrain {
+
+/// As findOutlineContacts. Nodes that are near are found for several steps, and in each step these
+/// are measured anew: what is found does not depend on when that was.
+template <int dim>
+void findContactsAtCorners(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
+			   double reach, ContactList<dim>& list);
+
+} // namespace softgrain

@@ -1,0 +1,129 @@
+#include "Helpers.hpp"
+#include "contact/Search.hpp"
+
+#include <algorithm>
+#include <catch2/catch_test_macros.hpp>
+#include <numbers>
+
+using namespace softgrain;
+using namespace softgrain::testing;
+
+namespace {
+
+/// Spikes of two lengths, their tips sharp and the notches between them smooth, or all sharp.
+TemplateRecipe star(bool allSharp)
+{
+	Ring ring;
+	for (int k = 0; k < 10; ++k) {
+		const double r = k % 2 ? 1 : k % 4 ? 1.5 : 2, t = std::numbers::pi * k / 5;
+		ring.vertex.emplace_back(r * std::cos(t), r * std::sin(t));
+		if (allSharp || k % 2 == 0) ring.corner.push_back(k);
+	}
+	const Vec<2> centroid = ring.centroid();
+	for (Vec<2>& X : ring.vertex)
+		X -= centroid;
+	TemplateRecipe r = recipe(0.25);
+	r.form.form = Form::polygon;
+	r.form.ring = std::make_shared<const Ring>(ring);
+	return r;
+}
+
+TemplateRecipe block(double zeta)
+{
+	TemplateRecipe r = recipe(zeta);
+	r.form.form = Form::block;
+	r.form.aspect = { 1.5, 1, 1 };
+	return r;
+}
+
+template <int dim> bool isIn(const ContactBody<dim>& body, const ContactBody<dim>& other)
+{
+	return std::any_of(body.position.begin(), body.position.end(),
+			   [&](const Vec<dim>& x) { return other.encloses(x); });
+}
+
+/// Two grains of a form; one goes round the other, turns and trembles, and is pressed on it and let
+/// off again and again.
+template <int dim> class Wanderers {
+public:
+	explicit Wanderers(const TemplateRecipe& form)
+		: reference_(makeGrainTemplate<dim>(form))
+		, first(contactBody<dim>(*reference_, 1, Vec<dim>::Zero()))
+		, second(contactBody<dim>(*reference_, 1, 4 * Vec<dim>::Unit(0)))
+	{
+		while (!isIn(second, first))
+			move(-0.05, Mat<dim>::Identity(), 0);
+	}
+	void step()
+	{
+		Mat<dim> turn = Mat<dim>::Identity();
+		turn.template topLeftCorner<2, 2>() = Eigen::Rotation2Dd(0.01).toRotationMatrix();
+		move(isIn(second, first) || isIn(first, second) ? 0.03 : -0.01, turn, 1e-4);
+	}
+
+private:
+	/// Turns the second one and its way about the first, moves it off by `away`.
+	void move(double away, const Mat<dim>& turn, double tremor)
+	{
+		const auto from = second.position;
+		const Vec<dim> centre = second.box.centre();
+		for (Vec<dim>& x : second.position)
+			x = turn * x + away * (turn * centre).normalized() +
+			    random_.vector<dim>(tremor);
+		second.updateGeometry();
+		const Vec<dim> together = second.box.centre() - centre;
+		double farthest = 0;
+		for (std::size_t s = 0; s < from.size(); ++s)
+			farthest = std::max(farthest,
+					    (second.position[s] - from[s] - together).norm());
+		second.carried += together;
+		second.travelled += farthest;
+	}
+
+	std::shared_ptr<const GrainTemplate<dim>> reference_;
+	Random random_ { 3 };
+
+public:
+	ContactBody<dim> first, second;
+};
+
+/// Of some hundred steps; returns nodes that were measured, over those of a search from anew.
+template <int dim> double requireSameAsFresh(const TemplateRecipe& form, int steps)
+{
+	Wanderers<dim> grains(form);
+	ContactList<dim> kept;
+	double testedKept = 0, testedFresh = 0;
+	int contacts = 0, deep = 0;
+	for (int step = 0; step < steps; ++step) {
+		grains.step();
+		ContactList<dim> fresh;
+		const double reach = step % 5 == 0 ? 0.06 : 0.02; // as speeds change
+		findContacts(grains.first, grains.second, reach, kept);
+		findContacts(grains.first, grains.second, reach, fresh);
+		testedKept += kept.tested;
+		testedFresh += fresh.tested;
+		REQUIRE(kept.contacts.size() == fresh.contacts.size());
+		CHECK(kept.deepest == fresh.deepest);
+		for (std::size_t k = 0; k < kept.contacts.size(); ++k) {
+			CHECK(kept.contacts[k].key == fresh.contacts[k].key);
+			CHECK(kept.contacts[k].facet == fresh.contacts[k].facet);
+			CHECK(kept.contacts[k].gap == fresh.contacts[k].gap);
+			++contacts;
+			deep += fresh.contacts[k].gap < 0;
+		}
+	}
+	CAPTURE(contacts, deep);
+	CHECK(contacts > steps / 2);
+	CHECK(deep > steps / 8);
+	return testedKept / testedFresh;
+}
+
+} // namespace
+
+TEST_CASE("Corner search: what is found does not depend on when nodes were looked for", "[contact]")
+{
+	CHECK(requireSameAsFresh<2>(block(0.25), 700) < 0.6);
+	CHECK(requireSameAsFresh<2>(star(true), 700) < 0.6);
+	CHECK(requireSameAsFresh<2>(star(false), 700) < 0.6);
+	CHECK(requireSameAsFresh<3>(block(0.4), 300) < 0.8);
+}
