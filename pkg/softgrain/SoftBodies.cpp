@@ -122,17 +122,42 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const
 {
 	scene_.forces.sync();
-	if (assembly_.grains() > 0)
-		requireGravityInPlane(newton.gravity, grainOf(scene_, assembly_.idOf(0)));
-	std::atomic<bool> finite { true };
+	const SoftGrain* first =
+		assembly_.grains() > 0 ? &grainOf(scene_, assembly_.idOf(0)) : nullptr;
+	if (first) requireGravityInPlane(newton.gravity, *first);
+	const bool isFlat = first && first->dim == 2;
+	std::atomic<bool> finite { true }, inPlane { true };
 	assembly_.setLoads(
 		[&](int g) {
 			const softgrain::GrainLoad load = loadOf(g, newton, flow);
 			if (!isFinite(load)) finite = false;
+			if (isFlat && !isLoadedInPlane(g)) inPlane = false;
 			return load;
 		},
 		softgrain::threadsFor(assembly_.grains(), threads, loadsPerThread));
 	if (!finite) refuseLoads(newton, flow);
+	if (!inPlane) refuseLoadsAcrossPlane();
+}
+
+bool SoftBodies::isLoadedInPlane(int g) const
+{
+	const int id = assembly_.idOf(g);
+	return scene_.forces.getForce(id)[2] == 0 &&
+	       scene_.forces.getTorque(id).head<2>().isZero(0);
+}
+
+void SoftBodies::refuseLoadsAcrossPlane() const
+{
+	int g = 0;
+	while (isLoadedInPlane(g))
+		++g;
+	const int id = assembly_.idOf(g);
+	std::ostringstream message;
+	message << "soft grain #" << id << ": O.forces across the plane of 2D grains (force "
+		<< scene_.forces.getForce(id).transpose() << " N/m, torque "
+		<< scene_.forces.getTorque(id).transpose()
+		<< " N) would be lost; admissible: forces along x and y, torques about z";
+	throw std::runtime_error(message.str());
 }
 
 void SoftBodies::refuseLoads(const NewtonIntegrator& newton, const CellFlow& flow) const

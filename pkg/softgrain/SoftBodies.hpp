@@ -47,6 +47,9 @@ private:
 	bool applyUserMotion(int g, const CellFlow& flow) const;
 	softgrain::GrainLoad loadOf(int g, const NewtonIntegrator& newton,
 				    const CellFlow& flow) const;
+	bool isLoadedInPlane(int g) const;
+	/// Throws, once a load has been found that is not in the plane of 2D grains.
+	[[noreturn]] void refuseLoadsAcrossPlane() const;
 	/// Throws, once a load has been found that is not finite.
 	[[noreturn]] void refuseLoads(const NewtonIntegrator& newton, const CellFlow& flow) const;
 	bool mayHaveMoved(int g) const;

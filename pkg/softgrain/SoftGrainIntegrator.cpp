@@ -82,6 +82,7 @@ void SoftGrainIntegrator::letAssemblyGo()
 /// is nothing to do.
 bool SoftGrainIntegrator::assemble()
 {
+	forgetOtherScene();
 	rigidContacts_.list(*scene);
 	const auto last = lastAssembly_.lock();
 	assembly_ = assembleScene(*scene, threads());
@@ -173,6 +174,23 @@ void SoftGrainIntegrator::holdWalls()
 			 << " is pushed by no WallStressController any more, and held from "
 			    "now on (state.blockedDOFs, state.vel). Take what it needs to move "
 			    "freely out of 'xyzXYZ'");
+}
+
+/// After O.reset() the last step and the sums of an engine that is used again are those of a scene
+/// that is gone.
+void SoftGrainIntegrator::forgetOtherScene()
+{
+	const auto present = Omega::instance().getScene();
+	const bool isOther = lastScene_.lock() != present && hasRun_;
+	lastScene_ = present;
+	hasRun_ = true;
+	if (!isOther) return;
+	lastStep = 0;
+	assemblySteps = 0;
+	bondRate = 0;
+	workSums.clear();
+	rigidWorkSums.clear();
+	energyBooks_ = {};
 }
 
 /// A run that was loaded, or whose grains were assembled anew, goes on with its sums and its step.

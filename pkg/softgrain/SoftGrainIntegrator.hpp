@@ -84,6 +84,7 @@ private:
 	void advance();
 	bool assemble();
 	void letAssemblyGo();
+	void forgetOtherScene();
 	void continueSums();
 	void saveContinuation();
 	void chooseTimeStep();
@@ -105,6 +106,8 @@ private:
 	/// engine that O.engines was once set to, and what that holds outlives O.reset().
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
 	std::weak_ptr<softgrain::GrainAssembly> lastAssembly_;    ///< of the last step
+	std::weak_ptr<Scene> lastScene_;                          ///< of the last step
+	bool hasRun_ = false;
 	bool hadGrains_ = false;                                  ///< in the last step
 	std::shared_ptr<softgrain::GrainAssembly> withoutGrains_; ///< for scenes of rigid bodies
 	InteractionOrder order_;

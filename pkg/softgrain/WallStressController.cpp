@@ -5,6 +5,8 @@
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
 
+#include <algorithm>
+
 namespace yade {
 
 YADE_PLUGIN((WallStressController));
@@ -121,11 +123,31 @@ void WallStressController::checkWalls() const
 			"(0, inf) m; walls = [lower, upper, ...]");
 }
 
+/// Two that push a wall would add up.
+void WallStressController::checkAlone() const
+{
+	int met = 0;
+	for (const auto& engine : scene->engines) {
+		const auto* other = dynamic_cast<const WallStressController*>(engine.get());
+		if (!other || other->dead) continue;
+		met += other == this;
+		const auto shared = std::find_first_of(walls.begin(), walls.end(),
+						       other->walls.begin(), other->walls.end());
+		if ((other == this && met < 2) || shared == walls.end()) continue;
+		throw std::runtime_error(
+			"WallStressController.walls: O.engines push body #" +
+			std::to_string(*shared) +
+			(other == this ? " twice, by one controller" : " by two controllers") +
+			", which would add up; admissible: once");
+	}
+}
+
 void WallStressController::action()
 {
 	postLoad(*this); // YADE keeps a value that was refused, and does not look at items of a
 			 // vector
 	checkWalls();
+	checkAlone();
 	if (static_cast<int>(initialLengths.size()) != axes()) {
 		initialLengths.clear();
 		for (int a = 0; a < axes(); ++a)

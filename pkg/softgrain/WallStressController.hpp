@@ -42,6 +42,7 @@ private:
 	Real length(int axis) const;
 	Real area(int axis) const;
 	void checkWalls() const;
+	void checkAlone() const;
 	void pushWall(int axis, const Packing& packing);
 	void moveWall(int axis);
 };

@@ -67,11 +67,11 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         raise ValueError("draw_packing draws soft disks and rigid bodies; the scene has none")
     figure = Figure(figsize=_size(outlines + rigid, box), layout="constrained")
     axes = figure.add_subplot()
+    axes.add_collection(PolyCollection(rigid, facecolors="0.75", edgecolors="0.35", linewidths=0.5))
     if field and disks:
         _draw_field(figure, axes, images, outlines, field, scale, limits)
     else:
         axes.add_collection(PolyCollection(outlines, facecolors="0.85", edgecolors="none"))
-    axes.add_collection(PolyCollection(rigid, facecolors="0.75", edgecolors="0.35", linewidths=0.5))
     closed = [np.vstack([o, o[:1]]) for o in outlines]
     axes.add_collection(LineCollection(closed, colors="black", linewidths=0.5))
     if box is not None:
@@ -121,32 +121,57 @@ def _outline(body):
 
 
 def rigid_polygons():
-    """Outlines of the rigid spheres, boxes and facets of a 2D scene, seen along z.
+    """Outlines of the rigid spheres and boxes of a 2D scene, seen along z, and the segments in which
+    facets cut the plane of the grains; without those that do not reach it.
 
     Returns:
-        list of ndarray: of shape (n, 2) [m]; a facet that stands upright is a line to and fro.
+        list of ndarray: of shape (n, 2) [m]; of a facet (2, 2).
     """
+    plane = next((b.state.pos[2] for b in O.bodies if b and _lies_in_plane(b)), 0.0)
     polygons = []
     for body in O.bodies:
-        corners = _corners(body.shape) if body else None
-        if corners is not None:
-            turn = np.array(body.state.ori.toRotationMatrix())
-            places = np.array(body.state.pos) + np.array(corners) @ turn.T
+        corners, height = _corners(body.shape) if body else (None, 0)
+        if corners is None:
+            continue
+        turn = np.array(body.state.ori.toRotationMatrix())
+        places = np.array(body.state.pos) + np.array(corners) @ turn.T
+        if isinstance(body.shape, wrapper.Facet):
+            polygons += _cut(places, plane)
+        elif abs(body.state.pos[2] - plane) < height:
             polygons.append(places[:, :2])
     return polygons
 
 
+def _lies_in_plane(body):
+    return isinstance(body.shape, (wrapper.SoftGrain, wrapper.Sphere))
+
+
 def _corners(shape):
-    """In the frame of the body; None for other shapes."""
+    """In the frame of the body, and how far it reaches along z; None for other shapes."""
     if isinstance(shape, wrapper.Sphere):
         angle = np.linspace(0, 2 * np.pi, CORNERS_OF_A_CIRCLE, endpoint=False)
-        return shape.radius * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+        circle = shape.radius * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+        return circle, shape.radius
     if isinstance(shape, wrapper.Box):
-        width, height, _ = shape.extents
-        return [(x * width, y * height, 0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        width, height, depth = shape.extents
+        around = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        return [(x * width, y * height, 0) for x, y in around], depth
     if isinstance(shape, wrapper.Facet):
-        return shape.vertices
-    return None
+        return shape.vertices, 0
+    return None, 0
+
+
+def _cut(corners, plane):
+    """The segment in which a triangle cuts a plane z = const, as a list; none of one that does not,
+    or lies in it."""
+    ends = []
+    for start, end in zip(corners, np.roll(corners, -1, axis=0)):
+        below, above = start[2] - plane, end[2] - plane
+        if below == 0:
+            ends.append(start[:2])
+        elif below * above < 0:
+            ends.append((start + below / (below - above) * (end - start))[:2])
+    return [np.array(ends)] if len(ends) == 2 else []
 
 
 def _size(outlines, box):

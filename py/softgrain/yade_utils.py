@@ -5,7 +5,7 @@ every name a script has for them. In scenes of rigid bodies alone they are YADE'
 import math
 
 import numpy as np
-from yade import O, Sphere, Vector3, utils, wrapper
+from yade import Matrix3, O, Sphere, Vector3, utils, wrapper
 
 from softgrain import _host
 from softgrain.checks import number
@@ -88,23 +88,45 @@ def aabbExtrema(cutoff=0.0, centers=False):
 
 
 def fabricTensor(cutoff=0.0, splitTensor=False, thresholdForce=math.nan, extrema=()):
-    """YADE's, of the contacts in *extrema* or, if there are none, in :func:`aabbExtrema`.
+    """Fabric 1/n sum n n^T of the n pairs that bear a force and touch in *extrema* or, if there are
+    none, in :func:`aabbExtrema`.
 
     Args:
         cutoff (float): as :func:`aabbExtrema` has it, in [0, 1] [-].
         splitTensor (bool): of strong and of weak contacts apart.
-        thresholdForce (float): normal force that parts them; nan: the mean [N, 2D N/m].
+        thresholdForce (float): normal force that parts them, compression negative; nan: the mean
+            [N, 2D N/m].
         extrema (list): lower and upper corner of a box [m].
 
     Returns:
-        tuple: the tensor, or the two of them, each a Matrix3 [-].
+        tuple: the tensor, or the two of them, each a Matrix3 [-]; nan of no contact.
 
     Raises:
         ValueError: *cutoff* is not in [0, 1].
     """
-    if len(extrema) == 0 and soft_bodies():
-        extrema = aabbExtrema(cutoff)
-    return _of_yade["fabricTensor"](cutoff, splitTensor, thresholdForce, list(extrema))
+    if not soft_bodies():
+        return _of_yade["fabricTensor"](cutoff, splitTensor, thresholdForce, list(extrema))
+    low, high = np.array(extrema if len(extrema) else aabbExtrema(cutoff))
+    normals, forces = [], []
+    for i in O.interactions:
+        if not (i.isReal and i.phys.normalForce.squaredNorm() > 0):
+            continue
+        place = np.array(i.geom.contactPoint)
+        if np.all((low <= place) & (place <= high)):
+            normals.append(i.geom.normal)
+            forces.append(-i.phys.normalForce.dot(i.geom.normal))
+    normals, forces = np.reshape(normals, (-1, 3)), np.array(forces)
+    if not splitTensor:
+        return (_fabric(normals),)
+    threshold = np.mean(forces) if math.isnan(thresholdForce) else thresholdForce
+    strong = forces <= threshold
+    return _fabric(normals[strong]), _fabric(normals[~strong])
+
+
+def _fabric(normals):
+    if not len(normals):
+        return Matrix3(*[math.nan] * 9)
+    return Matrix3(*(normals.T @ normals / len(normals)).ravel())
 
 
 def porosity(volume=-1):

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.collections import LineCollection, PolyCollection, TriMesh
 from matplotlib.figure import Figure
 from matplotlib.path import Path
-from yade import FrictMat, O, utils
+from yade import FrictMat, O, geom, utils
 
 import softgrain as sg
 from softgrain import picture
@@ -99,14 +99,29 @@ def test_rigid_bodies_in_the_picture():
     sphere = utils.sphere((0.03, 0.01, 0), 0.01)
     box = utils.box((0, 0.05, 0), (0.02, 0.01, 0.5), orientation=((0, 0, 1), math.pi / 2))
     facet = utils.facet([(0, 0, -1), (0.1, 0.02, 1), (0, 0, 1)])
+    parallel = utils.facet([(0, 0, 0.1), (1, 0, 0.1), (0, 1, 0.1)])
+    below = utils.box((0, 0, -0.2), (1, 1, 0.1))
     two_disks()
-    O.bodies.append([sphere, box, utils.wall(0, axis=0), facet])
+    O.bodies.append([sphere, box, utils.wall(0, axis=0), facet, parallel, below])
     ball, block, line = picture.rigid_polygons()
     assert area(ball) == pytest.approx(math.pi * 1e-4, rel=2e-3)
     assert ball.mean(axis=0) == pytest.approx((0.03, 0.01))
     assert area(block) == pytest.approx(8e-4)
     assert np.ptp(block, axis=0) == pytest.approx((0.02, 0.04))
-    assert line.tolist() == [pytest.approx(p) for p in ([0, 0], [0.1, 0.02], [0, 0])]
+    assert line.tolist() == [pytest.approx(p) for p in ([0.05, 0.01], [0, 0])]
+
+
+def test_container_of_facets_hides_nothing(drawn):
+    """Of one that is closed before and behind the sides are seen, beneath the grains."""
+    two_disks()
+    O.bodies.append(geom.facetBox((0.02, 0, 0), (0.04, 0.03, 0.01), wallMask=63))
+    sg.draw_packing("p.png")
+    lines = [path.vertices for path in the_one(drawn[0], PolyCollection).get_paths()]
+    sides = [line for line in lines if np.ptp(line, axis=0).max() > 1e-9]
+    places = {tuple(np.round(p, 9)) for line in sides for p in line}
+    assert all(abs(abs(x - 0.02) - 0.04) < 1e-9 or abs(abs(y) - 0.03) < 1e-9 for x, y in places)
+    kinds = [type(c) for c in drawn[0].collections]
+    assert kinds.index(PolyCollection) < kinds.index(TriMesh)
 
 
 def test_picture_of_rigid_bodies_alone(tmp_path):

@@ -132,6 +132,23 @@ def test_walls_in_a_wrong_order(order, message):
         run(1)
 
 
+@pytest.mark.parametrize("times", ("one twice", "two"))
+def test_walls_that_are_pushed_twice_are_refused(times):
+    """Their stresses would add up; one that is dead does not count."""
+    walls = four_disks()
+    ready()
+    first = insert_controller(walls, goal=(STRESS, STRESS, 0))
+    second = first if times == "one twice" else sg.WallStressController(walls=walls)
+    sg.insert_before_solve(second)
+    with pytest.raises(RuntimeError, match=f"push body #{walls[0]} .*would add up"):
+        run(1)
+    O.engines = [e for e in O.engines if not isinstance(e, sg.WallStressController)]
+    second = sg.WallStressController(walls=walls, goal=(STRESS, STRESS, 0), dead=True)
+    for controller in (first, second):
+        sg.insert_before_solve(controller)
+    run(1)
+
+
 def test_free_wall():
     walls = four_disks()
     ready()

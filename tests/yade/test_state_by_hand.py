@@ -91,6 +91,22 @@ def test_motion_out_of_the_plane(attribute, value):
     assert f"soft grain #0: its State.{attribute}" in message and "plane of 2D grains" in message
 
 
+@pytest.mark.parametrize("force, torque", [((0, 0, 5), (0, 0, 0)), ((1, 0, 0), (1, 0, 1))])
+def test_load_across_the_plane(force, torque):
+    """It would be lost."""
+    add_disk()
+    body = add_disk((4 * RADIUS, 0, 0))
+    ready()
+    run(2)
+    O.forces.setPermF(body.id, force)
+    O.forces.setPermT(body.id, torque)
+    message = message_of_step()
+    assert "soft grain #1: O.forces across the plane of 2D grains (force" in message
+    O.forces.setPermF(body.id, (1, 2, 0))
+    O.forces.setPermT(body.id, (0, 0, 3))
+    run(1)
+
+
 def test_put_elsewhere_while_in_contact():
     """What it touched is not pushed any more."""
     hit, struck = add_disk(), add_disk((2.002 * RADIUS, 0, 0))

@@ -15,7 +15,7 @@ from scenes import (
     run_python,
     soft_material,
 )
-from yade import FrictMat, Matrix3, O, _utils, utils
+from yade import FrictMat, Matrix3, O, _utils, pack, utils
 
 import softgrain as sg
 
@@ -135,6 +135,43 @@ def test_unbalanced_force_counts_what_rigid_bodies_weigh():
     weight = 200 * DENSITY * math.pi * RADIUS**2
     assert -O.forces.f(2)[1] == pytest.approx(2 * weight, rel=0.1)
     assert utils.unbalancedForce(useMaxForce=True) < 0.2  # without weights above 1
+
+
+def test_fabric_counts_what_bears():
+    """Not what is within reach; parted as YADE parts it."""
+    for x, y in ((0, 0), (2, 0), (0, 2.02)):
+        add_disk((x * RADIUS * 0.999, y * RADIUS, 0))
+    ready()
+    while sg.integrator().contacts == sg.integrator().activeContacts:
+        O.bodies[2].state.pos -= (0, 1e-3 * RADIUS, 0)  # till it is within reach
+        run(1)
+    real = [i for i in O.interactions if i.isReal]
+    assert len(real) > sum(i.phys.activeContacts > 0 for i in real) == 1
+    np.testing.assert_allclose(utils.fabricTensor()[0], np.diag([1, 0, 0]), atol=1e-3)
+    strong, weak = utils.fabricTensor(splitTensor=True)
+    np.testing.assert_allclose(strong, np.diag([1, 0, 0]), atol=1e-3)
+    assert np.isnan(weak).all()
+    nothing = utils.fabricTensor(extrema=[(8, 8, 8), (9, 9, 9)])[0]
+    assert np.isnan(nothing).all()
+
+
+def test_fabric_is_that_of_yade():
+    """Of rigid balls, with a soft one far away and without."""
+    ids = pack.SpherePack([((1.9 * x, 1.8 * y, 1.7 * z), 1) for x, y, z in np.ndindex(3, 3, 2)])
+    O.bodies.append([utils.sphere(*s, material=FrictMat(young=1e6)) for s in ids])
+    ready()
+    run(1)
+
+    def fabrics():
+        whole = [(-9, -9, -9), (9, 9, 9)]
+        split = [{"splitTensor": True, "thresholdForce": t} for t in (math.nan, -1e5, -1.2e5)]
+        found = [utils.fabricTensor(extrema=whole, **kind) for kind in ({}, *split)]
+        return [np.array(tensor) for tensors in found for tensor in tensors]
+
+    expected = fabrics()
+    O.bodies.append(sg.soft_sphere((99, 0, 0), 1, soft_material(), zeta=0.5))
+    for found, own in zip(fabrics(), expected, strict=True):
+        np.testing.assert_allclose(found, own, atol=1e-12)
 
 
 SCRIPT = """

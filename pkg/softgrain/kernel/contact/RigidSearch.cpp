@@ -202,6 +202,17 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, RigidSeams<dim
 	}
 }
 
+/// Whether a place is inside of a grain, and deeper than contacts are: no node near it tells.
+template <int dim> bool isDeepInside(const ContactOutline<dim>& body, const Vec<dim>& x)
+{
+	const double deep = contactDepth(body, body) + body.longestEdge;
+	if (!body.box.grown(-0.5 * deep).contains(x)) return false; // what bears a grain is not
+	for (const Vec<dim>& node : body.position)
+		if ((node - x).squaredNorm() < deep * deep) return false;
+	return body.hasFacets() ? body.encloses(x)
+				: (x - body.box.centre()).norm() < body.innerRadius();
+}
+
 } // namespace
 
 template <int dim>
@@ -212,12 +223,8 @@ void findRigidContacts(const ContactOutline<dim>& body, double reach, ContactLis
 	RigidSeams<dim> seams(body, *list.rigid);
 	nodesOnSurface<dim>(body, reach, seams, list);
 	if (body.isSurface()) tipsOnOutline<dim>(body, reach, seams, list);
-	const auto* ball = std::get_if<BallSurface<dim>>(&list.rigid->surface);
-	if (!ball) return;
-	const bool nested = body.mesh->irregular
-				    ? list.contacts.empty() && body.encloses(ball->centre)
-				    : body.holds(ball->centre, ball->radius);
-	if (nested) list.deepest = std::numeric_limits<double>::infinity();
+	if (isDeepInside<dim>(body, nearestPlaceOn<dim>(list.rigid->surface, body.box.centre())))
+		list.deepest = std::numeric_limits<double>::infinity();
 }
 
 template void findRigidContacts<2>(const ContactOutline<2>&, double, ContactList<2>&);

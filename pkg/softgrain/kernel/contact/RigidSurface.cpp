@@ -45,6 +45,24 @@ template <int dim> double distanceOf(const Vec<dim>& x, const BlockSurface<dim>&
 	return (y.cwiseAbs() - block.halfSides).cwiseMax(0).norm();
 }
 
+template <int dim> Vec<dim> nearestTo(const Vec<dim>& x, const BallSurface<dim>& ball)
+{
+	const Vec<dim> apart = x - ball.centre;
+	return ball.centre + std::min(1., ball.radius / apart.norm()) * apart;
+}
+
+template <int dim> Vec<dim> nearestTo(const Vec<dim>& x, const PlateSurface<dim>& plate)
+{
+	return placeAt<dim>(plate, nearestOnFacet(x, plate.corner));
+}
+
+template <int dim> Vec<dim> nearestTo(const Vec<dim>& x, const BlockSurface<dim>& block)
+{
+	const Vec<dim> y = block.axes.transpose() * (x - block.centre);
+	return block.centre +
+	       block.axes * y.cwiseMin(block.halfSides).cwiseMax(-block.halfSides);
+}
+
 template <int dim> BallSurface<dim> ballAboutSurface(const BallSurface<dim>& ball) { return ball; }
 
 template <int dim> BallSurface<dim> ballAboutSurface(const PlateSurface<dim>& plate)
@@ -97,6 +115,11 @@ template <int dim> double distanceTo(const RigidSurface<dim>& surface, const Vec
 	return std::visit([&](const auto& s) { return distanceOf<dim>(x, s); }, surface);
 }
 
+template <int dim> Vec<dim> nearestPlaceOn(const RigidSurface<dim>& surface, const Vec<dim>& x)
+{
+	return std::visit([&](const auto& s) { return nearestTo<dim>(x, s); }, surface);
+}
+
 template <int dim> BallSurface<dim> ballAbout(const RigidSurface<dim>& surface)
 {
 	return std::visit([](const auto& s) { return ballAboutSurface<dim>(s); }, surface);
@@ -106,6 +129,7 @@ template <int dim> BallSurface<dim> ballAbout(const RigidSurface<dim>& surface)
 	template Vec<dim> placeAt<dim>(const PlateSurface<dim>&, const std::array<double, dim>&);  \
 	template std::vector<double> placeNumbers<dim>(const RigidSurface<dim>&);                  \
 	template double distanceTo<dim>(const RigidSurface<dim>&, const Vec<dim>&);                \
+	template Vec<dim> nearestPlaceOn<dim>(const RigidSurface<dim>&, const Vec<dim>&);          \
 	template BallSurface<dim> ballAbout<dim>(const RigidSurface<dim>&);
 SOFTGRAIN_INSTANTIATE(2)
 SOFTGRAIN_INSTANTIATE(3)

@@ -33,6 +33,9 @@ using RigidSurface = std::variant<BallSurface<dim>, PlateSurface<dim>, BlockSurf
 /// Of a point from the surface; 0 inside of a ball or a block.
 template <int dim> double distanceTo(const RigidSurface<dim>& surface, const Vec<dim>& x);
 
+/// Its nearest place; x inside of a ball or a block.
+template <int dim> Vec<dim> nearestPlaceOn(const RigidSurface<dim>& surface, const Vec<dim>& x);
+
 /// What tells where the surface is, and how large: equal for a body that has not been moved.
 template <int dim> std::vector<double> placeNumbers(const RigidSurface<dim>& surface);
 

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace softgrain {
 
@@ -98,48 +99,66 @@ typename BackgroundGrid<dim>::NodesAbout BackgroundGrid<dim>::nodesWithin(int st
 	return found;
 }
 
-/// As many as an affine function needs and more, and all at the last distance: or the weights would
-/// lack the symmetry of the grid.
 template <int dim>
-typename BackgroundGrid<dim>::NodesAbout BackgroundGrid<dim>::nearestNodes(const Index& index) const
+typename BackgroundGrid<dim>::NodesAbout
+BackgroundGrid<dim>::nearestNodes(const Index& index, std::size_t count) const
 {
-	const std::size_t neighbours = std::min<std::size_t>(dim == 2 ? 6 : 11, number_.size());
 	NodesAbout nearest;
-	for (int steps = 2; nearest.size() < neighbours; ++steps)
+	for (int steps = 2; nearest.size() < count; ++steps)
 		nearest = nodesWithin(steps, index);
-	const int last = nearest[neighbours - 1].first;
+	const int last = nearest[count - 1].first;
 	nearest.erase(std::find_if(nearest.begin(), nearest.end(),
 				   [last](const auto& node) { return node.first > last; }),
 		      nearest.end());
 	return nearest;
 }
 
-/// Minimum-norm weights on the nearest nodes that reproduce affine functions at a tied node.
+template <int dim>
+std::optional<typename BackgroundGrid<dim>::Weights>
+BackgroundGrid<dim>::affineWeights(const Index& index, const NodesAbout& nodes) const
+{
+	const Vec<dim> X = nodeAt(index);
+	const int count = static_cast<int>(nodes.size());
+	Eigen::Matrix<double, dim + 1, Eigen::Dynamic> affine(dim + 1, count);
+	Eigen::VectorXd trust(count); // nearer nodes carry more
+	for (int k = 0; k < count; ++k) {
+		affine(0, k) = 1;
+		affine.template block<dim, 1>(1, k) =
+			(position_[nodes[k].second] - X).cwiseQuotient(spacing_);
+		trust[k] = std::pow(nodes[k].first, -2);
+	}
+	Eigen::Matrix<double, dim + 1, 1> target = Eigen::Matrix<double, dim + 1, 1>::Unit(0);
+	const Eigen::MatrixXd scaled = affine * trust.asDiagonal();
+	const auto gram = (scaled * affine.transpose()).eval().ldlt();
+	constexpr double rounding = 1e-9;
+	if (!(gram.vectorD().minCoeff() > rounding * gram.vectorD().maxCoeff()))
+		return std::nullopt;
+	const Eigen::VectorXd weight =
+		trust.asDiagonal() * affine.transpose() * gram.solve(target);
+	Weights result;
+	for (int k = 0; k < count; ++k)
+		result.emplace_back(nodes[k].second, weight[k]);
+	return result;
+}
+
+/// As many nodes as an affine function needs and more, and all at the last distance: or the weights
+/// would lack the symmetry of the grid. In a thin arm, where these lie in a row, more.
 template <int dim>
 typename BackgroundGrid<dim>::Weights BackgroundGrid<dim>::extrapolation(const Index& index) const
 {
 	const auto known = tied_.find(index);
 	if (known != tied_.end()) return known->second;
 
-	const Vec<dim> X = nodeAt(index);
-	const NodesAbout nearest = nearestNodes(index);
-	const int count = static_cast<int>(nearest.size());
-	Eigen::Matrix<double, dim + 1, Eigen::Dynamic> affine(dim + 1, count);
-	Eigen::VectorXd trust(count); // nearer nodes carry more
-	for (int k = 0; k < count; ++k) {
-		affine(0, k) = 1;
-		affine.template block<dim, 1>(1, k) =
-			(position_[nearest[k].second] - X).cwiseQuotient(spacing_);
-		trust[k] = std::pow(nearest[k].first, -2);
+	const std::size_t all = number_.size();
+	for (std::size_t count = std::min<std::size_t>(dim == 2 ? 6 : 11, all);;
+	     count = std::min(2 * count, all)) {
+		const auto weights = affineWeights(index, nearestNodes(index, count));
+		if (weights) return tied_[index] = *weights;
+		if (count == all)
+			throw std::invalid_argument("zeta is too large for the outline: all "
+						    "background nodes lie in a row; admissible: "
+						    "such that it is some dr wide somewhere");
 	}
-	Eigen::Matrix<double, dim + 1, 1> target = Eigen::Matrix<double, dim + 1, 1>::Unit(0);
-	const Eigen::MatrixXd scaled = affine * trust.asDiagonal();
-	const Eigen::VectorXd weight = trust.asDiagonal() * affine.transpose() *
-				       (scaled * affine.transpose()).eval().ldlt().solve(target);
-	Weights result;
-	for (int k = 0; k < count; ++k)
-		result.emplace_back(nearest[k].second, weight[k]);
-	return tied_[index] = result;
 }
 
 template <int dim>

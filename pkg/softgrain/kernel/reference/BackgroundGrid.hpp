@@ -8,6 +8,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <vector>
 
 namespace softgrain {
@@ -49,7 +50,11 @@ private:
 	/// first.
 	using NodesAbout = std::vector<std::pair<int, int>>;
 	NodesAbout nodesWithin(int steps, const Index& index) const;
-	NodesAbout nearestNodes(const Index& index) const;
+	/// So many, and all that are as near as the last of them.
+	NodesAbout nearestNodes(const Index& index, std::size_t count) const;
+	/// Minimum-norm weights on nodes that reproduce affine functions at a tied node; none where
+	/// the nodes lie in a row (plane).
+	std::optional<Weights> affineWeights(const Index& index, const NodesAbout& nodes) const;
 
 	int order_;
 	Vec<dim> spacing_;

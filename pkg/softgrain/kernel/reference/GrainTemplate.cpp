@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <sstream>
 #include <stdexcept>
 
 namespace softgrain {
@@ -102,6 +103,38 @@ void requireFewPoints(double points, double zeta)
 			std::to_string(std::lround(points)) + ")");
 }
 
+/// Uniform points leave out cells at the rim, and nodes there that no point feels could move without
+/// strain. (Held are those of second and third order in 3D and with projected volumes.)
+template <int dim>
+void requirePointsForNodes(const TemplateRecipe& recipe, std::size_t points, std::size_t nodes)
+{
+	const bool isProjected = recipe.volumetric == VolumetricStrain::projected;
+	const bool areHeld = recipe.order > 1 && hourglassStiffness<dim>(isProjected) > 0;
+	if (recipe.quadrature == QuadratureRule::cutCell || areHeld || points >= nodes) return;
+	std::ostringstream message;
+	message << "quadrature = 'lattice' gives " << points << " material points for " << nodes
+		<< " background nodes, which could move without strain; admissible are as many "
+		   "points as nodes: a larger nodeSpacing ("
+		<< recipe.nodeSpacing << "), a smaller zeta (" << recipe.zeta << "), or 'cutCell'";
+	throw std::invalid_argument(message.str());
+}
+
+/// At rest a contact node is where its background nodes carry it.
+template <int dim> void requireCarriedOutline(const GrainTemplate<dim>& grain)
+{
+	constexpr double rounding = 1e-6;
+	for (int s = 0; s < grain.contactNodes(); ++s) {
+		Vec<dim> X = Vec<dim>::Zero();
+		const auto& shapes = grain.contactShapes;
+		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
+			X += shapes.value[k] * grain.nodePosition[shapes.column[k]];
+		require((X - grain.contactMesh.vertex[s]).norm() < rounding, "zeta",
+			grain.recipe.zeta,
+			"that resolves all parts of the outline: give a smaller one, or quadrature "
+			"= 'cutCell'");
+	}
+}
+
 /// Nodes, points and shape functions of B-splines.
 template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>& grain)
 {
@@ -112,6 +145,7 @@ template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>&
 				       quadrature);
 	grain.volume = outline.volume();
 	grain.gridSteps = grid.spacing();
+	requirePointsForNodes<dim>(recipe, quadrature.point.size(), grid.position().size());
 	grain.nodePosition = grid.position();
 	grain.pointPosition = quadrature.point;
 	grain.pointVolume = quadrature.weight;
@@ -133,6 +167,7 @@ template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>&
 	grain.contactShapes.column = shapes.column;
 	for (const ShapeFunction<dim>& shape : shapes.value)
 		grain.contactShapes.value.push_back(shape.N);
+	requireCarriedOutline(grain);
 }
 
 /// The same of linear triangles, whose first nodes are the contact nodes.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 namespace softgrain {
@@ -31,7 +32,8 @@ template <int dim> std::map<Index<dim>, double> functionsAt(const Vec<dim>& X, d
 	return values;
 }
 
-/// Numbers of the functions that are heavy enough.
+/// Numbers of the functions that are heavy enough, and of the heaviest at points that see none of
+/// these.
 template <int dim>
 std::map<Index<dim>, int> heavyFunctions(const Quadrature<dim>& quadrature, double spacing)
 {
@@ -42,10 +44,21 @@ std::map<Index<dim>, int> heavyFunctions(const Quadrature<dim>& quadrature, doub
 	double heaviest = 0;
 	for (const auto& [index, m] : mass)
 		heaviest = std::max(heaviest, m);
-	std::map<Index<dim>, int> number;
+	std::set<Index<dim>> heavy;
 	for (const auto& [index, m] : mass)
-		if (m >= lightFunctionShare * heaviest)
-			number.emplace(index, static_cast<int>(number.size()));
+		if (m >= lightFunctionShare * heaviest) heavy.insert(index);
+	for (const Vec<dim>& X : quadrature.point) {
+		const auto values = functionsAt<dim>(X, spacing);
+		auto isHeavy = [&](const auto& f) { return heavy.count(f.first) > 0; };
+		if (std::any_of(values.begin(), values.end(), isHeavy)) continue;
+		auto isLighter = [&](const auto& f, const auto& g) {
+			return mass[f.first] < mass[g.first];
+		};
+		heavy.insert(std::max_element(values.begin(), values.end(), isLighter)->first);
+	}
+	std::map<Index<dim>, int> number;
+	for (const Index<dim>& index : heavy)
+		number.emplace(index, static_cast<int>(number.size()));
 	return number;
 }
 
@@ -65,11 +78,29 @@ SparseMatrix gramMatrix(const SparseRows<double>& shapes, const std::vector<doub
 	return gram;
 }
 
-SparseRows<double> choleskyRows(const SparseMatrix& gram)
+using Cholesky = Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+
+/// Whether there is a factor whose rows are not those of rounding.
+bool isFactored(const Cholesky& solver, const SparseMatrix& gram)
 {
-	Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> solver(gram);
+	constexpr double rounding = 1e-10;
+	if (solver.info() != Eigen::Success) return false;
+	const Eigen::VectorXd pivots = SparseMatrix(solver.matrixL()).diagonal();
+	return (pivots.array().square() > rounding * gram.diagonal().array()).all();
+}
+
+/// At few points functions may depend on each other: of their shares, which are not determined
+/// then, about the smallest.
+SparseRows<double> choleskyRows(SparseMatrix gram)
+{
+	constexpr double ridge = 1e-8;
+	Cholesky solver(gram);
+	if (!isFactored(solver, gram)) {
+		gram.diagonal() *= 1 + ridge;
+		solver.compute(gram);
+	}
 	if (solver.info() != Eigen::Success)
-		throw std::logic_error("pressure functions of a grain are linearly dependent");
+		throw std::logic_error("the pressure functions of a grain have no factor");
 	const Eigen::SparseMatrix<double, Eigen::RowMajor> L = SparseMatrix(solver.matrixL());
 	SparseRows<double> rows;
 	for (int a = 0; a < L.rows(); ++a) {

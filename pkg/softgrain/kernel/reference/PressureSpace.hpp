@@ -3,8 +3,8 @@
 // As nu approaches 1/2, lambda (ln J)^2 at every material point is more constraints than the
 // splines have freedom: pressures oscillate from point to point and small contacts are too stiff.
 // Cure: ln J is replaced by theta = Pi ln J, its least-squares projection (weights Vp0) on the
-// continuous multilinear functions of a grid of step 2 h. The energy lambda/2 sum_p Vp0 theta_p^2
-// has the derivative lambda theta_p at every point, so that forces stay conservative
+// continuous multilinear functions of a grid of step 2 nodeSpacing dr. The energy lambda/2 sum_p
+// Vp0 theta_p^2 has the derivative lambda theta_p at every point, so that forces stay conservative
 // (doc/decisions/0009-near-incompressible.md).
 #pragma once
 
