@@ -105,8 +105,8 @@ private:
 	/// While a step is made. Between steps grains keep their assembly alone: YADE frees no
 	/// engine that O.engines was once set to, and what that holds outlives O.reset().
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
-	std::weak_ptr<softgrain::GrainAssembly> lastAssembly_;    ///< of the last step
-	std::weak_ptr<Scene> lastScene_;                          ///< of the last step
+	std::weak_ptr<softgrain::GrainAssembly> lastAssembly_; ///< of the last step
+	boost::weak_ptr<Scene> lastScene_;                     ///< of the last step
 	bool hasRun_ = false;
 	bool hadGrains_ = false;                                  ///< in the last step
 	std::shared_ptr<softgrain::GrainAssembly> withoutGrains_; ///< for scenes of rigid bodies

@@ -121,8 +121,8 @@ def _outline(body):
 
 
 def rigid_polygons():
-    """Outlines of the rigid spheres and boxes of a 2D scene, seen along z, and the segments in which
-    facets cut the plane of the grains; without those that do not reach it.
+    """Outlines of the rigid spheres and boxes of a 2D scene, seen along z, and the segments in
+    which facets cut the plane of the grains; without those that do not reach it.
 
     Returns:
         list of ndarray: of shape (n, 2) [m]; of a facet (2, 2).

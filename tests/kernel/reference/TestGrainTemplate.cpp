@@ -231,9 +231,10 @@ TEST_CASE("Grain template: nodes of thin arms are carried", "[reference]")
 		for (int order : { 1, 2, 3 })
 			for (double nodeSpacing : { 1.25, 2., 3. }) {
 				Ring ring;
-				ring.vertex = { { 0, 0 },     { 2, 0 }, { 2, 0.9 },
-						{ 6, 0.9 },   { 6, 0.9 + width },
-						{ 2, 0.9 + width }, { 2, 2 }, { 0, 2 } };
+				ring.vertex = { { 0, 0 },           { 2, 0 },
+						{ 2, 0.9 },         { 6, 0.9 },
+						{ 6, 0.9 + width }, { 2, 0.9 + width },
+						{ 2, 2 },           { 0, 2 } };
 				const Vec<2> centroid = ring.centroid();
 				for (Vec<2>& X : ring.vertex)
 					X -= centroid;

@@ -58,18 +58,29 @@ bool isOutside(const Vec<3>& x, const ContactOutline<3>& body, const PlaceOnOutl
 	return !body.encloses(x);
 }
 
-/// Whether a node lies beside a place that bears it, beyond the end of the curve over its facet,
-/// and farther from it than `reach`.
-bool isAside(const Vec<2>& x, const ContactOutline<2>& body, const Contact<2>& contact,
-	     double reach)
+/// Whether a node lies beside a place that bears it, beyond the smooth end of the curve over its
+/// facet, and farther from it than `reach`.
+bool isAside(const Vec<2>& x, const ContactOutline<2>& body, const PlaceOnOutline<2>& place,
+	     const Contact<2>& contact, double reach)
 {
+	for (int i : { 0, 1 })
+		if (place.weight[i] == 0 && body.isSharp(body.mesh->facet[place.facet][1 - i]))
+			return false;
 	Vec<2> apart = x;
 	for (int i = 0; i < contact.partners; ++i)
 		apart -= contact.weight[i] * body.position[contact.partner[i]];
 	return contact.gap > 0 && apart.squaredNorm() >= reach * reach;
 }
 /// In 3D outlines are smooth but for edges.
-bool isAside(const Vec<3>&, const ContactOutline<3>&, const Contact<3>&, double) { return false; }
+bool isAside(const Vec<3>&, const ContactOutline<3>&, const PlaceOnOutline<3>&, const Contact<3>&,
+	     double)
+{
+	return false;
+}
+
+/// By how much, in dr, a gap may be less than the distance from the facets: by what an edge is
+/// wide, and in 3D as normals turn.
+template <int dim> constexpr double lessThanDistance = std::max(edgeWidth, jumpOfGaps<dim>);
 
 /// The outline bulges out of a facet by less, m.
 double bulgeOver(const ContactOutline<2>& body, int facet)
@@ -114,7 +125,7 @@ template <int dim> struct NearFacets {
 	double leastGap(const PlaceOnOutline<dim>& place) const
 	{
 		return std::sqrt(place.squaredDistance) - bulge -
-		       jumpOfGaps<dim> * body.pointSpacing;
+		       lessThanDistance<dim> * body.pointSpacing;
 	}
 };
 
@@ -213,7 +224,7 @@ private:
 		Contact<dim> contact = contactAt(x, other_, place);
 		const bool isBeyond = isBeyondEdge(x, other_, place, edgeWidth, contact);
 		if (isBeyond && !facing.isAgainst(contact.normal)) return;
-		if (!isBeyond && isAside(x, other_, contact, reach_)) return;
+		if (!isBeyond && isAside(x, other_, place, contact, reach_)) return;
 		if (contact.gap >= (faces ? reach_ : -deep_)) return;
 		// behind the line of a side that has been bent, and outside all the same
 		const bool doubtful = contact.gap < -trustedDepth * other_.pointSpacing;

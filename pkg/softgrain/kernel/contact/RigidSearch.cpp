@@ -223,8 +223,13 @@ void findRigidContacts(const ContactOutline<dim>& body, double reach, ContactLis
 	RigidSeams<dim> seams(body, *list.rigid);
 	nodesOnSurface<dim>(body, reach, seams, list);
 	if (body.isSurface()) tipsOnOutline<dim>(body, reach, seams, list);
-	if (isDeepInside<dim>(body, nearestPlaceOn<dim>(list.rigid->surface, body.box.centre())))
-		list.deepest = std::numeric_limits<double>::infinity();
+	const auto* ball = std::get_if<BallSurface<dim>>(&list.rigid->surface);
+	const bool nested =
+		ball && !body.mesh->irregular
+			? body.holds(ball->centre, ball->radius)
+			: isDeepInside<dim>(body, nearestPlaceOn<dim>(list.rigid->surface,
+								      body.box.centre()));
+	if (nested) list.deepest = std::numeric_limits<double>::infinity();
 }
 
 template void findRigidContacts<2>(const ContactOutline<2>&, double, ContactList<2>&);

@@ -59,8 +59,7 @@ template <int dim> Vec<dim> nearestTo(const Vec<dim>& x, const PlateSurface<dim>
 template <int dim> Vec<dim> nearestTo(const Vec<dim>& x, const BlockSurface<dim>& block)
 {
 	const Vec<dim> y = block.axes.transpose() * (x - block.centre);
-	return block.centre +
-	       block.axes * y.cwiseMin(block.halfSides).cwiseMax(-block.halfSides);
+	return block.centre + block.axes * y.cwiseMin(block.halfSides).cwiseMax(-block.halfSides);
 }
 
 template <int dim> BallSurface<dim> ballAboutSurface(const BallSurface<dim>& ball) { return ball; }

@@ -100,8 +100,8 @@ typename BackgroundGrid<dim>::NodesAbout BackgroundGrid<dim>::nodesWithin(int st
 }
 
 template <int dim>
-typename BackgroundGrid<dim>::NodesAbout
-BackgroundGrid<dim>::nearestNodes(const Index& index, std::size_t count) const
+typename BackgroundGrid<dim>::NodesAbout BackgroundGrid<dim>::nearestNodes(const Index& index,
+									   std::size_t count) const
 {
 	NodesAbout nearest;
 	for (int steps = 2; nearest.size() < count; ++steps)
@@ -133,8 +133,7 @@ BackgroundGrid<dim>::affineWeights(const Index& index, const NodesAbout& nodes) 
 	constexpr double rounding = 1e-9;
 	if (!(gram.vectorD().minCoeff() > rounding * gram.vectorD().maxCoeff()))
 		return std::nullopt;
-	const Eigen::VectorXd weight =
-		trust.asDiagonal() * affine.transpose() * gram.solve(target);
+	const Eigen::VectorXd weight = trust.asDiagonal() * affine.transpose() * gram.solve(target);
 	Weights result;
 	for (int k = 0; k < count; ++k)
 		result.emplace_back(nodes[k].second, weight[k]);

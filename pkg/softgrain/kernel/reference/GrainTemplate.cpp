@@ -103,8 +103,8 @@ void requireFewPoints(double points, double zeta)
 			std::to_string(std::lround(points)) + ")");
 }
 
-/// Uniform points leave out cells at the rim, and nodes there that no point feels could move without
-/// strain. (Held are those of second and third order in 3D and with projected volumes.)
+/// Uniform points leave out cells at the rim, and nodes there that no point feels could move
+/// without strain. (Held are those of second and third order in 3D and with projected volumes.)
 template <int dim>
 void requirePointsForNodes(const TemplateRecipe& recipe, std::size_t points, std::size_t nodes)
 {
