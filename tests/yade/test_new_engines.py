@@ -41,6 +41,27 @@ def test_all_bodies_are_found_after_one_was_erased():
     assert O.bodies[floor.id].intrs()
 
 
+@pytest.mark.parametrize("tracks", (False, True))
+def test_engines_used_again_in_another_scene(tracks):
+    """After O.reset() they begin like new ones."""
+    found = []
+    for engines in (None, "those of the scene before"):
+        if engines:
+            engines = O.engines
+            O.reset()
+        disk = add_disk((0, 1.001 * RADIUS, 0))
+        add_wall(0, axis=1)
+        O.trackEnergy = tracks
+        ready(gravity=(0, -500, 0))
+        if engines:
+            O.engines = engines
+        run(100)
+        found.append((*disk.state.pos, *disk.state.vel))
+        if tracks:
+            found[-1] += tuple(sg.integrator().energy().values())
+    assert found[0] == found[1]
+
+
 def test_the_collider_keeps_its_way_when_grains_of_a_cell_are_erased():
     """On the other one it may never end."""
     O.periodic = True
