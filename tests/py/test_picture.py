@@ -182,7 +182,7 @@ def test_outlines_rigid_bodies_and_box_are_drawn(drawn):
 def test_plain_grains(drawn):
     disks = two_disks()
     sg.draw_packing("p.png", field=None)
-    grains, rigid = [c for c in drawn[0].collections if type(c) is PolyCollection]
+    rigid, grains = [c for c in drawn[0].collections if type(c) is PolyCollection]
     assert not rigid.get_paths()
     for body, path in zip(disks, grains.get_paths(), strict=True):
         np.testing.assert_allclose(path.vertices[:-1], body.shape.outline()[:, :2], atol=1e-12)

@@ -55,7 +55,8 @@ def test_engines_used_again_in_another_scene(tracks):
         ready(gravity=(0, -500, 0))
         if engines:
             O.engines = engines
-        run(100)
+        O.dt = 2e-5
+        run(200)
         found.append((*disk.state.pos, *disk.state.vel))
         if tracks:
             found[-1] += tuple(sg.integrator().energy().values())

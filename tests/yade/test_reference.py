@@ -123,10 +123,9 @@ def test_template_is_that_of_the_oracle(order, node_spacing):
 def test_contact_nodes_are_those_of_the_oracle(quadrature, contact):
     """On the outline, or one for each cell with an empty neighbour, in the same order."""
     O.reset()
-    disk = sg.soft_disk(
-        (0, 0, 0), 1.0, SoftMat(), zeta=0.25, quadrature=quadrature, contact=contact
-    )
+    kind = {"quadrature": quadrature, "contact": contact}
+    disk = sg.soft_disk((0, 0, 0), 1.0, SoftMat(), zeta=0.25, nodeSpacing=2, **kind)
     O.bodies.append(disk)
-    expected = reference.Template(reference.Recipe(0.25, quadrature=quadrature, contact=contact))
+    expected = reference.Template(reference.Recipe(0.25, node_spacing=2, **kind))
     outline = disk.shape.outline()[:, :2]
     np.testing.assert_allclose(outline, expected.contact_position, atol=1e-14)

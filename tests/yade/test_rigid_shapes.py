@@ -305,8 +305,7 @@ def test_what_is_inside_a_grain_is_refused(dim, make):
         O.bodies.append(sg.soft_sphere((0, 0, 0), RADIUS, soft_material(), zeta=0.2))
     O.bodies.append(make())
     ready(gravity=(0, -9.81, 0))
-    message = message_of_step()
-    assert "bodies #0 and #1: one lies inside the other" in message or "overlap by" in message
+    assert "one lies inside the other" in message_of_step()
 
 
 @pytest.mark.parametrize(

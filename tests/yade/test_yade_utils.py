@@ -159,7 +159,7 @@ def test_fabric_is_that_of_yade():
     """Of rigid balls, with a soft one far away and without."""
     ids = pack.SpherePack([((1.9 * x, 1.8 * y, 1.7 * z), 1) for x, y, z in np.ndindex(3, 3, 2)])
     O.bodies.append([utils.sphere(*s, material=FrictMat(young=1e6)) for s in ids])
-    ready()
+    O.engines, O.dt = sg.engines(rigid="linear"), 1e-6
     run(1)
 
     def fabrics():
