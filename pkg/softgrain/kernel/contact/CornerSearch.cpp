@@ -82,6 +82,12 @@ bool isAside(const Vec<3>&, const ContactOutline<3>&, const PlaceOnOutline<3>&, 
 /// wide, and in 3D as normals turn.
 template <int dim> constexpr double lessThanDistance = std::max(edgeWidth, jumpOfGaps<dim>);
 
+/// The same of any outline, bulges included, m.
+template <int dim> double mostBelowDistance(const ContactOutline<dim>& body)
+{
+	return body.bulge() + lessThanDistance<dim> * body.pointSpacing;
+}
+
 /// The outline bulges out of a facet by less, m.
 double bulgeOver(const ContactOutline<2>& body, int facet)
 {
@@ -134,9 +140,10 @@ void findCandidates(const ContactOutline<dim>& body, const ContactOutline<dim>& 
 		    double within, ContactList<dim>& list)
 {
 	ContactCandidates<dim>& candidates = list.candidates;
-	const auto nodes = nodesNear(body, other, within);
+	const double distance = within + mostBelowDistance(other);
+	const auto nodes = nodesNear(body, other, distance - other.bulge()); // it adds that itself
 	if (nodes.empty()) return;
-	const NearFacets<dim> near(other, facetsNear(body, other, within + other.bulge()));
+	const NearFacets<dim> near(other, facetsNear(body, other, distance));
 	if (near.facets.empty()) return;
 	list.tested += static_cast<int>(nodes.size());
 	int facet = -1;
@@ -269,7 +276,7 @@ void measureCandidates(const ContactOutline<dim>& body, const ContactOutline<dim
 		region = Box<dim> { region->low.cwiseMin(x), region->high.cwiseMax(x) };
 	});
 	if (!region) return;
-	const double unseen = candidates.covered - candidates.approached + other.bulge();
+	const double unseen = candidates.covered - candidates.approached + mostBelowDistance(other);
 	const NearFacets<dim> near(
 		other, facetsIn(other, region->grown(std::max(unseen, contactDepth(body, other)))));
 	NodesAtCorners<dim> nodes(body, other, reach, list);
