@@ -38,8 +38,8 @@ def disk_between_plates(condition, poisson=POISSON):
 
     Returns:
         numpy record array: delta_over_D (total approach of the plates), force_over_ED,
-        contact_halfwidth_over_D, peak_pressure_over_E (Cauchy stress in the middle of the contact),
-        deformed_area_over_D2; all dimensionless.
+        contact_halfwidth_over_D, peak_pressure_over_E (Cauchy stress in the middle of the contact;
+        for 0.45 only), deformed_area_over_D2; all dimensionless.
 
     Raises:
         ValueError: unknown condition, or no solution for this Poisson's ratio.

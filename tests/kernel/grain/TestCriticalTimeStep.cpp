@@ -194,6 +194,8 @@ TEST_CASE("Critical time step: a small share holds while the grain is deformed a
 	CHECK(loaded.value(at(3, 1.6)) == 3 * safe);
 	stiffening.set(at(3, 1), 0.5);
 	CHECK(stiffening.value(at(3, 1)) == 3 * 0.5);
+	stiffening.set(at(3, 1), std::numeric_limits<double>::quiet_NaN());
+	CHECK(stiffening.value(at(3, 1)) == 3);
 	for (const BulkReport& odd : { at(2, -1), at(2, 0), at(0.9, 1), at(1, 1) }) {
 		stiffening.set(odd, 1.2); // or the step would be looked for for ever
 		CHECK(!stiffening.isDue(odd));

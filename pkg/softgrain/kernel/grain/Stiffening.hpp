@@ -34,12 +34,13 @@ public:
 		return present.stiffening > dueGrowth * bound_ ||
 		       (share_ < safeShare && present.elasticEnergy > spread * energy_);
 	}
-	/// Nothing is due after it until the deformation has changed.
+	/// Nothing is due after it until the deformation has changed. (Where it gave no number, as
+	/// of a grain squeezed to a point, the bound stands.)
 	void set(const BulkReport& present, double measured)
 	{
 		bound_ = std::max(1., present.stiffening);
 		energy_ = std::max(0., present.elasticEnergy); // one carried on may be negative
-		share_ = std::clamp(measured / bound_, leastShare, 1.);
+		share_ = measured > 0 ? std::clamp(measured / bound_, leastShare, 1.) : 1;
 	}
 	bool isMeasured() const { return bound_ > 1; }
 
