@@ -43,6 +43,7 @@ def parse_options(arguments=None):
     parser = command_line.case_parser(__doc__, out="rigid_packing")
     add = parser.add_argument
     add("--spheres", type=command_line.whole_from(1), default=2000, help="in the box")
+    # walls are as heavy as the disks: before few light ones FORCE would drive them too fast
     add("--disks", type=command_line.whole_from(20), default=400, help="squeezed by walls")
     add(
         "--in-cell",

@@ -116,10 +116,9 @@ def fabricTensor(cutoff=0.0, splitTensor=False, thresholdForce=math.nan, extrema
             normals.append(i.geom.normal)
             forces.append(-i.phys.normalForce.dot(i.geom.normal))
     normals, forces = np.reshape(normals, (-1, 3)), np.array(forces)
-    if not splitTensor:
-        return (_fabric(normals),)
-    threshold = np.mean(forces) if math.isnan(thresholdForce) else thresholdForce
-    strong = forces <= threshold
+    if not splitTensor or not len(forces):
+        return (_fabric(normals),) * (1 + splitTensor)
+    strong = forces <= (forces.mean() if math.isnan(thresholdForce) else thresholdForce)
     return _fabric(normals[strong]), _fabric(normals[~strong])
 
 

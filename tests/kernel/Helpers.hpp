@@ -8,6 +8,7 @@
 #include "reference/GrainTemplate.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -174,6 +175,18 @@ ContactBody<dim> contactBody(const GrainTemplate<dim>& reference, double radius,
 	body.impulse = body.velocity;
 	body.updateGeometry();
 	return body;
+}
+
+/// Notes the way of the nodes of an outline that were at `from` when its box was about `centre`.
+template <int dim>
+void noteWays(ContactOutline<dim>& body, const std::vector<Vec<dim>>& from, const Vec<dim>& centre)
+{
+	const Vec<dim> together = body.box.centre() - centre;
+	double farthest = 0;
+	for (std::size_t s = 0; s < from.size(); ++s)
+		farthest = std::max(farthest, (body.position[s] - from[s] - together).norm());
+	body.carried += together;
+	body.travelled += farthest;
 }
 
 } // namespace softgrain::testing

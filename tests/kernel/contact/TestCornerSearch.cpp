@@ -71,13 +71,7 @@ private:
 			x = turn * x + away * (turn * centre).normalized() +
 			    random_.vector<dim>(tremor);
 		second.updateGeometry();
-		const Vec<dim> together = second.box.centre() - centre;
-		double farthest = 0;
-		for (std::size_t s = 0; s < from.size(); ++s)
-			farthest = std::max(farthest,
-					    (second.position[s] - from[s] - together).norm());
-		second.carried += together;
-		second.travelled += farthest;
+		noteWays(second, from, centre);
 	}
 
 	std::shared_ptr<const GrainTemplate<dim>> reference_;

@@ -262,13 +262,7 @@ TEMPLATE_TEST_CASE_SIG("Search: candidates are kept while they hold, and miss no
 			    random.vector<dim>(2e-4);
 		}
 		second.updateGeometry();
-		const Vec<dim> together = second.box.centre() - centre;
-		double farthest = 0;
-		for (std::size_t s = 0; s < from.size(); ++s)
-			farthest = std::max(farthest,
-					    (second.position[s] - from[s] - together).norm());
-		second.carried += together;
-		second.travelled += farthest;
+		noteWays(second, from, centre);
 		auto fresh = pairList<dim>();
 		const double reach = step % 5 == 0 ? 0.03 : 0.01; // as speeds change
 		findContacts(first, second, reach, kept);

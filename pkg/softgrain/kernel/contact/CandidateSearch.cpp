@@ -101,21 +101,6 @@ void findCandidates(const ContactOutline<3>& body, const ContactOutline<3>& othe
 	});
 }
 
-template <int dim>
-void renewCandidates(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
-		     double reach, ContactList<dim>& list)
-{
-	ContactCandidates<dim>& candidates = list.candidates;
-	// about folds gaps change by jumps, and what is nearest depends on where a node came from
-	const bool lasts = !first.folded && !second.folded;
-	if (lasts && reach + candidates.approached <= candidates.covered) return;
-	const double within = candidateReach(first, second, reach);
-	candidates.clear();
-	candidates.covered = within - jumpBetween(first, second) + candidates.approached;
-	findCandidates(first, second, 0, within, list);
-	findCandidates(second, first, 1, within, list);
-}
-
 /// The place on a facet nearest to `x` if it is not an end, and of both facets beside it no place
 /// but the common end is near.
 std::optional<PlaceAlong> placeBeneath(const Vec<2>& x, const ContactOutline<2>& body, int facet)
@@ -223,7 +208,13 @@ void findContactsOfCandidates(const ContactOutline<dim>& first, const ContactOut
 			      double reach, ContactList<dim>& list)
 {
 	followBodies(first, second, reach, list.candidates);
-	renewCandidates(first, second, reach, list);
+	// about folds gaps change by jumps, and what is nearest depends on where a node came from
+	const bool lasts = !first.folded && !second.folded;
+	renewCandidates<dim>(first, second, reach, lasts, jumpBetween(first, second),
+			     list.candidates,
+			     [&](const auto& body, const auto& other, int side, double within) {
+				     findCandidates(body, other, side, within, list);
+			     });
 	if (!list.candidates.nodes.empty()) measureCandidates(first, second, reach, list);
 }
 

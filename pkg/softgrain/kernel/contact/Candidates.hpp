@@ -71,6 +71,22 @@ void followBodies(const ContactOutline<dim>& first, const ContactOutline<dim>& s
 	candidates.travelled = travelled;
 }
 
+/// Looks for candidates anew where those that there are do not reach far enough, or are not to be
+/// kept: calls `find(body, other, side, within)` for both sides. `below`: by how much gaps may be
+/// less than `find` has them, m.
+template <int dim, class Find>
+void renewCandidates(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
+		     double reach, bool keep, double below, ContactCandidates<dim>& candidates,
+		     Find&& find)
+{
+	if (keep && reach + candidates.approached <= candidates.covered) return;
+	const double within = candidateReach(first, second, reach);
+	candidates.clear();
+	candidates.covered = within - below + candidates.approached;
+	find(first, second, 0, within);
+	find(second, first, 1, within);
+}
+
 /// Calls `use` for the candidates that may be within reach.
 template <int dim, class Use>
 void forCandidates(double reach, ContactCandidates<dim>& candidates, Use&& use)

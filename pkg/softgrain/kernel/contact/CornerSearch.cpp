@@ -93,7 +93,8 @@ double bulgeOver(const ContactOutline<2>& body, int facet)
 {
 	return OutlineCurve(body, facet).bulge();
 }
-/// (measureGap: three times the third of half of the largest term.)
+/// (As measureGap has it: half of a sum with weights w_i w_j, i < j, which are 1/3 together at
+/// most.)
 double bulgeOver(const ContactOutline<3>& body, int facet)
 {
 	const auto& vertex = body.mesh->facet[facet];
@@ -157,19 +158,6 @@ void findCandidates(const ContactOutline<dim>& body, const ContactOutline<dim>& 
 			candidates.nodes.push_back(
 				{ side, s, facet, inside ? none : gap + candidates.approached });
 	}
-}
-
-template <int dim>
-void renewCandidates(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
-		     double reach, ContactList<dim>& list)
-{
-	ContactCandidates<dim>& candidates = list.candidates;
-	if (reach + candidates.approached <= candidates.covered) return;
-	const double within = candidateReach(first, second, reach);
-	candidates.clear();
-	candidates.covered = within + candidates.approached;
-	findCandidates(first, second, 0, within, list);
-	findCandidates(second, first, 1, within, list);
 }
 
 /// Measures nodes of one body at the outline of the other in one step.
@@ -290,7 +278,10 @@ void findContactsAtCorners(const ContactOutline<dim>& first, const ContactOutlin
 			   double reach, ContactList<dim>& list)
 {
 	followBodies(first, second, reach, list.candidates);
-	renewCandidates(first, second, reach, list);
+	renewCandidates<dim>(first, second, reach, true, 0, list.candidates,
+			     [&](const auto& body, const auto& other, int side, double within) {
+				     findCandidates<dim>(body, other, side, within, list);
+			     });
 	measureCandidates(first, second, 0, reach, list);
 	measureCandidates(second, first, 1, reach, list);
 }

@@ -203,10 +203,12 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, RigidSeams<dim
 }
 
 /// Whether a place is inside of a grain, and deeper than contacts are: no node near it tells.
+/// (Nodes are an edge apart. What bears a grain from outside is not looked at: it is at a side of
+/// its box.)
 template <int dim> bool isDeepInside(const ContactOutline<dim>& body, const Vec<dim>& x)
 {
 	const double deep = contactDepth(body, body) + body.longestEdge;
-	if (!body.box.grown(-0.5 * deep).contains(x)) return false; // what bears a grain is not
+	if (!body.box.grown(-0.5 * deep).contains(x)) return false;
 	for (const Vec<dim>& node : body.position)
 		if ((node - x).squaredNorm() < deep * deep) return false;
 	return body.hasFacets() ? body.encloses(x)

@@ -80,7 +80,7 @@ SparseMatrix gramMatrix(const SparseRows<double>& shapes, const std::vector<doub
 
 using Cholesky = Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
-/// Whether there is a factor whose rows are not those of rounding.
+/// Whether there is a factor whose rows are not those of rounding, which leaves 1e-16 of a pivot.
 bool isFactored(const Cholesky& solver, const SparseMatrix& gram)
 {
 	constexpr double rounding = 1e-10;
@@ -89,8 +89,8 @@ bool isFactored(const Cholesky& solver, const SparseMatrix& gram)
 	return (pivots.array().square() > rounding * gram.diagonal().array()).all();
 }
 
-/// At few points functions may depend on each other: of their shares, which are not determined
-/// then, about the smallest.
+/// At few points functions may depend on each other. Their shares are not determined then, and a
+/// ridge takes about the smallest; what is projected changes by as little as that is.
 SparseRows<double> choleskyRows(SparseMatrix gram)
 {
 	constexpr double ridge = 1e-8;
