@@ -180,11 +180,7 @@ StateChange SoftGrain::shownChange()
 
 py::object SoftGrain::outlineArray()
 {
-	std::vector<Vec3> nodes = assembled().outline(index);
-	const StateChange change = shownChange();
-	for (Vec3& x : nodes)
-		x = change.positionOf(x);
-	return softgrain::numpyArray(nodes);
+	return softgrain::numpyArray(shownChange().positionsOf(assembled().outline(index)));
 }
 
 py::object SoftGrain::facetsArray()
@@ -196,11 +192,8 @@ Matrix3r SoftGrain::presentInertia() { return shownChange().tensorOf(assembled()
 
 py::object SoftGrain::nodesArray()
 {
-	std::vector<Vec3> nodes = assembled().nodePositions(index);
-	const StateChange change = shownChange();
-	for (Vec3& x : nodes)
-		x = change.positionOf(x);
-	return softgrain::numpyArray(nodes, dim);
+	return softgrain::numpyArray(shownChange().positionsOf(assembled().nodePositions(index)),
+				     dim);
 }
 
 py::object SoftGrain::nodalVelocitiesArray()
@@ -218,14 +211,12 @@ py::dict SoftGrain::pointArrays()
 	auto fields = assembled().points(index);
 	const StateChange change = shownChange();
 	const softgrain::Mat3 turn = change.turn.toRotationMatrix();
-	for (Vec3& x : fields.position)
-		x = change.positionOf(x);
 	for (softgrain::Mat3& F : fields.F)
 		F = turn * F;
 	for (softgrain::Mat3& stress : fields.cauchy)
 		stress = change.tensorOf(stress);
 	py::dict arrays;
-	arrays["position"] = softgrain::numpyArray(fields.position);
+	arrays["position"] = softgrain::numpyArray(change.positionsOf(fields.position));
 	arrays["F"] = softgrain::numpyArray(fields.F);
 	arrays["cauchy"] = softgrain::numpyArray(fields.cauchy);
 	arrays["volume"] = softgrain::numpyArray(fields.volume, py::make_tuple(-1));

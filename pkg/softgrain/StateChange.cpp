@@ -152,6 +152,13 @@ Vec3 StateChange::positionOf(const Vec3& x) const
 	return centre + turn * (x - centre) + shift;
 }
 
+std::vector<Vec3> StateChange::positionsOf(std::vector<Vec3> places) const
+{
+	for (Vec3& x : places)
+		x = positionOf(x);
+	return places;
+}
+
 Vec3 StateChange::velocityOf(const Vec3& x, const Vec3& v) const
 {
 	return turn * v + velocity + spin.cross(turn * (x - centre));

@@ -5,6 +5,8 @@
 #include "Yade.hpp"
 #include "assembly/SpaceVectors.hpp"
 
+#include <vector>
+
 namespace softgrain {
 struct GrainMotion;
 }
@@ -30,6 +32,7 @@ struct StateChange {
 
 	bool isNone() const;
 	softgrain::Vec3 positionOf(const softgrain::Vec3& x) const;
+	std::vector<softgrain::Vec3> positionsOf(std::vector<softgrain::Vec3> places) const;
 	/// Of what is at x with the velocity v.
 	softgrain::Vec3 velocityOf(const softgrain::Vec3& x, const softgrain::Vec3& v) const;
 	softgrain::Mat3 tensorOf(const softgrain::Mat3& tensor) const;
