@@ -1,5 +1,5 @@
 #include "contact/CandidateSearch.hpp"
-#include "contact/Candidates.hpp"
+#include "contact/CandidateFacets.hpp"
 #include "contact/NodesInLanes.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
@@ -164,38 +164,22 @@ void measureCandidates(const ContactOutline<2>& first, const ContactOutline<2>& 
 	gaps.measure();
 }
 
-/// Of the candidates of a side. Facets within `within` now are all that can be the nearest until
-/// candidates are renewed: until then reach + approached stays below what is covered.
-FacetBalls<3> facetsOfCandidates(const ContactOutline<3>& body, const ContactOutline<3>& other,
-				 double within, std::vector<int>& kept)
-{
-	if (!kept.empty()) return { other, kept };
-	FacetBalls<3> facets = facetsNear(body, other, within);
-	kept = facets.facets();
-	return facets;
-}
-
-/// One by one, each against all facets that may be nearer than that which it had.
+/// One by one, each against the facets that may be nearest.
 void measureCandidates(const ContactOutline<3>& first, const ContactOutline<3>& second,
 		       double reach, ContactList<3>& list)
 {
-	const std::array<const ContactOutline<3>*, 2> body { &first, &second };
-	std::array<std::optional<FacetBalls<3>>, 2> facets; // by side of the node
+	ContactCandidates<3>& candidates = list.candidates;
 	const double within =
-		candidateReach(first, second, list.candidates.covered - list.candidates.approached);
-	forCandidates(reach, list.candidates, [&](auto& node) {
+		candidateReach(first, second, candidates.covered - candidates.approached);
+	const std::array<const ContactOutline<3>*, 2> body { &first, &second };
+	std::array<CandidateFacets<3>, 2> facets { { { first, second, within, candidates },
+						     { second, first, within, candidates } } };
+	forCandidates(reach, candidates, [&](auto& node) {
 		const ContactOutline<3>&own = *body[node.side], &other = *body[1 - node.side];
-		auto& near = facets[node.side];
-		if (!near)
-			near = facetsOfCandidates(own, other, within,
-						  list.candidates.facets[node.side]);
-		const Vec<3>& x = own.position[node.node];
-		const auto place =
-			nearestPlace(x, other, *near, anyFacet, placeOnFacet(x, other, node.facet));
-		const Contact<3> contact = contactAt(x, other, place);
+		const auto place = facets[node.side].nearest(node, anyFacet);
+		const Contact<3> contact = contactAt(own.position[node.node], other, place);
 		++list.tested;
-		node.facet = place.facet;
-		node.clearance = contact.gap - jumpBetween(own, other) + list.candidates.approached;
+		node.clearance = contact.gap - jumpBetween(own, other) + candidates.approached;
 		if (contact.gap < reach)
 			append({ node.side, node.node, -1 }, contact, own, other, list);
 	});

@@ -4,6 +4,7 @@
 #include "Rare.hpp"
 #include "Vector.hpp"
 #include "contact/Interface.hpp"
+#include "contact/NearbyFacets.hpp"
 #include "contact/OverlapAccount.hpp"
 #include "contact/RigidPartner.hpp"
 #include "contact/RigidSurface.hpp"
@@ -92,28 +93,24 @@ template <int dim> struct PairImage {
 	Vec<dim> velocity = Vec<dim>::Zero(); ///< of the shift in the step at hand, m/s
 };
 
-/// Facets that may be the nearest to candidates, in their order, by the side of the node; empty
-/// until they are asked for. (In 2D the outline is followed from the facet that was the nearest.)
-template <int dim> struct CandidateFacets {
-	void clear() {}
-};
-template <> struct CandidateFacets<3> {
-	std::array<std::vector<int>, 2> facets;
-	void clear()
-	{
-		for (std::vector<int>& ofSide : facets)
-			ofSide.clear();
-	}
-};
-
 /// Nodes that may come into contact while their bodies have moved little since they were found.
-template <int dim> struct ContactCandidates : CandidateFacets<dim> {
+template <int dim> struct ContactCandidates {
 	struct Node {
-		int side, node;   ///< as in ContactKey
-		int facet;        ///< of the other body: the nearest when it was last looked for
+		int side, node; ///< as in ContactKey
+		int facet;      ///< of the other body: the nearest when it was last looked for (see
+				///< `nearby`: when it was found)
 		double clearance; ///< its gap is at least this less `approached`, m
 	};
+	/// What is near one of them, and `apart` and `travelled` when it was looked for.
+	struct Nearby {
+		NearbyFacets<dim> facets;
+		Vec<dim> apart = Vec<dim>::Zero();
+		double travelled = 0;
+	};
 	std::vector<Node> nodes;
+	/// With the nodes, where they need it. (In the plane round outlines are followed from the
+	/// facet that was the nearest.)
+	Rare<std::vector<Nearby>> nearby;
 	double covered = 0;    ///< all nodes with a gap below this less `approached` are in it, m
 	double approached = 0; ///< no gap has lost more than this so far, m
 	/// At the last search: ContactOutline::carried of the first body less that of the second,
@@ -124,7 +121,7 @@ template <int dim> struct ContactCandidates : CandidateFacets<dim> {
 	void clear()
 	{
 		nodes.clear();
-		CandidateFacets<dim>::clear();
+		if (nearby) nearby->clear();
 	}
 };
 

@@ -1,5 +1,5 @@
 #include "contact/CornerSearch.hpp"
-#include "contact/Candidates.hpp"
+#include "contact/CandidateFacets.hpp"
 #include "contact/OutlineEdges.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
@@ -42,7 +42,8 @@ bool isOutside(const Vec<2>& x, const ContactOutline<2>& body, const PlaceOnOutl
 		return cross(body.position[begin] - body.position[before], along) > 0;
 	return cross(along, x - body.position[begin]) < 0;
 }
-/// (Beyond an edge x is before one of the facets that meet there.)
+/// (Beyond an edge or a corner x is before one of the facets that meet there: Baerentzen & Aanaes,
+/// IEEE Trans. Vis. Comput. Graph. 11, 2005.)
 bool isOutside(const Vec<3>& x, const ContactOutline<3>& body, const PlaceOnOutline<3>& place)
 {
 	auto isBefore = [&](int facet) {
@@ -55,7 +56,7 @@ bool isOutside(const Vec<3>& x, const ContactOutline<3>& body, const PlaceOnOutl
 		const auto& about = body.mesh->facetsAbout[body.mesh->facet[place.facet][i]];
 		if (std::any_of(about.begin(), about.end(), isBefore)) return true;
 	}
-	return !body.encloses(x);
+	return false;
 }
 
 /// Whether a node lies beside a place that bears it, beyond the smooth end of the curve over its
@@ -171,32 +172,34 @@ public:
 		, deep_(contactDepth(body, other))
 		, shallow_(std::max(deep_ - other.bulge(), 0.))
 		, list_(list)
+		, facets_(body, other,
+			  list.candidates.covered - list.candidates.approached +
+				  mostBelowDistance(other),
+			  list.candidates)
 	{
 	}
 
-	/// `near`: all facets that may be the nearest to the node or bear it.
-	void measure(typename ContactCandidates<dim>::Node& node, const NearFacets<dim>& near)
+	void measure(typename ContactCandidates<dim>::Node& node)
 	{
 		const Vec<dim>& x = body_.position[node.node];
-		const auto nearest = near.nearest(x, node.facet);
+		const auto nearest = facets_.nearest(node, anyFacet);
 		const ContactCandidates<dim>& candidates = list_.candidates;
-		const double gap = near.leastGap(nearest);
+		const double gap = leastGap(node, nearest);
 		++list_.tested;
-		node.facet = nearest.facet;
-		// facets that are not looked at may be nearer than that, and no nearer than this
+		// nodes that are no candidates may be nearer than that, and no nearer than this
 		node.clearance = std::min(gap + candidates.approached, candidates.covered);
 		if (gap >= reach_) {
 			if (isOutside(x, other_, nearest)) return;
 			node.clearance = none;
 		}
-		findContact(node, x, nearest, near.facets);
+		findContact(node, x, nearest);
 	}
 
 private:
 	/// Only facets count that the node faces. One that is outside must be before them, not
 	/// behind the far side of a thin arm.
 	void findContact(const typename ContactCandidates<dim>::Node& node, const Vec<dim>& x,
-			 const PlaceOnOutline<dim>& nearest, const FacetBalls<dim>& facets)
+			 const PlaceOnOutline<dim>& nearest)
 	{
 		const bool irregular = other_.mesh->irregular;
 		std::optional<bool> enclosed; // once it is asked for
@@ -209,7 +212,7 @@ private:
 			return facing.isAgainst(other_.normalOfFacet(f)) &&
 			       ((irregular && isBefore(x, other_, f)) || mayBeInside());
 		};
-		PlaceOnOutline<dim> place = placeThat(bears, x, nearest, facets);
+		PlaceOnOutline<dim> place = placeThat(bears, node, nearest);
 		// None near: the node lies against no side of the grain, but it may be inside.
 		const bool faces = place.facet >= 0;
 		if (!faces) {
@@ -229,46 +232,43 @@ private:
 
 	/// The nearest on a facet that bears; no facet where none is as near as contacts are deep.
 	template <class Bears>
-	PlaceOnOutline<dim> placeThat(Bears&& bears, const Vec<dim>& x,
-				      const PlaceOnOutline<dim>& nearest,
-				      const FacetBalls<dim>& facets) const
+	PlaceOnOutline<dim> placeThat(Bears&& bears,
+				      const typename ContactCandidates<dim>::Node& node,
+				      const PlaceOnOutline<dim>& nearest)
 	{
 		PlaceOnOutline<dim> within;
 		within.squaredDistance = deep_ * deep_;
 		if (nearest.squaredDistance >= within.squaredDistance) return within;
-		return bears(nearest.facet) ? nearest
-					    : nearestPlace(x, other_, facets, bears, within);
+		return bears(nearest.facet) ? nearest : facets_.nearest(node, bears, within);
+	}
+	/// What the gap of a node outside is at least, m.
+	double leastGap(const typename ContactCandidates<dim>::Node& node,
+			const PlaceOnOutline<dim>& nearest) const
+	{
+		const double distance = std::sqrt(nearest.squaredDistance) -
+					lessThanDistance<dim> * other_.pointSpacing;
+		if (distance < reach_) return distance;
+		auto bulge = [this](int facet) { return bulgeOver(other_, facet); };
+		return distance -
+		       facets_.bulgeTowards(node, std::sqrt(nearest.squaredDistance), bulge);
 	}
 
 	const ContactOutline<dim>&body_, &other_;
 	double reach_, deep_;
 	double shallow_; ///< nothing so near is deep, m
 	ContactList<dim>& list_;
+	CandidateFacets<dim> facets_;
 };
 
-/// Those candidates of a side that may be within reach; their facets are near them.
+/// Those candidates of a side that may be within reach.
 template <int dim>
 void measureCandidates(const ContactOutline<dim>& body, const ContactOutline<dim>& other, int side,
 		       double reach, ContactList<dim>& list)
 {
-	ContactCandidates<dim>& candidates = list.candidates;
-	std::optional<Box<dim>> region;
-	auto forDue = [&](auto&& use) {
-		forCandidates(reach, candidates, [&](auto& node) {
-			if (node.side == side) use(node);
-		});
-	};
-	forDue([&](const auto& node) {
-		const Vec<dim>& x = body.position[node.node];
-		if (!region) region = Box<dim> { x, x };
-		region = Box<dim> { region->low.cwiseMin(x), region->high.cwiseMax(x) };
-	});
-	if (!region) return;
-	const double unseen = candidates.covered - candidates.approached + mostBelowDistance(other);
-	const NearFacets<dim> near(
-		other, facetsIn(other, region->grown(std::max(unseen, contactDepth(body, other)))));
 	NodesAtCorners<dim> nodes(body, other, reach, list);
-	forDue([&](auto& node) { nodes.measure(node, near); });
+	forCandidates(reach, list.candidates, [&](auto& node) {
+		if (node.side == side) nodes.measure(node);
+	});
 }
 
 } // namespace
