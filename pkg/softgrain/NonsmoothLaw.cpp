@@ -1,5 +1,6 @@
 #include "NonsmoothLaw.hpp"
 #include "Engines.hpp"
+#include "PeriodicCell.hpp"
 
 namespace yade {
 
@@ -11,6 +12,14 @@ CREATE_LOGGER(Law2_ScGeom_FrictPhys_Nonsmooth);
 namespace {
 
 Real radiusOf(const Shape& shape) { return static_cast<const Sphere&>(shape).radius; }
+
+/// By which periods body #2 is displaced, known that an interaction which is not real yet may name
+/// others.
+Vector3r shiftOf(const Scene& scene, const State& state1, const State& state2, Interaction& I)
+{
+	if (!I.isReal()) chooseNearestImage(scene, state1.pos, state2.pos, I);
+	return imageShift(scene, I);
+}
 
 /// Makes a functor of YADE see a sphere (#2) that is larger by `reach`, and takes that out of the
 /// geometry again. `pointMoves`: whether the contact point it gives depends on the radius.
@@ -33,9 +42,10 @@ bool goAhead(Go&& go, const shared_ptr<Shape>& sphere, Real reach, bool pointMov
 
 bool Ig2_Sphere_Sphere_ScGeom_Ahead::go(const shared_ptr<Shape>& shape1,
 					const shared_ptr<Shape>& shape2, const State& state1,
-					const State& state2, const Vector3r& shift2,
-					const bool& force, const shared_ptr<Interaction>& I)
+					const State& state2, const Vector3r&, const bool& force,
+					const shared_ptr<Interaction>& I)
 {
+	const Vector3r shift2 = shiftOf(*scene, state1, state2, *I);
 	const Real reach = nonsmoothReach * std::min(radiusOf(*shape1), radiusOf(*shape2));
 	return goAhead(
 		[&](const shared_ptr<Shape>& grown) {
@@ -47,9 +57,10 @@ bool Ig2_Sphere_Sphere_ScGeom_Ahead::go(const shared_ptr<Shape>& shape1,
 
 #define SOFTGRAIN_GO_AHEAD(Base, PointMoves, Radius1)                                              \
 	bool Base##_Ahead::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,    \
-			      const State& state1, const State& state2, const Vector3r& shift2,    \
+			      const State& state1, const State& state2, const Vector3r&,           \
 			      const bool& force, const shared_ptr<Interaction>& I)                 \
 	{                                                                                          \
+		const Vector3r shift2 = shiftOf(*scene, state1, state2, *I);                       \
 		const Real radius = radiusOf(*shape2);                                             \
 		const bool found = goAhead(                                                        \
 			[&](const shared_ptr<Shape>& grown) {                                      \

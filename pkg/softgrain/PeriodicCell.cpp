@@ -43,17 +43,29 @@ Vector3r spanInCell(const Scene& scene, const Bound& bound)
 
 } // namespace
 
-void chooseNearestImage(const Scene& scene, const Vector3r& grain, Interaction& I)
+namespace {
+
+/// Middle of the box that the collider has of a body, by the period in which its place is, in
+/// lengths of the base vectors.
+Vector3r middleInCell(const Scene& scene, Body::id_t id, const Vector3r& place)
+{
+	const Vector3r& size = scene.cell->getSize();
+	const Vector3r inCell = scene.cell->unshearPt(place).cwiseQuotient(size);
+	const auto& bound = (*scene.bodies)[id]->bound;
+	if (!bound) return inCell;
+	const Vector3r middle = 0.5 * (bound->min + bound->max).cwiseQuotient(size);
+	return middle + Vector3r((inCell - middle).array().round());
+}
+
+} // namespace
+
+void chooseNearestImage(const Scene& scene, const Vector3r& place1, const Vector3r& place2,
+			Interaction& I)
 {
 	if (!scene.isPeriodic) return;
-	const auto& bound = (*scene.bodies)[I.getId1()]->bound;
-	if (!bound) return;
-	const Vector3r middle = 0.5 * (bound->min + bound->max), span = spanInCell(scene, *bound);
 	const Vector3r apart =
-		scene.cell->hSize.inverse() * grain - middle.cwiseQuotient(scene.cell->getSize());
-	for (int axis = 0; axis < 3; ++axis)
-		if (span[axis] > 0.5)
-			I.cellDist[axis] = -static_cast<int>(std::lround(apart[axis]));
+		middleInCell(scene, I.getId2(), place2) - middleInCell(scene, I.getId1(), place1);
+	I.cellDist = -Vector3r(apart.array().round()).cast<int>();
 }
 
 namespace {

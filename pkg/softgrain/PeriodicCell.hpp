@@ -22,10 +22,13 @@ softgrain::ImageDescription imageOf(const Scene& scene, const Interaction& I, bo
 /// By which whole periods a place comes nearest to another, m.
 Vector3r shiftTowards(const Scene& scene, const Vector3r& place, const Vector3r& other);
 
-/// Of a rigid body that is longer than half the cell YADE's collider does not tell which image
-/// comes near a grain. The grain meets the one nearest to it (checkCell: no other one, or one that
-/// goes on like it). Body #1 of the interaction is the rigid one.
-void chooseNearestImage(const Scene& scene, const Vector3r& grain, Interaction& I);
+/// YADE's collider tells by which periods two bodies come near each other when it finds the pair,
+/// and leaves that as it is while their boxes overlap in any way: not where the cell flips, or a
+/// body is put elsewhere, nor of bodies longer than half the cell. The bodies meet in the images
+/// that are nearest (checkCell: no others, or others that go on like them). Of places by which the
+/// bodies are searched, m.
+void chooseNearestImage(const Scene& scene, const Vector3r& place1, const Vector3r& place2,
+			Interaction& I);
 
 /// After a soft grain was shifted by hand. If by whole periods, as by Cell.wrap, be it in the step
 /// at hand or before the cell moved for it, its interactions then name other images, those that are

@@ -359,9 +359,11 @@ void SoftInteractions::publishSum(const Interaction& I) const
 	const softgrain::SumOfImpulses sum = geom.pair->impulse();
 	const bool firstIsBody2 = assembly_->idOf(geom.pair->firstGrain()) == I.getId2();
 	const Real sign = firstIsBody2 ? 1 : -1,
-		   onBody2 = sign / geom.pair->kick();       // forces act on body #2
-	if (sum.contacts > 0) geom.contactPoint = sum.point; // on the side of body #1
-	if (firstIsBody2) geom.contactPoint += imageShift(scene_, I);
+		   onBody2 = sign / geom.pair->kick(); // forces act on body #2
+	if (sum.contacts > 0) {                        // on the side of body #1
+		geom.contactPoint = sum.point;
+		if (firstIsBody2) geom.contactPoint += imageShift(scene_, I);
+	}
 	phys.normalForce = onBody2 * sum.normal;
 	phys.shearForce = onBody2 * sum.shear;
 	phys.contacts = sum.contacts;

@@ -23,10 +23,12 @@ namespace {
 /// which are looked at again in the next step. (No pointer is copied: the counter of its owners
 /// lies elsewhere in memory, and every pair would wait for it.)
 SoftGeom& geometryOf(Interaction& I, const std::shared_ptr<softgrain::GrainAssembly>& assembly,
-		     int first)
+		     int first, const Vector3r& between)
 {
-	if (!I.geom) I.geom = shared_ptr<SoftGeom>(new SoftGeom);
+	const bool isNew = !I.geom;
+	if (isNew) I.geom = shared_ptr<SoftGeom>(new SoftGeom);
 	auto& geom = static_cast<SoftGeom&>(*I.geom);
+	if (isNew) geom.contactPoint = between; // until contact points tell
 	geom.bind(assembly, first);
 	return geom;
 }
@@ -244,8 +246,8 @@ othersBeside(const Interaction& I, const SoftGrain& grain, const State& soft, co
 
 bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 					  const shared_ptr<Shape>& shape2, const State& state1,
-					  const State& state2, const Vector3r& shift2,
-					  const bool& force, const shared_ptr<Interaction>& I)
+					  const State& state2, const Vector3r&, const bool& force,
+					  const shared_ptr<Interaction>& I)
 {
 	if (!isSoft(*shape1) || !isSoft(*shape2)) return false;
 	const SoftGrain& grain1 = static_cast<SoftGrain&>(*shape1);
@@ -258,16 +260,19 @@ bool Ig2_SoftGrain_SoftGrain_SoftGeom::go(const shared_ptr<Shape>& shape1,
 	const SearchTimer timer(*this);
 	LoopTurn turn(grain1.assembly->host.searches, *I);
 	const auto [first, second] = std::minmax(grain1.index, grain2.index);
+	if (!I->isReal())
+		chooseNearestImage(*scene, grain1.written.position, grain2.written.position, *I);
 	const auto image = imageOf(*scene, *I, second == grain2.index);
 	const Real dt = searchStep(*scene, grain1);
 	if (!I->isReal() && !force && grain1.assembly->areFarApart(first, second, image, dt))
 		return false;
-	SoftGeom& geom = geometryOf(*I, grain1.assembly, first);
+	const Vector3r place2 = state2.pos + imageShift(*scene, *I);
+	SoftGeom& geom = geometryOf(*I, grain1.assembly, first, 0.5 * (state1.pos + place2));
 	grain1.assembly->search(*geom.pair, first, second, image, dt);
 	turn.noteSearch(geom);
 	if (!bearsForce(*I))
-		describeByCentres(geom, (state2.pos + shift2 - state1.pos).normalized(),
-				  grain1.radius, grain2.radius);
+		describeByCentres(geom, (place2 - state1.pos).normalized(), grain1.radius,
+				  grain2.radius);
 	return isToBeReal(geom, force, *I);
 }
 
@@ -291,7 +296,7 @@ bool SearchOnRigid::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>&
 	if (!I->phys && !hasFriction(*(*scene->bodies)[I->getId1()])) return I->isReal();
 	const SearchTimer timer(*this);
 	LoopTurn turn(grain.assembly->host.searches, *I);
-	SoftGeom& geom = geometryOf(*I, grain.assembly, grain.index);
+	SoftGeom& geom = geometryOf(*I, grain.assembly, grain.index, state2.pos);
 	const Vec3 normal = search(*shape1, state1, grain, state2, *I, *geom.pair);
 	turn.noteSearch(geom);
 	const auto* ball = dynamic_cast<const Sphere*>(shape1.get());
@@ -311,7 +316,7 @@ Vector3r SearchOnRigid::search(const Shape& shape, const State& rigid, const Sof
 			       const State& soft, Interaction& I,
 			       softgrain::PairContacts& pair) const
 {
-	chooseNearestImage(*scene, soft.pos, I);
+	chooseNearestImage(*scene, rigid.pos, grain.written.position, I);
 	const auto image = imageOf(*scene, I, false);
 	const auto others = [&] { return othersBeside(I, grain, soft, *scene); };
 	grain.assembly->search(pair, grain.index, *describeRigid(shape, rigid, I.getId1(), grain),

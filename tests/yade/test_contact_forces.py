@@ -1,7 +1,10 @@
 """Impacts and walls: impulses are what State and O.forces say."""
 
+import math
+
 import numpy as np
 import pytest
+from periodic_scenes import set_cell
 from scenes import RADIUS, add_disk, add_wall, ready, run
 from yade import FrictMat, O, utils
 
@@ -220,3 +223,18 @@ def test_points_of_contacts_on_background_nodes():
             assert np.linalg.norm(points, axis=1).max() < 1.1 * RADIUS
             assert (side * points[:, axis]).min() > 0.5 * RADIUS
     assert O.interactions.countReal() == len(sides)
+
+
+def test_contact_point_of_grains_within_each_other():
+    """Where no contact points tell it lies between the centres."""
+    set_cell(10 * RADIUS, 10 * RADIUS)
+    add_disk((0.05 * RADIUS, 5 * RADIUS, 0), 0.4 * RADIUS)
+    add_disk((9.95 * RADIUS, 5 * RADIUS, 0), 2 * RADIUS)
+    ready(maxOverlap=math.inf, rigidMotion=False)
+    for _ in range(3):
+        run(1)
+        (pair,) = [i for i in O.interactions if i.isReal]
+        assert pair.phys.contacts == 0
+        x, y, z = pair.geom.contactPoint
+        assert (y, z) == pytest.approx((5 * RADIUS, 0))
+        assert abs(math.remainder(x, 5 * RADIUS)) < 1e-9
