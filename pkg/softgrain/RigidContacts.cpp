@@ -69,13 +69,15 @@ void describePlace(const Body& first, const Body& second, bool twoSpheres, const
 	d.size = sizeOverRadius * radius;
 }
 
-/// A sphere that stays in a plane meets a facet that stands upright in it where the plane cuts the
-/// facet: the nearest place of an edge that leans lies out of the plane.
-void keepInPlane(const Body& first, const Body& second, RigidContactDescription& d)
+/// A sphere that stays in a plane, as `mover` does (it or its clump), meets a facet that stands
+/// upright in it where the plane cuts the facet: the nearest place of an edge that leans lies out
+/// of the plane.
+void keepInPlane(const Body& first, const Body& second, const Body& mover,
+		 RigidContactDescription& d)
 {
 	const auto* facet = as<Facet>(first);
 	constexpr double rounding = 1e-9; // of a unit normal that YADE computed
-	if (!facet || !(second.state->blockedDOFs & State::DOF_Z) ||
+	if (!facet || !(mover.state->blockedDOFs & State::DOF_Z) ||
 	    std::abs(d.normal.z()) < rounding)
 		return;
 	softgrain::RigidBodyDescription plate;
@@ -219,7 +221,7 @@ void RigidContacts::describe(const Scene& scene, RigidPartners& partners, Real m
 		d.restitution = restitutionOf(*law, I, *pair.first, *pair.second);
 		d.impulse = (pair.swapped ? -scene.dt : scene.dt) *
 			    (phys.normalForce + phys.shearForce);
-		keepInPlane(*pair.first, *pair.second, d);
+		keepInPlane(*pair.first, *pair.second, partners.moverOf(*pair.second), d);
 	}
 	stopOnOverlap(partners, maxOverlap);
 	leaveSeamsOut();

@@ -21,10 +21,15 @@ bool isFreeUnder(const Body& body, const NewtonIntegrator& newton)
 	return isMoved(body, newton) && body.state->blockedDOFs != State::DOF_ALL;
 }
 
+bool isDampedBy(const NewtonIntegrator& newton, const Body& body)
+{
+	return newton.damping != 0 && body.state->isDamped;
+}
+
 void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 {
 	const State& state = *body.state;
-	if (newton.damping != 0 && state.isDamped)
+	if (isDampedBy(newton, body))
 		throw std::runtime_error(
 			nameOf(body) +
 			" takes part in contact dynamics and is free, but NewtonIntegrator.damping "
@@ -171,7 +176,7 @@ int RigidPartners::numberOf(const Body& body) { return numberOfMover(moverOf(bod
 void RigidPartners::addFreeBodies()
 {
 	for (const auto& body : *scene_->bodies)
-		if (body && !body->isClumpMember() && isFree(*body))
+		if (body && !body->isClumpMember() && isFree(*body) && !isDampedBy(*newton_, *body))
 			numberOfMover(*body, scene_->dt);
 }
 

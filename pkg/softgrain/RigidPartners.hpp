@@ -21,7 +21,10 @@ public:
 	/// Number of a body, which is described when first asked for. Throws std::runtime_error for
 	/// one that NewtonIntegrator would not move by exactly the impulses it gets.
 	int numberOf(const Body& body);
-	/// Those that touch nothing as well, for a balance of energies that knows their flight.
+	/// The body itself or its clump.
+	const Body& moverOf(const Body& body) const;
+	/// Those that touch nothing as well, for a balance of energies that knows their flight, but
+	/// for those that NewtonIntegrator damps.
 	/// They fly as they would without: loads act for O.dt.
 	void addFreeBodies();
 	/// Whether forces change the motion of a body.
@@ -43,7 +46,6 @@ private:
 		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero(); ///< N, N m
 	};
 
-	const Body& moverOf(const Body& body) const;
 	int numberOfMover(const Body& mover, Real kick);
 	softgrain::RigidMotionDescription motionOf(const Body& body, Load& load) const;
 

@@ -16,6 +16,8 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present, in
 {
 	if (pair && assembly == present) return;
 	if (pair && assembly->idOf(pair->firstGrain()) != present->idOf(first)) pair->swapGrains();
+	const bool isTurned =
+		!pair && savedFirst != Body::ID_NONE && savedFirst != present->idOf(first);
 	const auto records = pair ? pair->records() : savedRecords();
 	const std::vector<double> history = pair ? pair->interfaceHistory() : savedInterface;
 	const softgrain::OverlapAccount account =
@@ -26,6 +28,7 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present, in
 	pair->restore(records);
 	pair->restoreAccount(account);
 	pair->restoreInterface(history);
+	if (isTurned) pair->swapGrains();
 	pair->restoreRest(rest);
 }
 
@@ -45,6 +48,7 @@ std::vector<ContactRecord> SoftGeom::savedRecords() const
 void SoftGeom::preSave(SoftGeom&)
 {
 	if (!pair) return;
+	savedFirst = assembly->idOf(pair->firstGrain());
 	savedKeys.clear();
 	savedImpulses.clear();
 	savedNormals.clear();

@@ -27,6 +27,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGeom, GenericSpheresContact,
 		"Contact points of a pair of bodies of which at least one is a :yref:`SoftGrain`. Of the attributes of the base class, *normal* points from #1 to #2: the mean of the normals of all contact points by the size of their forces, from centre to centre while there is no force. *contactPoint* is the mean of the contact points by the size of their normal forces, *refR1* and *refR2* are the distances from there to the centres along the normal (of a :yref:`Sphere` its radius; :yref:`Wall`, :yref:`Facet` and :yref:`Box` have that of the grain), radii while there is no force. Functions of YADE that take a pair for two spheres (:yref:`Gl1_NormPhys`, :yref:`yade.utils.fabricTensor`) find force chains in them.",
+		((int, savedFirst, Body::ID_NONE, Attr::hidden, "Id of the first body of the pair when saved."))
 		((vector<int>, savedKeys, , Attr::hidden, "side, node, other of each contact point when saved."))
 		((vector<Vector3r>, savedImpulses, , Attr::hidden, "Impulses when saved."))
 		((vector<Vector3r>, savedNormals, , Attr::hidden, "Normals when saved."))

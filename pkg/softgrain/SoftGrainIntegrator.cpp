@@ -180,14 +180,18 @@ void SoftGrainIntegrator::holdWalls()
 /// that is gone.
 void SoftGrainIntegrator::forgetOtherScene()
 {
-	const auto present = Omega::instance().getScene();
-	const bool isOther = lastScene_.lock() != present && hasRun_;
-	lastScene_ = present;
-	hasRun_ = true;
+	const bool isOther = ownScene_.isGone();
+	ownScene_.enter();
 	if (!isOther) return;
-	lastStep = 0;
+	lastAssembly_.reset();
+	withoutGrains_.reset();
+	lastStep = longestDt_ = 0;
+	dtOfSpheres = -1;
+	stepsToRaise = 0;
 	assemblySteps = 0;
 	bondRate = 0;
+	energies.clear();
+	rigidEnergies.clear();
 	workSums.clear();
 	rigidWorkSums.clear();
 	energyBooks_ = {};
@@ -311,7 +315,8 @@ py::dict SoftGrainIntegrator::energyDict() const
 	if (!Omega::instance().getScene()->trackEnergy)
 		throw std::runtime_error("energy: O.trackEnergy = False, so that energies are not "
 					 "known; admissible: True, before the steps that count");
-	return namedEnergies({ energies, rigidEnergies });
+	return namedEnergies(ownScene_.isGone() ? EnergyLists()
+						: EnergyLists { energies, rigidEnergies });
 }
 
 py::dict SoftGrainIntegrator::ratesDict() const

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "EnergyBooks.hpp"
+#include "EngineScene.hpp"
 #include "RigidContacts.hpp"
 #include "RigidPartners.hpp"
 #include "SoftInteractions.hpp"
@@ -18,8 +19,11 @@ public:
 	void
 	postLoad(SoftGrainIntegrator&); ///< checks all attributes, throws std::invalid_argument
 	/// Whether it has done its part of this step.
-	bool hasPublishedIn(long step) const { return publishedIn_ == step; }
-	bool hasPublishedSince(long step) const { return publishedIn_ >= step; }
+	bool hasPublishedIn(long step) const { return publishedIn_ == step && !ownScene_.isGone(); }
+	bool hasPublishedSince(long step) const
+	{
+		return publishedIn_ >= step && !ownScene_.isGone();
+	}
 	py::dict energyDict() const;
 	py::dict contactProblem() const;
 	py::dict ratesDict() const;
@@ -62,7 +66,7 @@ public:
 		((Real, lostBonds, 0, Attr::readonly, "Bonds that were whole when their contact point vanished, so far: whether the surfaces went apart in one step or slid off each other. |yupdate|"))
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
-		((Real, dtOfSpheres, 0, Attr::hidden, "Longest O.dt to be set here, for rigid spheres beside those that turned soft [s]; 0: any."))
+		((Real, dtOfSpheres, -1, Attr::hidden, "O.dt that was chosen for rigid spheres before the first of them turned soft, 0 where there were soft grains already [s]; negative: none turned."))
 		((int, stepsToRaise, 0, Attr::hidden, "Steps in a row with a too short O.dt before it may be raised."))
 		((Real, lastStep, 0, Attr::hidden, "Length of the last step [s]."))
 		((long, assemblySteps, 0, Attr::hidden, "Steps of the assembly so far."))
@@ -89,6 +93,7 @@ private:
 	void saveContinuation();
 	void chooseTimeStep();
 	void followDeformation(Real undeformed, bool hasStepper);
+	Real longestBesideSpheres() const;
 	void measureCriticalStep(Real enough);
 	void warnOfStiffSpheres();
 	void warnOfCollapsedStep(Real undeformed);
@@ -106,8 +111,7 @@ private:
 	/// engine that O.engines was once set to, and what that holds outlives O.reset().
 	std::shared_ptr<softgrain::GrainAssembly> assembly_;
 	std::weak_ptr<softgrain::GrainAssembly> lastAssembly_; ///< of the last step
-	boost::weak_ptr<Scene> lastScene_;                     ///< of the last step
-	bool hasRun_ = false;
+	EngineScene ownScene_;
 	bool hadGrains_ = false;                                  ///< in the last step
 	std::shared_ptr<softgrain::GrainAssembly> withoutGrains_; ///< for scenes of rigid bodies
 	InteractionOrder order_;

@@ -52,10 +52,8 @@ void SoftGrainIntegrator::followDeformation(Real undeformed, bool hasStepper)
 {
 	if (dtSet == 0 || (dtSet != scene->dt && !hasStepper))
 		dtSet = std::min(timeStepFraction * undeformed, criticalDt);
-	auto longest = [this] {
-		const Real ofGrains = timeStepFraction * criticalDt;
-		return dtOfSpheres > 0 ? std::min(ofGrains, dtOfSpheres) : ofGrains;
-	};
+	const Real besideSpheres = longestBesideSpheres();
+	auto longest = [&] { return std::min(timeStepFraction * criticalDt, besideSpheres); };
 	const bool tooShort = dtSet < lowestTimeStep * longest();
 	const bool isRaised = tooShort && stepsToRaise == 0;
 	if (isRaised)
@@ -69,6 +67,16 @@ void SoftGrainIntegrator::followDeformation(Real undeformed, bool hasStepper)
 	if (!isRaised) stepsToRaise = stepsBeforeRaise;
 	const bool near = pointsMeasured <= worthMeasuring * pointsUpdated;
 	dtSet = (near ? nearTimeStep : roomyTimeStep) * limit;
+}
+
+/// For rigid spheres beside those that turned soft: the step of the script, or what is usual for
+/// the spheres that are left. They go on as before.
+Real SoftGrainIntegrator::longestBesideSpheres() const
+{
+	// of utils.PWaveTimeStep(), with which a column of stiff spheres on a soft grain stands
+	constexpr Real usualShare = 0.3;
+	return dtOfSpheres < 0 ? std::numeric_limits<Real>::infinity()
+			       : std::max(dtOfSpheres, usualShare * rigidTimeStep(*scene));
 }
 
 /// (To measure grains takes time: what matters is whether a step is stable.)

@@ -1,7 +1,6 @@
 #include "SoftenWhenLoaded.hpp"
 #include "Engines.hpp"
 #include "Require.hpp"
-#include "RigidTimeStep.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrainIntegrator.hpp"
 
@@ -34,13 +33,15 @@ void SoftenWhenLoaded::action()
 		(isLoaded(*body) ? loaded : waiting).push_back(id);
 	}
 	ids = waiting;
+	if (!loaded.empty() && !hasSoftGrains()) leaveTimeStepToIntegrator();
+	auto* integrator = softGrainIntegratorOf(*scene);
+	if (integrator && (softened > 0 || !loaded.empty()))
+		integrator->dtOfSpheres = std::max(integrator->dtOfSpheres, dt);
 	if (loaded.empty()) return;
-	if (!hasSoftGrains()) leaveTimeStepToIntegrator();
 	// not one by one: the contact that loads two is gone with the first
 	for (const int id : loaded)
 		soften(*(*scene->bodies)[id]);
 	softened += loaded.size();
-	limitTimeStep();
 	scene->doSort = true;
 }
 
@@ -84,17 +85,6 @@ void SoftenWhenLoaded::leaveTimeStepToIntegrator()
 {
 	dt = scene->dt;
 	if (auto* integrator = softGrainIntegratorOf(*scene)) integrator->dtSet = dt;
-}
-
-/// To the script's, or what is usual for the rigid spheres that are left: they go on as before.
-void SoftenWhenLoaded::limitTimeStep() const
-{
-	// of utils.PWaveTimeStep(), with which a column of stiff spheres on a soft grain stands
-	constexpr Real usualShare = 0.3;
-	const Real ofSpheres = rigidTimeStep(*scene);
-	if (auto* integrator = softGrainIntegratorOf(*scene))
-		integrator->dtOfSpheres =
-			math::isfinite(ofSpheres) ? std::max(dt, usualShare * ofSpheres) : 0;
 }
 
 } // namespace yade

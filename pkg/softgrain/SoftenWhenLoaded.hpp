@@ -30,7 +30,6 @@ private:
 	bool isLoaded(const Body& body) const;
 	void soften(Body& body) const;
 	void leaveTimeStepToIntegrator();
-	void limitTimeStep() const;
 };
 REGISTER_SERIALIZABLE(SoftenWhenLoaded);
 

@@ -6,6 +6,7 @@
 #include "SoftMat.hpp"
 
 #include <algorithm>
+#include <sstream>
 
 namespace yade {
 
@@ -148,6 +149,11 @@ void WallStressController::action()
 			 // vector
 	checkWalls();
 	checkAlone();
+	if (ownScene_.isGone()) {
+		initialLengths.clear();
+		masses.setZero();
+	}
+	ownScene_.enter();
 	if (static_cast<int>(initialLengths.size()) != axes()) {
 		initialLengths.clear();
 		for (int a = 0; a < axes(); ++a)
@@ -167,7 +173,8 @@ void WallStressController::action()
 }
 
 /// m dv/dt = load + reaction - Z v, Z = drag rho c A. The mass is such that the wall follows within
-/// the time of a wave over a grain's radius, many steps.
+/// the time of a wave over a grain's radius, many steps. It follows what it is made of: with
+/// another drag, density or area the dashpot would be unstable (dt Z/m < 2).
 void WallStressController::pushWall(int axis, const Packing& packing)
 {
 	Body& body = wall(axis, true);
@@ -175,13 +182,27 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 	const Real surface = area(axis), dashpot = drag * packing.impedance * surface;
 	const bool isHeld = state.blockedDOFs == State::DOF_ALL;
 	if (isHeld) freeWall(body, axis);
-	if (isHeld || !(state.mass > 0)) // YADE's walls have none
-		state.mass = drag * packing.density * surface * packing.radius;
+	if (isHeld || !(state.mass > 0) || state.mass == masses[axis]) // YADE's walls have none
+		state.mass = masses[axis] = drag * packing.density * surface * packing.radius;
+	else
+		requireStable(body, scene->dt * dashpot);
 	notePush(*scene, body, axis);
 	Vector3r force = Vector3r::Zero();
 	force[axis] = goal[axis] * surface - dashpot * state.vel[axis] -
 		      state.mass * gravityOf(*scene)[axis];
 	scene->forces.addForce(body.getId(), force);
+}
+
+/// A mass that the script gave to a wall has to be so large.
+void WallStressController::requireStable(const Body& wall, Real least) const
+{
+	if (wall.state->mass >= least) return;
+	std::ostringstream message;
+	message << "WallStressController.walls: body #" << wall.getId()
+		<< ", state.mass = " << wall.state->mass
+		<< " kg, is too light for its dashpot; admissible with drag = " << drag
+		<< " and O.dt = " << scene->dt << ": [" << least << ", inf) kg";
+	throw std::runtime_error(message.str());
 }
 
 void WallStressController::moveWall(int axis)

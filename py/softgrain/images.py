@@ -11,6 +11,9 @@ from softgrain.build import soft_polygon
 from softgrain.checks import finite_vector, index, number
 from softgrain.label_outlines import label_outlines
 
+NAMED_LABELS = 5  #: unusable ones that a message names
+MANY_LABELS = 1000  #: unusable ones, seldom meant as such
+
 
 @dataclass
 class ImageGrains:
@@ -51,7 +54,7 @@ def grains_from_image(
     Args:
         image (str | Path | array): a picture file, or integers or bools (label 1) of shape (rows,
             columns), the first row on top. Of grey or palette pictures the value is the label, of
-            coloured ones red + 256 green + 65536 blue.
+            coloured ones red + 256 green + 65536 blue; transparent pixels are background.
         pixel (float): its side, > 0 [m].
         material (int | str | SoftMat): as for :func:`soft_disk`.
         origin (tuple): of the lower left corner of the image [m].
@@ -80,16 +83,13 @@ def grains_from_image(
     for name in ("corners", "z"):
         if name in shape:
             raise ValueError(f"{name} = {shape[name]!r}: set by the image and its origin")
-    labels = read_labels(image)
+    labels = read_labels(image, background)
     outlines, left_out = label_outlines(labels, background, smoothing, least_pixels)
     if left_out and unusable == "refuse":
-        raise ValueError(
-            "image: "
-            + "; ".join(f"label {label} {reason}" for label, reason in left_out.items())
-            + ". Mend the image or say unusable='skip'"
-        )
+        raise ValueError(f"image: {_named(left_out)}. Mend the image or say unusable='skip'")
     if not outlines:
-        raise ValueError(f"image: no usable label but background = {background}: {left_out}")
+        found = _named(left_out) if left_out else "there is no other"
+        raise ValueError(f"image: no usable label but background = {background}: {found}")
     bodies = [
         soft_polygon(
             np.array(origin[:2]) + pixel * outline.vertices,
@@ -110,12 +110,23 @@ def grains_from_image(
     )
 
 
-def read_labels(image):
+def _named(left_out):
+    """Unusable labels in words; of many the first."""
+    names = [f"label {label} {left_out[label]}" for label in list(left_out)[:NAMED_LABELS]]
+    more = len(left_out) - len(names)
+    if more:
+        names.append(f"and {more} more")
+    if len(left_out) > MANY_LABELS:
+        names.append("so many come of lossy compression (JPEG), dithering or smoothed edges")
+    return "; ".join(names)
+
+
+def read_labels(image, background=0):
     """Labels of an image as :func:`grains_from_image` takes it: integers (rows, columns).
 
     Raises:
         ValueError: neither a name nor an array, or one that is empty, not two-dimensional or not of
-            integers.
+            integers; a picture of another kind.
     """
     is_name = isinstance(image, os.PathLike) or (isinstance(image, str) and image != "")
     if isinstance(image, (list, tuple)):
@@ -124,10 +135,7 @@ def read_labels(image):
         raise ValueError(f"image = {image!r}: admissible are the name of a file and an array")
     elif is_name:
         with Image.open(image) as picture:
-            if picture.mode in ("RGB", "RGBA"):
-                colours = np.array(picture, dtype=np.int64)[:, :, :3]
-                return colours @ np.array([1, 256, 65536])
-            image = np.array(picture)
+            image = _labels_of_picture(picture, background)
     if image.ndim != 2 or not (np.issubdtype(image.dtype, np.integer) or image.dtype == bool):
         raise ValueError(
             f"image: {image.dtype} of shape {image.shape}; admissible: integers (rows, columns)"
@@ -137,3 +145,20 @@ def read_labels(image):
     if int(image.max()) >= 2**63:
         raise ValueError(f"image: label {image.max()}; admissible: below 2^63")
     return image.astype(np.int64)
+
+
+def _labels_of_picture(picture, background):
+    """One label a pixel, by its value or colour; not checked yet."""
+    weights = {"RGB": (1, 256, 65536), "RGBA": (1, 256, 65536, 0), "LA": (1, 0)}
+    pixels = np.array(picture)
+    if picture.mode in weights:
+        labels = pixels.astype(np.int64) @ np.array(weights[picture.mode])
+        if picture.mode.endswith("A"):
+            labels[pixels[:, :, -1] == 0] = background
+        return labels
+    if pixels.ndim != 2:
+        raise ValueError(
+            f"image: a picture of mode {picture.mode!r}; admissible: grey, palette or RGB, with "
+            "or without transparency"
+        )
+    return pixels

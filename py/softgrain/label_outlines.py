@@ -13,6 +13,8 @@ from softgrain.outlines import area_and_inertia, signed_area
 TRUNCATE = 4
 #: Vertices of an outline at least.
 LEAST_VERTICES = 8
+#: Pieces of a label whose sizes are told.
+NAMED_PIECES = 5
 
 
 @dataclass
@@ -73,11 +75,14 @@ def _why_unusable(mask, place, shape, least_pixels):
     if pixels < least_pixels:
         return f"has {pixels} pixels, fewer than least_pixels = {least_pixels}"
     if any(p.start == 0 or p.stop == n for p, n in zip(place, shape)):
-        return "touches the border of the image, which may cut it"
+        border = "touches the border of the image, which may cut it"
+        return border + ", or is what lies between the grains: background=..."
     numbers, pieces = ndimage.label(mask)
     if pieces > 1:
         sizes = sorted(np.bincount(numbers.ravel())[1:], reverse=True)
-        return f"is in {pieces} pieces, of {' + '.join(map(str, sizes))} pixels"
+        named = " + ".join(map(str, sizes[:NAMED_PIECES]))
+        more = " + ..." if pieces > NAMED_PIECES else ""
+        return f"is in {pieces} pieces, of {named}{more} pixels"
     if ndimage.binary_fill_holes(mask).sum() > pixels:
         return "has a hole"
     return None

@@ -66,6 +66,40 @@ def test_mask_of_one_grain(how, tmp_path):
     assert found.labels == [1] and len(found.bodies) == 1
 
 
+@pytest.mark.parametrize("mode", ("RGBA", "LA"))
+def test_transparent_pixels_are_background(mode, tmp_path):
+    """Whatever colour they have."""
+    labels = drawn_labels()
+    pixels = np.full((*labels.shape, len(mode)), 255, np.uint8)
+    pixels[:, :, -1] = 255 * (labels > 0)
+    pixels[labels > 0, :-1] = labels[labels > 0, None]
+    path = tmp_path / "labels.png"
+    Image.fromarray(pixels, mode).save(path)
+    found = sg.grains_from_image(path, 1e-4, soft_material(), zeta=0.25)
+    weight = 1 + 256 + 65536 if mode == "RGBA" else 1
+    assert found.labels == [weight * name for name in (5, 9, 70)]
+
+
+def test_picture_of_another_kind_is_refused(tmp_path):
+    path = tmp_path / "labels.tif"
+    Image.fromarray(drawn_labels()).convert("CMYK").save(path)
+    with pytest.raises(ValueError, match="picture of mode 'CMYK'; admissible: grey, palette"):
+        sg.grains_from_image(path, 1e-4, soft_material())
+
+
+@pytest.mark.parametrize("unusable", ("refuse", "skip"))
+def test_messages_about_many_labels_are_short(unusable):
+    """As of a picture that was compressed with losses; and of one label in many pieces."""
+    labels = np.arange(1, 60 * 90 + 1).reshape(60, 90)
+    with pytest.raises(ValueError, match="and 5395 more; .*JPEG") as told:
+        sg.grains_from_image(labels, 1e-4, soft_material(), unusable=unusable)
+    assert len(str(told.value)) < 600
+    dots = np.zeros((60, 90), int)
+    dots[5:-5:2, 5:-5:2] = 1
+    with pytest.raises(ValueError, match="is in 1000 pieces, of 1( \\+ 1){4} \\+ ... pixels"):
+        sg.grains_from_image(dots, 1e-4, soft_material())
+
+
 def test_unusable_labels_are_refused_or_reported():
     labels = drawn_labels()
     labels[0:10, 0:10] = 3

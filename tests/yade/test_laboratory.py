@@ -301,3 +301,56 @@ def test_uniaxial_strainer():
     assert wall_distance(walls, 1) / start - 1 == pytest.approx(-5 * O.time, rel=0.01)
     mean = (sg.wall_force(walls[2])[1] - sg.wall_force(walls[3])[1]) / (2 * 4 * RADIUS)
     assert strainer.avgStress == pytest.approx(mean, rel=1e-9) and mean < 0.1 * STRESS
+
+
+@pytest.mark.parametrize("change", ("drag", "mass of grains"))
+def test_mass_of_a_wall_follows_what_it_is_made_of(change):
+    """With the mass of before the explicit dashpot would throw the wall about."""
+    walls = four_disks()
+    ready()
+    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
+    O.run(3000, True)
+    before = [O.bodies[w].state.mass for w in walls[1::2]]
+    if change == "drag":
+        controller.drag = 25
+    else:
+        sg.scale_mass(25)
+    O.run(1500, True)
+    after = [O.bodies[w].state.mass for w in walls[1::2]]
+    np.testing.assert_allclose(after, np.multiply(before, 25), rtol=0.05)
+    np.testing.assert_allclose(list(controller.stress())[:2], STRESS, rtol=0.01)
+
+
+def test_wall_too_light_for_its_dashpot_is_refused():
+    walls = four_disks()
+    ready()
+    controller = insert_controller(walls, goal=(STRESS, STRESS, 0))
+    O.run(200, True)
+    lid = O.bodies[walls[3]].state
+    usual = lid.mass
+    lid.mass = 2 * usual
+    run(5)
+    assert lid.mass == 2 * usual  # the user's
+    lid.mass = 1e-3 * usual
+    with pytest.raises(RuntimeError, match=f"#{walls[3]}, state.mass = .*too light.*admissible"):
+        run(1)
+    assert controller.drag == 1
+
+
+def test_controller_used_again_in_another_scene():
+    """Its strain is that of the present scene."""
+    for scale in (1, 2):
+        walls = four_disks()
+        if scale == 1:
+            ready()
+            controller = insert_controller(walls, goal=(-1, -1, 0), stressMask=0)
+            engines = O.engines
+        else:
+            for k in (1, 3):
+                O.bodies[walls[k]].state.pos *= scale
+            O.engines = engines
+            controller.walls = walls
+        run(50)
+        assert -1e-2 < controller.strain()[0] < 0
+        if scale == 1:
+            O.reset()

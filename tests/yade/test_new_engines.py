@@ -1,6 +1,8 @@
 """O.engines assigned anew: what they find of bodies and of the time step; rigid bodies that touch,
 from contact dynamics to it, to laws with stiffness and back."""
 
+import math
+
 import pytest
 import yade
 from periodic_scenes import flow, set_cell
@@ -179,3 +181,45 @@ def test_what_is_about_to_touch_is_found_ahead_after_linear_engines():
     start(1e-4)
     run(2)
     assert O.interactions.countReal() == 1 and ball.state.pos[2] > R
+
+
+@pytest.mark.parametrize("tracks", (False, True))
+def test_engines_of_rigid_bodies_used_again_in_another_scene(tracks):
+    """Impulses of the first step act for that step, not for the last one of the scene before."""
+
+    def slide(dt, steps, engines=None):
+        """Of a ball on a floor."""
+        O.trackEnergy = tracks
+        add_wall(0, 2, friction=0.3)
+        ball = add_sphere((0, 0, R), velocity=(1, 0, 0))
+        start(dt)
+        if engines:
+            O.engines = engines
+            assert math.isnan(sg.unbalanced_force())
+            assert not tracks or not any(sg.integrator().energy().values())
+        run(steps)
+        energies = sg.integrator().energy() if tracks else {}
+        return tuple(ball.state.vel), tuple(ball.state.angVel), energies
+
+    slide(1e-3, 200)
+    engines = O.engines
+    O.reset()
+    found = slide(1e-5, 1, engines)
+    O.reset()
+    assert found == slide(1e-5, 1)
+
+
+def test_energies_of_rigid_bodies_do_not_outlive_their_scene():
+    O.trackEnergy = True
+    add_wall(0, 2, friction=0.3)
+    add_sphere((0, 0, R), velocity=(1, 0, 0))
+    start(1e-4)
+    run(50)
+    former = sg.integrator()
+    assert former.energy()["rigidFriction"] > 0
+    O.reset()
+    O.trackEnergy = True
+    add_disk()
+    O.engines = [former if isinstance(e, sg.SoftGrainIntegrator) else e for e in sg.engines()]
+    run(5)
+    assert not [name for name in former.energy() if name.startswith("rigid")]

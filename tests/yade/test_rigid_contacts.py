@@ -288,13 +288,20 @@ def test_rigid_is_the_limit_of_stiff_soft():
     assert reactions[1] == pytest.approx(1, rel=5e-3)
 
 
-def test_disk_on_a_floor_of_two_facets_in_2d():
-    """It slides over the edge that they share, which leans in the plane of the disks."""
+@pytest.mark.parametrize("kind", ("disk", "clump"))
+def test_disks_on_a_floor_of_two_facets_in_2d(kind):
+    """They slide over the edge that the facets share, which leans in the plane of the disks. Of a
+    clump the clump is kept in the plane, not its members."""
     add_disk((0, 10 * R, 0))
     ends = [(x, 0, z) for x, z in ((-9 * R, -R), (9 * R, -R), (9 * R, R), (-9 * R, R))]
     for corners in (ends[:3], (ends[0], *ends[2:])):
         O.bodies.append(utils.facet(corners, material=material(0)))
-    ball = add_sphere((-R, R, 0), velocity=(1, 0, 0), blocked="zXY")
+    if kind == "disk":
+        ball = add_sphere((-R, R, 0), velocity=(1, 0, 0), blocked="zXY")
+    else:
+        members = [utils.sphere((x * R, R, 0), R, material=material(0)) for x in (-1.8, -0.2)]
+        ball = O.bodies[O.bodies.appendClumped(members)[0]]
+        ball.state.blockedDOFs, ball.state.vel = "zXY", (1, 0, 0)
     ready(rigid="nonsmooth", gravity=(0, -GRAVITY, 0))
     while ball.state.pos[0] < R:
         run(1)

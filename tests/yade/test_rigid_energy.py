@@ -158,3 +158,16 @@ def test_tracking_changes_no_flight(steps):
             assert balance()[0] == pytest.approx(before, abs=1e-12 * balance()[1]["rigidLoads"])
         velocities.append(body.state.vel[2])
     assert velocities[0] == velocities[1] < 0
+
+
+def test_bodies_that_are_damped_fly_beside_a_balance():
+    """They touch nothing: NewtonIntegrator may damp them, and the balance leaves them out."""
+    O.trackEnergy = True
+    add_wall(0, 2)
+    add_sphere((0, 0, 5 * R))
+    resting = add_sphere((9 * R, 0, R))
+    resting.state.isDamped = False
+    start(1e-4)
+    O.engines[-1].damping = 0.2
+    run(20)
+    assert sg.integrator().energy()["rigidKinetic"] == 0

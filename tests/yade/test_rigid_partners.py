@@ -24,7 +24,7 @@ from scenes import (
     run,
     soft_material,
 )
-from yade import O, utils
+from yade import FrictMat, O, Quaternion, utils
 
 import softgrain as sg
 
@@ -276,3 +276,45 @@ def test_carried_round_by_a_turntable():
     while O.time < start + math.pi / spin:
         run(100)
     assert distance_from_axis(block) == pytest.approx(distance, rel=2e-5)
+
+
+@pytest.mark.parametrize("side", (0, 1))
+def test_impulses_turn_about_normals_with_a_body_that_spins(side):
+    """In 3D; at contact points of the grain, on a box, as well as at that of a small ball, whose
+    normal points the other way."""
+    material = soft_material(massDamping=300, frictionAngle=math.atan(0.8))
+    ball = sg.soft_sphere((0, 0, RADIUS), RADIUS, material, zeta=0.3)
+    ball.state.ori = Quaternion((0.9, 0.3, 0.3), 0.16)
+    O.bodies.append(ball)
+    surface = FrictMat(frictionAngle=math.atan(0.8))
+    if side == 0:
+        size = (9 * RADIUS, 9 * RADIUS, RADIUS)
+        rigid = utils.box((0, 0, -RADIUS), size, material=surface)
+    else:
+        tip = 0.15 * RADIUS
+        rigid = utils.sphere((0, 0, -tip), tip, material=surface)
+    rigid.state.blockedDOFs = "xyzXYZ"
+    O.bodies.append(rigid)
+    ready(gravity=(4, 0, -200), tolerance=1e-6)
+    run(300)
+    spin = 20.0
+    rigid.state.angVel = (0, 0, spin)
+    run(3)
+    (pair,) = [i for i in O.interactions if i.isReal]
+    sign = -1 if side else 1
+    turned = []
+    for _ in range(20):
+        before = pair.geom.contacts()
+        run(1)
+        now, problem = pair.geom.contacts(), sg.integrator().contactProblem()
+        for k, n in enumerate(problem["normal"]):
+            same = (before["side"] == now["side"][k]) & (before["node"] == now["node"][k])
+            if now["side"][k] != side or not same.any() or not before["impulse"][same].any():
+                continue
+            (last,), (normal,) = before["impulse"][same], before["normal"][same]
+            last = sign * (last - last @ normal * normal)
+            start = problem["start"][k] - problem["start"][k] @ n * n
+            angle = math.atan2(np.cross(last, start) @ n, last @ start)
+            turned.append(angle / (spin * n[2] * O.dt))
+    assert len(turned) >= 20
+    np.testing.assert_allclose(turned, 1, atol=0.02)

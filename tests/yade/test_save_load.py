@@ -16,6 +16,7 @@ from scenes import (
     ready,
     run,
     run_python,
+    soft_material,
 )
 from yade import O, Vector3
 
@@ -258,3 +259,28 @@ def test_saved_in_the_middle_of_a_step(tmp_path):
     O.load(str(tmp_path / "half.yade.gz"))
     with pytest.raises(RuntimeError, match="save between steps"):
         O.step()
+
+
+def test_order_of_grains_that_changes_after_loading(tmp_path):
+    """It goes by recipe, law and condition; contacts and bonds stay with their grains."""
+    found = []
+    for loads in (False, True):
+        O.reset()
+        kinds = [soft_material(condition="planeStress", label=name) for name in ("here", "there")]
+        O.materials.append(kinds)
+        for kind, x in zip(kinds, (0, 1.99 * RADIUS)):
+            add_disk((x, 0, 0), material=kind)
+        ready(interface=dict(bondStrength=1e4, bondEnergy=1.0))
+        run(400)
+        if loads:
+            O.save(str(tmp_path / "scene.yade.gz"))
+            O.load(str(tmp_path / "scene.yade.gz"))
+        O.materials["there"].condition = "planeStrain"
+        run(1)
+        (pair,) = [i for i in O.interactions if i.isReal]
+        contacts = pair.geom.contacts()
+        found.append((sg.integrator().lostBonds, pair.geom.first, *map(list, (
+            contacts["side"], contacts["node"], contacts["bond"], contacts["impulse"][:, 0]
+        ))))
+    assert found[0] == found[1]
+    assert found[0][0] == 0 and sum(found[0][4]) > 0

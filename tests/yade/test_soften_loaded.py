@@ -199,3 +199,20 @@ def test_step_after_the_last_sphere_has_turned():
     run_until_softened(2)
     run(3)
     assert O.dt > 1e-5
+
+
+@pytest.mark.parametrize("end", ("turned soft", "erased"))
+def test_the_time_step_of_spheres_goes_with_the_last_of_them(end):
+    """With O.dt bound to a stiffness that is gone a run would take many times as long."""
+    ids = late_scene(load=0)
+    ids.append(add_rigid_disk((9 * RADIUS, 0, 0), RADIUS, density=1000, young=1e8).id)
+    run_until_softened(2)
+    run(50)
+    assert O.dt < 0.2 * sg.critical_time_step()
+    if end == "erased":
+        for sphere in ids[2:]:
+            O.bodies.erase(sphere)
+    else:
+        sg.soften(ids[2:], material=soft_material(), zeta=0.25)
+    run(1200)
+    assert O.dt > 0.5 * sg.critical_time_step()

@@ -250,10 +250,11 @@ public:
 	ContactList<dim> list;
 
 private:
-	/// Key and impulse.
+	/// Key and impulse. (All grains have contact of one kind; after loading it is not known yet
+	/// which are of this pair.)
 	Contact<dim> asSeenFromSecond(Contact<dim> c) const
 	{
-		const ContactBody<dim>& body = system_->body(list.first);
+		const ContactBody<dim>& body = system_->body(std::max(list.first, 0));
 		if (body.isSurface()) {
 			c.key.side ^= 1;
 			return c;

@@ -2,6 +2,7 @@
 #include "contact/Facets.hpp"
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -149,9 +150,11 @@ template <int dim> std::optional<RigidContact<dim>> contactOf(const RigidContact
 {
 	if (dim == 2 && std::abs(d.normal[2]) > normalRounding) {
 		if (std::abs(d.normal[2]) > 1 - normalRounding) return std::nullopt;
-		throw std::invalid_argument(
-			"two rigid bodies touch out of the plane of 2D soft grains: put their "
-			"centres into that plane");
+		std::ostringstream message;
+		message << "two rigid bodies touch at (" << d.point.transpose()
+			<< ") m, out of the plane of 2D soft grains: put their centres into that "
+			   "plane and keep them there, a clump as well (state.blockedDOFs = 'zXY')";
+		throw std::invalid_argument(message.str());
 	}
 	return RigidContact<dim> { d.first,
 				   d.second,

@@ -152,7 +152,7 @@ template <int dim> void RigidPairSolver<dim>::finish()
 							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;
-		list_->contacts[k].setTwist(dt_ * spinOfPartner(c.normal));
+		list_->contacts[k].setTwist(dt_ * spinOfPartner(list_->contacts[k].normal));
 		const Vec<dim> place = placeOf(c);
 		sum.add(r, c.normal, 1, place);
 		turning -= moment<dim>(place - list_->rigid->pivot, r);
