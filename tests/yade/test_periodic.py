@@ -359,3 +359,23 @@ def test_stress_of_a_cell_that_drifts(source):
     mass = O.bodies[0].state.mass
     expected = -mass * 2 * 1**2 / (5 * DIAMETER) ** 2
     assert sg.cell_stress(source)[0, 0] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("first", (0.101, 0.899))
+def test_contact_point_of_a_pair_across_the_border(first):
+    """Beside body #1, whichever of the two comes first for the kernel."""
+    for zetas in ((0.2, 0.3), (0.3, 0.2)):
+        O.reset()
+        side = 10 * RADIUS
+        set_cell(side, side)
+        for x, zeta in zip((first, 1 - first), zetas):
+            add_disk((x * side, 0.5 * side, 0), zeta=zeta)
+        ready()
+        O.bodies[0].state.vel = (-0.5 if first < 0.5 else 0.5, 0, 0)
+        pressed = []
+        while not pressed:
+            run(1)
+            pressed = [i for i in O.interactions if i.isReal and i.phys.activeContacts]
+        (pair,) = pressed
+        apart = pair.geom.contactPoint - O.bodies[pair.id1].state.pos
+        assert apart.norm() == pytest.approx(RADIUS, rel=0.1)

@@ -1,5 +1,7 @@
 """Rigid bodies of YADE against each other in contact dynamics."""
 
+import math
+
 import numpy as np
 import pytest
 from rigid_scenes import (
@@ -12,6 +14,7 @@ from rigid_scenes import (
     run_until,
     spheres,
     start,
+    state,
 )
 from scenes import add_disk, add_wall, ready, run, soft_material
 from yade import O, PyRunner, Vector3, utils
@@ -319,3 +322,38 @@ def test_free_box():
     run(60)
     assert box.state.angVel[2] < -1 and box.state.vel[1] < -0.05
     assert ball.state.vel[1] > -0.45
+
+
+def test_clump_that_spins_about_no_axis_of_its_own():
+    """Its gyroscopic torque is in the step in which it comes down: contacts close, and no more."""
+    add_wall(0, 2)
+    places = ((-R, 0, 1.02 * R), (R, 0, 1.02 * R), (R, 2 * R, 1.02 * R))
+    members = [utils.sphere(place, R, material=material(0)) for place in places]
+    clump = O.bodies[O.bodies.appendClumped(members)[0]].state
+    spin = Vector3(20, 5, 200)
+    clump.angVel, clump.vel = spin, (0, 0, -0.3)
+    axes = np.array(clump.ori.toRotationMatrix())
+    clump.angMom = axes @ np.diag(clump.inertia) @ axes.T @ spin
+    start(1e-5, gravity=(0, 0, 0), tolerance=1e-12, maxSweeps=10000)
+    touched = False
+    for _ in range(200):
+        run(1)
+        touched = touched or O.forces.f(0)[2] < 0
+        assert sg.integrator().largestOverlap < 1e-9
+    assert touched
+
+
+def test_pair_named_the_other_way_round():
+    """An interaction of two spheres that a script has made, from the higher id to the lower."""
+    found = []
+    for ids in ((1, 2), (2, 1)):
+        O.reset()
+        add_wall(0, 2, friction=0.5)
+        add_sphere((0, 0, R), friction=0.5, blocked="xyXYZ")
+        add_sphere((0.4 * R, 0, R + math.sqrt(4 - 0.16) * R), friction=0.5, velocity=(0.1, 0, 0))
+        start(1e-4)
+        utils.createInteraction(*ids)
+        run(100)
+        found.append(state())
+    assert np.abs(found[0][1, 8]) > 1e-3 or np.abs(found[0][1, 7]) > 1e-3  # it turns
+    np.testing.assert_array_equal(found[0], found[1])

@@ -318,3 +318,30 @@ def test_impulses_turn_about_normals_with_a_body_that_spins(side):
             turned.append(angle / (spin * n[2] * O.dt))
     assert len(turned) >= 20
     np.testing.assert_allclose(turned, 1, atol=0.02)
+
+
+def test_fast_rigid_bodies_are_seen_before_they_touch():
+    """The search reaches as far as they come in a step."""
+    add_disk()
+    add_rigid_disk((2.5 * RADIUS, 0, 0), RADIUS, (-20, 0, 0))
+    ready()
+    while not any(i.isReal and i.phys.activeContacts for i in O.interactions):
+        run(1)
+        assert O.time < 1e-3
+    assert sg.integrator().largestOverlap < 1e-3
+
+
+def test_a_run_with_a_body_that_spins_goes_on_after_loading(tmp_path):
+    """In 3D impulses have turned with it when the next step begins."""
+    material = soft_material(frictionAngle=math.atan(0.8))
+    O.bodies.append(sg.soft_sphere((0, 0, 0.99 * RADIUS), RADIUS, material, zeta=0.5))
+    size = (9 * RADIUS, 9 * RADIUS, RADIUS)
+    surface = FrictMat(frictionAngle=math.atan(0.8))
+    box = utils.box((0, 0, -RADIUS), size, material=surface)
+    box.state.blockedDOFs = "xyzXYZ"
+    box.state.angVel = (0, 0, 20)
+    O.bodies.append(box)
+    ready(gravity=(4, 0, -200), tolerance=1e-3)
+    run(40)
+    assert sg.wall_force(1)[2] < 0
+    assert_goes_on_after_loading(tmp_path / "scene.yade.gz", 20)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import RADIUS, ZETA, run, soft_material
+from scenes import RADIUS, ZETA, add_disk, assert_goes_on_after_loading, ready, run, soft_material
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
@@ -372,3 +372,12 @@ def test_held_spheres_stay_rigid(when):
     assert sg.soften(**options) == [1]
     run(5)
     assert isinstance(floor.shape, Sphere) and floor.state.vel.norm() == 0
+
+
+def test_run_with_overlaps_from_the_start_goes_on_after_loading(tmp_path):
+    """The first steps work them off at full speed, whenever the scene was saved."""
+    for x in (0, 1.997 * RADIUS):
+        add_disk((x, 0, 0))
+    ready()
+    run(3)
+    assert_goes_on_after_loading(tmp_path / "scene.yade.gz", 40)

@@ -216,3 +216,16 @@ def test_the_time_step_of_spheres_goes_with_the_last_of_them(end):
         sg.soften(ids[2:], material=soft_material(), zeta=0.25)
     run(1200)
     assert O.dt > 0.5 * sg.critical_time_step()
+
+
+def test_members_of_clumps_bound_the_time_step():
+    """They are as stiff as spheres on their own."""
+    late_scene(load=0)
+    stiff = rigid_material(density=1000, young=1e8)
+    for x in (9, 15):
+        places = ((x * RADIUS, 0, 0), ((x + 2) * RADIUS, 0, 0))
+        O.bodies.appendClumped([utils.sphere(place, RADIUS, material=stiff) for place in places])
+    run_until_softened(2)
+    O.bodies.erase(2)
+    run(1200)
+    assert O.dt < 0.2 * sg.critical_time_step()

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from partner_scenes import add_rigid_disk
 from scenes import RADIUS, YOUNG, ZETA, add_disk, add_wall, ready, run, soft_material
 from yade import FrictMat, O, utils
 
@@ -340,3 +341,26 @@ def test_warning_of_a_step_that_has_collapsed(capfd):
         assert O.iter < 3000
     logged = capfd.readouterr().err
     assert logged.count("less than a hundredth of that of the undeformed ones") == 1
+
+
+@pytest.mark.parametrize("partner", ("grain", "rigid body"))
+def test_light_partners_of_bonds_shorten_the_step(partner):
+    """As much as light grains do that come first, and as they are light."""
+    found = {}
+    for radius, place in ((0.2, "second"), (0.2, "first"), (1.0, "second")):
+        O.reset()
+        kinds = ["big", "other"] if place == "second" else ["other", "big"]
+        for kind in kinds:
+            if kind == "big":
+                add_disk((0, 0, 0), material=soft_material())
+            elif partner == "grain":
+                at = ((1 + radius) * RADIUS, 0, 0)
+                add_disk(at, radius * RADIUS, soft_material(density=10, young=1e4))
+            else:
+                add_rigid_disk(((1 + radius) * RADIUS, 0, 0), radius * RADIUS, density=10)
+        ready(interface=dict(bondStrength=1e6, bondEnergy=1.0, bondStiffness=1e13))
+        run(10)
+        assert [i for i in O.interactions if i.isReal and i.phys.contacts]
+        found[radius, place] = sg.integrator().criticalDt
+    assert found[0.2, "second"] == pytest.approx(found[0.2, "first"], rel=1e-6)
+    assert found[0.2, "second"] < 0.6 * found[1.0, "second"]
