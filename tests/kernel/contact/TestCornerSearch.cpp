@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
+#include <cmath>
 #include <numbers>
 
 using namespace softgrain;
@@ -113,6 +114,34 @@ template <int dim> double requireSameAsFresh(const TemplateRecipe& form, int ste
 }
 
 } // namespace
+
+TEST_CASE("Corner search: a grain that goes on inside of another", "[contact]")
+{
+	const auto inner = makeGrainTemplate<2>(block(0.25)), outer = inner;
+	const ContactBody<2> around = contactBody<2>(*outer, 4, Vec<2>::Zero());
+	ContactBody<2> within = contactBody<2>(*inner, 1, Vec<2>::Zero());
+	const double side = around.box.high[0] - within.box.high[0];
+	for (Vec<2>& x : within.position)
+		x[0] += side;
+	within.updateGeometry();
+	ContactList<2> kept;
+	for (double depth = 0; depth < 4; depth += 0.01) {
+		const auto from = within.position;
+		const Vec<2> centre = within.box.centre();
+		for (Vec<2>& x : within.position)
+			x[0] -= 0.01;
+		within.updateGeometry();
+		noteWays(within, from, centre);
+		ContactList<2> fresh;
+		findContacts(around, within, 0.02, kept);
+		findContacts(around, within, 0.02, fresh);
+		CAPTURE(depth);
+		CHECK(kept.contacts.size() == fresh.contacts.size());
+		CHECK(kept.deepest == fresh.deepest);
+		for (const auto& node : kept.candidates.nodes)
+			CHECK(!std::isnan(node.clearance));
+	}
+}
 
 TEST_CASE("Corner search: what is found does not depend on when nodes were looked for", "[contact]")
 {

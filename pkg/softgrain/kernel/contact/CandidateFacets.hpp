@@ -28,14 +28,23 @@ public:
 		if (!candidates.nearby) candidates.nearby.emplace();
 		candidates.nearby->resize(candidates.nodes.size());
 	}
-	/// Nearest place to a candidate on those of the facets that `admissible` lets pass, if it
-	/// comes before `start`.
-	template <class Admissible>
-	PlaceOnOutline<dim> nearest(const Node& node, Admissible&& admissible,
-				    const PlaceOnOutline<dim>& start = {})
+	/// Nearest place to a candidate.
+	PlaceOnOutline<dim> nearest(const Node& node)
 	{
-		if (const auto place = nearestNoted(node, admissible, start)) return *place;
+		if (const auto place = nearestNoted(node, anyFacet, {})) return *place;
 		note(node);
+		if (const auto place = nearestNoted(node, anyFacet, {})) return *place;
+		// deep inside, where none may be near
+		const Vec<dim>& x = positionOf(node);
+		return nearestPlace(x, other_, all(), anyFacet,
+				    placeOnFacet(x, other_, node.facet));
+	}
+	/// The same on those of the facets that `admissible` lets pass, or `start` where none comes
+	/// before it.
+	template <class Admissible>
+	PlaceOnOutline<dim> nearestThat(Admissible&& admissible, const Node& node,
+					const PlaceOnOutline<dim>& start)
+	{
 		if (const auto place = nearestNoted(node, admissible, start)) return *place;
 		return nearestPlace(positionOf(node), other_, all(), admissible, start);
 	}

@@ -176,7 +176,7 @@ void measureCandidates(const ContactOutline<3>& first, const ContactOutline<3>& 
 						     { second, first, within, candidates } } };
 	forCandidates(reach, candidates, [&](auto& node) {
 		const ContactOutline<3>&own = *body[node.side], &other = *body[1 - node.side];
-		const auto place = facets[node.side].nearest(node, anyFacet);
+		const auto place = facets[node.side].nearest(node);
 		const Contact<3> contact = contactAt(own.position[node.node], other, place);
 		++list.tested;
 		node.clearance = contact.gap - jumpBetween(own, other) + candidates.approached;

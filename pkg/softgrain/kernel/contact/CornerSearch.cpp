@@ -182,7 +182,7 @@ public:
 	void measure(typename ContactCandidates<dim>::Node& node)
 	{
 		const Vec<dim>& x = body_.position[node.node];
-		const auto nearest = facets_.nearest(node, anyFacet);
+		const auto nearest = facets_.nearest(node);
 		const ContactCandidates<dim>& candidates = list_.candidates;
 		const double gap = leastGap(node, nearest);
 		++list_.tested;
@@ -239,7 +239,7 @@ private:
 		PlaceOnOutline<dim> within;
 		within.squaredDistance = deep_ * deep_;
 		if (nearest.squaredDistance >= within.squaredDistance) return within;
-		return bears(nearest.facet) ? nearest : facets_.nearest(node, bears, within);
+		return bears(nearest.facet) ? nearest : facets_.nearestThat(bears, node, within);
 	}
 	/// What the gap of a node outside is at least, m.
 	double leastGap(const typename ContactCandidates<dim>::Node& node,
@@ -247,7 +247,7 @@ private:
 	{
 		const double distance = std::sqrt(nearest.squaredDistance) -
 					lessThanDistance<dim> * other_.pointSpacing;
-		if (distance < reach_) return distance;
+		if (distance < reach_) return distance; // to be measured, whatever bulges
 		auto bulge = [this](int facet) { return bulgeOver(other_, facet); };
 		return distance -
 		       facets_.bulgeTowards(node, std::sqrt(nearest.squaredDistance), bulge);
