@@ -41,10 +41,6 @@ Vector3r spanInCell(const Scene& scene, const Bound& bound)
 	return (bound.max - bound.min).cwiseQuotient(scene.cell->getSize());
 }
 
-} // namespace
-
-namespace {
-
 /// Middle of the box that the collider has of a body, by the period in which its place is, in
 /// lengths of the base vectors.
 Vector3r middleInCell(const Scene& scene, Body::id_t id, const Vector3r& place)

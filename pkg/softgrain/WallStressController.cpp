@@ -194,12 +194,12 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 }
 
 /// A mass that the script gave to a wall has to be so large.
-void WallStressController::requireStable(const Body& wall, Real least) const
+void WallStressController::requireStable(const Body& body, Real least) const
 {
-	if (wall.state->mass >= least) return;
+	if (body.state->mass >= least) return;
 	std::ostringstream message;
-	message << "WallStressController.walls: body #" << wall.getId()
-		<< ", state.mass = " << wall.state->mass
+	message << "WallStressController.walls: body #" << body.getId()
+		<< ", state.mass = " << body.state->mass
 		<< " kg, is too light for its dashpot; admissible with drag = " << drag
 		<< " and O.dt = " << scene->dt << ": [" << least << ", inf) kg";
 	throw std::runtime_error(message.str());

@@ -46,7 +46,7 @@ private:
 	void checkWalls() const;
 	void checkAlone() const;
 	void pushWall(int axis, const Packing& packing);
-	void requireStable(const Body& wall, Real least) const;
+	void requireStable(const Body& body, Real least) const;
 	void moveWall(int axis);
 
 	EngineScene ownScene_;
