@@ -10,12 +10,13 @@ namespace {
 
 const string tagOfWalls = "softgrain.pushedWalls=";
 
-/// When a wall was pushed last, and where it was then.
+/// When a wall was pushed last, where it was then, and the mass that it had been given for it.
 struct Push {
 	Body::id_t id = -1;
 	int axis = 0;
 	long step = 0;
 	Real time = 0, place = 0; ///< s, m along the axis
+	Real mass = 0;            ///< kg; 0: another one
 };
 
 std::vector<string>::iterator tagIn(Scene& scene)
@@ -34,7 +35,7 @@ std::vector<Push> pushesIn(Scene& scene)
 	std::istringstream text(tag->substr(tagOfWalls.size()));
 	char colon = 0;
 	for (Push p; text >> p.id >> colon >> p.axis >> colon >> p.step >> colon >> p.time >>
-		     colon >> p.place;) {
+		     colon >> p.place >> colon >> p.mass;) {
 		pushes.push_back(p);
 		text >> colon;
 	}
@@ -50,7 +51,7 @@ void setPushes(Scene& scene, const std::vector<Push>& pushes)
 	text.precision(std::numeric_limits<Real>::max_digits10);
 	for (const Push& p : pushes)
 		text << (&p == &pushes.front() ? "" : ",") << p.id << ':' << p.axis << ':' << p.step
-		     << ':' << p.time << ':' << p.place;
+		     << ':' << p.time << ':' << p.place << ':' << p.mass;
 	scene.tags.push_back(tagOfWalls + text.str());
 }
 
@@ -100,11 +101,20 @@ void holdWall(Scene& scene, Body& wall)
 	wall.state->blockedDOFs = State::DOF_ALL;
 }
 
-void notePush(Scene& scene, const Body& wall, int axis)
+void notePush(Scene& scene, const Body& wall, int axis, Real mass)
 {
 	auto pushes = pushesBut(scene, wall.getId());
-	pushes.push_back({ wall.getId(), axis, scene.iter, scene.time, wall.state->pos[axis] });
+	const Real place = wall.state->pos[axis];
+	pushes.push_back({ wall.getId(), axis, scene.iter, scene.time, place, mass });
 	setPushes(scene, pushes);
+}
+
+bool hasMassOfPush(Scene& scene, const Body& wall)
+{
+	const auto pushes = pushesIn(scene);
+	return std::any_of(pushes.begin(), pushes.end(), [&](const Push& push) {
+		return push.id == wall.getId() && push.mass == wall.state->mass;
+	});
 }
 
 std::vector<Body::id_t> holdUnpushedWalls(Scene& scene)

@@ -188,6 +188,7 @@ void SoftGrainIntegrator::forgetOtherScene()
 	lastStep = longestDt_ = 0;
 	dtOfSpheres = -1;
 	stepsToRaise = 0;
+	largestResidual = largestOverlap = 0;
 	assemblySteps = 0;
 	bondRate = 0;
 	energies.clear();

@@ -20,6 +20,7 @@ void SoftenWhenLoaded::postLoad(SoftenWhenLoaded&)
 
 void SoftenWhenLoaded::action()
 {
+	forgetOtherScene();
 	if (!shape || !material)
 		throw std::runtime_error("SoftenWhenLoaded: shape or material is None; see "
 					 "sg.soften(when='loaded')");
@@ -32,7 +33,7 @@ void SoftenWhenLoaded::action()
 		if (!YADE_PTR_DYN_CAST<Sphere>(body->shape)) continue; // changed
 		(isLoaded(*body) ? loaded : waiting).push_back(id);
 	}
-	ids = waiting;
+	ids = lastIds_ = waiting;
 	if (!loaded.empty() && !hasSoftGrains()) leaveTimeStepToIntegrator();
 	auto* integrator = softGrainIntegratorOf(*scene);
 	if (integrator && (softened > 0 || !loaded.empty()))
@@ -43,6 +44,18 @@ void SoftenWhenLoaded::action()
 		soften(*(*scene->bodies)[id]);
 	softened += loaded.size();
 	scene->doSort = true;
+}
+
+/// Ids of a scene that is gone are those of other bodies in the present one, unless the script has
+/// set them anew.
+void SoftenWhenLoaded::forgetOtherScene()
+{
+	const bool isOther = ownScene_.isGone();
+	ownScene_.enter();
+	if (!isOther) return;
+	if (ids == lastIds_) ids.clear();
+	softened = 0;
+	dt = 0;
 }
 
 bool SoftenWhenLoaded::hasSoftGrains() const

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "EngineScene.hpp"
 #include "SoftGrain.hpp"
 #include "SoftMat.hpp"
 #include "Yade.hpp"
@@ -30,6 +31,10 @@ private:
 	bool isLoaded(const Body& body) const;
 	void soften(Body& body) const;
 	void leaveTimeStepToIntegrator();
+	void forgetOtherScene();
+
+	EngineScene ownScene_;
+	vector<int> lastIds_; ///< in the last step
 };
 REGISTER_SERIALIZABLE(SoftenWhenLoaded);
 

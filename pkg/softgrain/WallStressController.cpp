@@ -149,10 +149,7 @@ void WallStressController::action()
 			 // vector
 	checkWalls();
 	checkAlone();
-	if (ownScene_.isGone()) {
-		initialLengths.clear();
-		masses.setZero();
-	}
+	if (ownScene_.isGone()) initialLengths.clear();
 	ownScene_.enter();
 	if (static_cast<int>(initialLengths.size()) != axes()) {
 		initialLengths.clear();
@@ -182,11 +179,13 @@ void WallStressController::pushWall(int axis, const Packing& packing)
 	const Real surface = area(axis), dashpot = drag * packing.impedance * surface;
 	const bool isHeld = state.blockedDOFs == State::DOF_ALL;
 	if (isHeld) freeWall(body, axis);
-	if (isHeld || !(state.mass > 0) || state.mass == masses[axis]) // YADE's walls have none
-		state.mass = masses[axis] = drag * packing.density * surface * packing.radius;
+	// YADE's walls have none
+	const bool isGiven = isHeld || !(state.mass > 0) || hasMassOfPush(*scene, body);
+	if (isGiven)
+		state.mass = drag * packing.density * surface * packing.radius;
 	else
 		requireStable(body, scene->dt * dashpot);
-	notePush(*scene, body, axis);
+	notePush(*scene, body, axis, isGiven ? state.mass : 0);
 	Vector3r force = Vector3r::Zero();
 	force[axis] = goal[axis] * surface - dashpot * state.vel[axis] -
 		      state.mass * gravityOf(*scene)[axis];

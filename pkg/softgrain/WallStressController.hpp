@@ -29,8 +29,7 @@ public:
 		((Vector3r, goal, Vector3r::Zero(), Attr::triggerPostLoad, "Along each axis the stress, ≤ 0 (tension is positive, as for :yref:`TriaxialStressController`) [Pa], or the rate of logarithmic strain, negative for compression [1/s]; see *stressMask*. May be changed while running."))
 		((int, stressMask, 7, Attr::triggerPostLoad, "Axes along which *goal* is a stress: sum of 1 (x), 2 (y), 4 (z); in [0, 7]."))
 		((Real, drag, 1, Attr::triggerPostLoad, "Dashpot of a wall under stress over the largest impedance ρ c of a grain (:yref:`SoftMat.waveImpedance`) times the area, > 0 [-]. 1 swallows waves that come back from the packing; before it touches, the wall moves with stress/(drag ρ c)."))
-		((vector<Real>, initialLengths, , Attr::readonly, "Distances of the walls when this engine first ran [m]. |yupdate|"))
-		((Vector3r, masses, Vector3r::Zero(), Attr::hidden, "Of the walls under stress, as this engine set them [kg].")),
+		((vector<Real>, initialLengths, , Attr::readonly, "Distances of the walls when this engine first ran [m]. |yupdate|")),
 		,
 		.def("stress", &WallStressController::stress, "Stress of the contacts on the walls in the last step along x, y and z, mean of both walls, tension positive [Pa].")
 		.def("strain", &WallStressController::strain, "Logarithmic strain along x, y and z since this engine first ran, compression negative [-].")

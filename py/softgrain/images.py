@@ -133,6 +133,8 @@ def read_labels(image, background=0):
         image = np.array(image)
     elif not (is_name or isinstance(image, np.ndarray)):
         raise ValueError(f"image = {image!r}: admissible are the name of a file and an array")
+    elif isinstance(image, np.ma.MaskedArray):
+        image = image.filled(background)
     elif is_name:
         with Image.open(image) as picture:
             image = _labels_of_picture(picture, background)
@@ -150,15 +152,15 @@ def read_labels(image, background=0):
 def _labels_of_picture(picture, background):
     """One label a pixel, by its value or colour; not checked yet."""
     weights = {"RGB": (1, 256, 65536), "RGBA": (1, 256, 65536, 0), "LA": (1, 0)}
-    pixels = np.array(picture)
+    labels = np.array(picture)
     if picture.mode in weights:
-        labels = pixels.astype(np.int64) @ np.array(weights[picture.mode])
-        if picture.mode.endswith("A"):
-            labels[pixels[:, :, -1] == 0] = background
-        return labels
-    if pixels.ndim != 2:
+        labels = labels.astype(np.int64) @ np.array(weights[picture.mode])
+    if labels.ndim != 2:
         raise ValueError(
             f"image: a picture of mode {picture.mode!r}; admissible: grey, palette or RGB, with "
             "or without transparency"
         )
-    return pixels
+    if picture.mode.endswith("A") or "transparency" in picture.info:
+        alpha = np.array(picture.convert("RGBA"))[:, :, 3]
+        labels = np.where(alpha == 0, background, labels)
+    return labels

@@ -80,6 +80,29 @@ def test_transparent_pixels_are_background(mode, tmp_path):
     assert found.labels == [weight * name for name in (5, 9, 70)]
 
 
+@pytest.mark.parametrize("mode, transparent", (("P", 9), ("L", 9), ("RGB", (9, 0, 0)), ("1", 0)))
+def test_one_colour_may_be_transparent(mode, transparent, tmp_path):
+    """As in pictures without a channel for it."""
+    labels = drawn_labels()
+    path = tmp_path / "labels.png"
+    if mode == "1":
+        picture, left = Image.fromarray(labels == 70), [1]
+    else:
+        picture, left = Image.fromarray(labels), [5, 70]
+        if mode == "P":
+            picture.putpalette([int(v) for v in np.arange(768) % 256])
+        if mode == "RGB":
+            picture = Image.fromarray(np.dstack([labels, 0 * labels, 0 * labels]))
+    picture.save(path, transparency=transparent)
+    found = sg.grains_from_image(path, 1e-4, soft_material(), zeta=0.25)
+    assert found.labels == left
+
+
+def test_masked_pixels_are_background():
+    labels = np.ma.masked_equal(drawn_labels().astype(int), 9)
+    assert sg.grains_from_image(labels, 1e-4, soft_material(), zeta=0.25).labels == [5, 70]
+
+
 def test_picture_of_another_kind_is_refused(tmp_path):
     path = tmp_path / "labels.tif"
     Image.fromarray(drawn_labels()).convert("CMYK").save(path)

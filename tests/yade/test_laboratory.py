@@ -303,7 +303,7 @@ def test_uniaxial_strainer():
     assert strainer.avgStress == pytest.approx(mean, rel=1e-9) and mean < 0.1 * STRESS
 
 
-@pytest.mark.parametrize("change", ("drag", "mass of grains"))
+@pytest.mark.parametrize("change", ("drag", "mass of grains", "engines"))
 def test_mass_of_a_wall_follows_what_it_is_made_of(change):
     """With the mass of before the explicit dashpot would throw the wall about."""
     walls = four_disks()
@@ -313,6 +313,9 @@ def test_mass_of_a_wall_follows_what_it_is_made_of(change):
     before = [O.bodies[w].state.mass for w in walls[1::2]]
     if change == "drag":
         controller.drag = 25
+    elif change == "engines":
+        O.engines = sg.engines()
+        controller = insert_controller(walls, goal=(STRESS, STRESS, 0), drag=25)
     else:
         sg.scale_mass(25)
     O.run(1500, True)

@@ -229,3 +229,18 @@ def test_members_of_clumps_bound_the_time_step():
     O.bodies.erase(2)
     run(1200)
     assert O.dt < 0.2 * sg.critical_time_step()
+
+
+def test_spheres_of_another_scene_do_not_turn():
+    """Although the engines are used again, and ids are the same."""
+    late_scene()
+    run(2)
+    engines = O.engines
+    O.reset()
+    for x, speed in ((0, 1), (2.02 * RADIUS, 0)):
+        add_rigid_disk((x, 0, 0), RADIUS, (speed, 0, 0), density=1000, young=1e8)
+    O.engines = engines
+    O.dt = 1e-5
+    run(500)
+    assert not sg.soft_bodies()
+    assert abs(O.bodies[1].state.vel[0]) > 0.5  # they have met

@@ -224,12 +224,21 @@ private:
 		if (isBeyond && !facing.isAgainst(contact.normal)) return;
 		if (!isBeyond && isAside(x, other_, place, contact, reach_)) return;
 		if (contact.gap >= (faces ? reach_ : -deep_)) return;
+		if (isFarther(contact.gap, place) && isOutside(x, other_, nearest)) return;
 		// behind the line of a side that has been bent, and outside all the same
 		const bool doubtful = contact.gap < -trustedDepth * other_.pointSpacing;
 		if (doubtful && !irregular && !other_.encloses(x)) return;
 		append({ node.side, node.node, -1 }, contact, body_, other_, list_);
 	}
 
+	/// Whether a gap is less than the way to its place: a facet that is not the nearest may be
+	/// one beside which a node outside lies, behind its plane.
+	bool isFarther(double gap, const PlaceOnOutline<dim>& place) const
+	{
+		const double most = gap + lessThanDistance<dim> * other_.pointSpacing;
+		const double distance = std::sqrt(place.squaredDistance);
+		return most < distance && most < distance - bulgeOver(other_, place.facet);
+	}
 	/// The nearest on a facet that bears; no facet where none is as near as contacts are deep.
 	template <class Bears>
 	PlaceOnOutline<dim> placeThat(Bears&& bears,
