@@ -97,8 +97,8 @@ template <int dim> struct PairImage {
 template <int dim> struct ContactCandidates {
 	struct Node {
 		int side, node; ///< as in ContactKey
-		int facet;      ///< of the other body: the nearest when it was last looked for (see
-				///< `nearby`: when it was found)
+		int facet;      ///< of the other body: the nearest when the node was found, or, of
+				///< round outlines in the plane, when it was last looked for
 		double clearance; ///< its gap is at least this less `approached`, m
 	};
 	/// What is near one of them, and `apart` and `travelled` when it was looked for.
