@@ -25,8 +25,8 @@ Vector3r shiftTowards(const Scene& scene, const Vector3r& place, const Vector3r&
 /// YADE's collider tells by which periods two bodies come near each other when it finds the pair,
 /// and leaves that as it is while their boxes overlap in any way: not where the cell flips, or a
 /// body is put elsewhere, nor of bodies longer than half the cell. The bodies meet in the images
-/// that are nearest (checkCell: no others, or others that go on like them). Of places by which the
-/// bodies are searched, m.
+/// that are nearest (checkCell: no others, or others that go on like them). `place1`, `place2`:
+/// where the search takes bodies #1 and #2 to be, m.
 void chooseNearestImage(const Scene& scene, const Vector3r& place1, const Vector3r& place2,
 			Interaction& I);
 

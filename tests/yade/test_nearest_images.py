@@ -23,11 +23,11 @@ def nearest_way(bodies):
     return min((apart + image for image in images), key=np.linalg.norm)
 
 
-def let_collide(bodies, steps, speed=1.0):
+def let_collide(bodies, steps):
     """The bodies fly at each other; the least distance of their centres over R."""
     way = nearest_way(bodies)
     for body, sign in zip(bodies, (1, -1)):
-        body.state.vel = tuple(sign * 0.5 * speed * way / np.linalg.norm(way))
+        body.state.vel = tuple(sign * 0.5 * way / np.linalg.norm(way))
     least = np.inf
     for _ in range(steps):
         run(1)
@@ -98,8 +98,7 @@ def test_bodies_that_are_wrapped_into_the_cell_meet(kinds):
 
 
 def test_packing_that_is_sheared_through_flips_does_not_pass_through_itself():
-    """Nine disks, in a cell of three diameters, which those that flip may make too narrow to tell
-    images apart."""
+    """Nine disks, in a cell of some three diameters."""
     side = 7.5 * RADIUS
     O.periodic = True
     O.cell.setBox(side, side, 1)

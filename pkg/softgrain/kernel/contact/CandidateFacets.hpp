@@ -5,8 +5,8 @@
 #include "contact/Candidates.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace softgrain {
@@ -66,7 +66,7 @@ public:
 
 private:
 	/// Facets that are farther than the nearest by more than this, in dr, are not noted: many
-	/// to look for, and seldom to come.
+	/// to look for, and seldom to come (doc/decisions/0028-search.md).
 	static constexpr double notedBeyond = 0.6;
 
 	using Noted = typename ContactCandidates<dim>::Nearby;

@@ -42,6 +42,8 @@ public:
 	double distanceOfOthers() const { return beyond_; }
 
 private:
+	/// Some more than meet at a node of an outline, all of which are as near where a node lies
+	/// over a node: 2, and 6 of most in space.
 	static constexpr int most = dim == 2 ? 4 : 8;
 
 	/// No more than `distance`.
