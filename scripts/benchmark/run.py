@@ -64,6 +64,7 @@ def cases():
         Case("bulk, 3D cubic", "bulk", fewer_balls, **solid, order=3),
         Case("dense", "dense", small, **packing),
         Case("dense, weight and damping", "dense", small, **packing, damped=True),
+        Case("dense, hexagons", "hexagons", small, **packing),
         Case("rigid", "rigid", {"grains": 100}, **{**packing, "steps": 2000}),
         Case("compaction", "paper", loose, grains=400),
         Case("compaction, h = 2 dr", "paper", loose, grains=400, node_spacing=2),

@@ -20,6 +20,8 @@ from yade import (
     FrictMat,
     NewtonIntegrator,
     O,
+    Quaternion,
+    Sphere,
     utils,
 )
 
@@ -41,6 +43,7 @@ from measuring import (  # noqa: E402
 RADIUS = compaction.MEAN_RADIUS
 SPREAD = compaction.RADIUS_SPREAD
 RIGID_PHI = 0.80  # of the packing made by rigid DEM: its overlaps are small still
+HEXAGON_AREA = 2 * math.sqrt(3)  # over the square of the radius of the circle inside
 DENSE_PHI = 0.87  # of the dense packing, undeformed areas: jammed, at a stress of some 0.02 E
 PRESSING_SPEED = 2.0  # m/s, of the soft grains up to there; then that of the paper
 SIZES_GAP = 0.02  # sizes: between the big disks at the start, over their diameter
@@ -156,9 +159,15 @@ def rigid_packing(options):
     return case, box
 
 
+def area(shape):
+    """Of a disk, or of a hexagon of that radius inside."""
+    is_hexagon = getattr(shape, "form", None) == "polygon"
+    return (HEXAGON_AREA if is_hexagon else math.pi) * shape.radius**2
+
+
 def press(box, speed, phi):
     """Move the top wall until undeformed grains would fill the share ``phi`` of the box."""
-    solid = sum(math.pi * b.shape.radius**2 for b in O.bodies if hasattr(b.shape, "radius"))
+    solid = sum(area(b.shape) for b in O.bodies if hasattr(b.shape, "radius"))
     box.close(speed)
     while solid / box.area < phi:
         O.step()
@@ -169,6 +178,10 @@ def dense_scene(options):
     case, box = rigid_packing(options)
     compaction.make_soft(case)
     O.trackEnergy = False
+    press_soft(case, box)
+
+
+def press_soft(case, box):
     press(box, PRESSING_SPEED, DENSE_PHI)
     box.close(case.speed)
     sg.advance(SETTLING_STEPS)
@@ -185,6 +198,26 @@ def dense(options):
         soft.massDamping, soft.stiffnessDamping = DAMPING, STIFFNESS_DAMPING
         sg.advance(1)
     return {**soft_figures(options), "dt": O.dt}
+
+
+def hexagons(options):
+    """Search at corners: the dense packing with hexagons in its disks, turned at random."""
+    case, box = rigid_packing(options)
+    angles = np.arange(6) * math.pi / 3
+    ring = np.column_stack([np.cos(angles), np.sin(angles)])
+    turns = np.random.default_rng(1).uniform(0, math.pi / 3, options.grains)
+    soft = material()
+    O.engines = []
+    for body, turn in zip([b for b in O.bodies if isinstance(b.shape, Sphere)], turns):
+        place = np.array(body.state.pos)[:2]
+        O.bodies.erase(body.id)
+        grain = sg.soft_polygon(place + body.shape.radius * ring, soft, zeta=options.zeta)
+        grain.state.ori = Quaternion((0, 0, 1), turn)
+        O.bodies.append(grain)
+    O.engines = sg.engines(tolerance=options.tolerance)
+    sg.set_time_step()
+    press_soft(case, box)
+    return soft_figures(options)
 
 
 def rigid(options):
@@ -369,7 +402,21 @@ def scene(options):
     return {**soft_figures(options), "dt": O.dt}
 
 
-CASES = (bulk, dense, rigid, paper, scale, sleeping, resting, balls, mixed, sizes, saving, scene)
+CASES = (
+    bulk,
+    dense,
+    hexagons,
+    rigid,
+    paper,
+    scale,
+    sleeping,
+    resting,
+    balls,
+    mixed,
+    sizes,
+    saving,
+    scene,
+)
 
 
 def parse_options():

@@ -3,6 +3,7 @@
 #include "contact/PlaceOnOutline.hpp"
 
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 
 using namespace softgrain;
 using namespace softgrain::testing;
@@ -10,7 +11,11 @@ using namespace softgrain::testing;
 TEST_CASE("Nodes in lanes: each is measured as on its own, bit by bit", "[contact]")
 {
 	Random random(3);
-	const auto reference = makeGrainTemplate<2>(recipe(0.25));
+	const Form form = GENERATE(Form::ball, Form::block);
+	CAPTURE(form);
+	TemplateRecipe outline = recipe(0.25);
+	outline.form.form = form;
+	const auto reference = makeGrainTemplate<2>(outline);
 	auto body = contactBody<2>(*reference, 2, random.vector<2>());
 	for (Vec<2>& x : body.position)
 		x += random.vector<2>(0.05);

@@ -28,25 +28,24 @@ public:
 		if (!candidates.nearby) candidates.nearby.emplace();
 		candidates.nearby->resize(candidates.nodes.size());
 	}
-	/// Nearest place to a candidate.
-	PlaceOnOutline<dim> nearest(const Node& node)
+	/// Finds the nearest place to a candidate; `best` is none yet.
+	void findNearest(const Node& node, PlaceOnOutline<dim>& best)
 	{
-		if (const auto place = nearestNoted(node, anyFacet, {})) return *place;
+		if (findNoted(node, anyFacet, best)) return;
 		note(node);
-		if (const auto place = nearestNoted(node, anyFacet, {})) return *place;
+		if (findNoted(node, anyFacet, best)) return;
 		// deep inside, where none may be near
 		const Vec<dim>& x = positionOf(node);
-		return nearestPlace(x, other_, all(), anyFacet,
+		best = nearestPlace(x, other_, all(), anyFacet,
 				    placeOnFacet(x, other_, node.facet));
 	}
-	/// The same on those of the facets that `admissible` lets pass, or `start` where none comes
-	/// before it.
+	/// The same on those of the facets that `admissible` lets pass; `best` stays where none
+	/// comes before it.
 	template <class Admissible>
-	PlaceOnOutline<dim> nearestThat(Admissible&& admissible, const Node& node,
-					const PlaceOnOutline<dim>& start)
+	void findNearestThat(Admissible&& admissible, const Node& node, PlaceOnOutline<dim>& best)
 	{
-		if (const auto place = nearestNoted(node, admissible, start)) return *place;
-		return nearestPlace(positionOf(node), other_, all(), admissible, start);
+		if (findNoted(node, admissible, best)) return;
+		best = nearestPlace(positionOf(node), other_, all(), admissible, best);
 	}
 	/// By how much, at most, the outline bulges out of its facets towards a candidate, less
 	/// by what they are farther from it than the nearest, m.
@@ -82,28 +81,25 @@ private:
 		return (candidates_.apart - noted.apart).norm() + candidates_.travelled -
 		       noted.travelled;
 	}
-	/// The nearest place, if what is noted tells.
+	/// Takes what is noted and comes before `best`; whether nothing else does.
 	template <class Admissible>
-	std::optional<PlaceOnOutline<dim>> nearestNoted(const Node& node, Admissible&& admissible,
-							const PlaceOnOutline<dim>& start) const
+	bool findNoted(const Node& node, Admissible&& admissible, PlaceOnOutline<dim>& best) const
 	{
 		const Noted& noted = notedWith(node);
 		const double way = waySince(noted);
 		const Vec<dim>& x = positionOf(node);
-		PlaceOnOutline<dim> best = start;
 		auto isFarther = [&](double distance) {
 			const double least = distance - way;
 			return least > 0 && least * least > best.squaredDistance;
 		};
 		for (int k = 0; k < noted.facets.count(); ++k) {
-			if (isFarther(noted.facets.distance(k))) return best;
+			if (isFarther(noted.facets.distance(k))) return true;
 			const int facet = noted.facets.facet(k);
 			if (!admissible(facet)) continue;
 			const PlaceOnOutline<dim> place = placeOnFacet(x, other_, facet);
 			if (comesBefore(place, best)) best = place;
 		}
-		if (isFarther(noted.facets.distanceOfOthers())) return best;
-		return std::nullopt;
+		return isFarther(noted.facets.distanceOfOthers());
 	}
 	void note(const Node& node)
 	{

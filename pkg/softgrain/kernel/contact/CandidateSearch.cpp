@@ -1,6 +1,6 @@
 #include "contact/CandidateSearch.hpp"
 #include "contact/CandidateFacets.hpp"
-#include "contact/NodesInLanes.hpp"
+#include "contact/Gaps.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
 #include <optional>
@@ -20,45 +20,6 @@ struct PlaceAlong {
 	double t;
 };
 
-/// Gaps of nodes to places on outlines, some at a time: calls `take(node, lanes, lane)` for them in
-/// their order. `Node`: what the caller knows them by. One at a time in a thread.
-template <class Node, class Take> class GapsInLanes {
-public:
-	explicit GapsInLanes(Take take)
-		: take_(std::move(take))
-	{
-		lanes_.clear();
-	}
-	void add(const Node& node, const Vec<2>& x, const ContactOutline<2>& other,
-		 const PlaceAlong& place)
-	{
-		node_[lanes_.count()] = node;
-		lanes_.add(x, other, place.facet, place.t);
-		if (lanes_.isFull()) measure();
-	}
-	/// Those that are left.
-	void measure()
-	{
-		if (lanes_.count() == 0) return;
-		lanes_.measure();
-		for (int lane = 0; lane < lanes_.count(); ++lane)
-			take_(node_[lane], lanes_, lane);
-		lanes_.clear();
-	}
-
-private:
-	/// (To make them anew for each pair takes a tenth of its search.)
-	static NodesInLanes& lanesOfThread()
-	{
-		thread_local NodesInLanes lanes;
-		return lanes;
-	}
-
-	NodesInLanes& lanes_ = lanesOfThread();
-	Take take_;
-	std::array<Node, NodesInLanes::most> node_;
-};
-
 /// (The nearest facet is sought from that of the node before: most others are farther.)
 void findCandidates(const ContactOutline<2>& body, const ContactOutline<2>& other, int side,
 		    double within, ContactList<2>& list)
@@ -67,19 +28,20 @@ void findCandidates(const ContactOutline<2>& body, const ContactOutline<2>& othe
 		int node, facet;
 	};
 	ContactCandidates<2>& candidates = list.candidates;
-	auto take = [&](const NodeAtFacet& found, const NodesInLanes& lanes, int lane) {
-		const double gap = lanes.gap(lane);
+	auto take = [&](const NodeAtFacet& found, const auto& measured) {
+		const double gap = measured.gap();
 		if (gap < within)
 			candidates.nodes.push_back(
 				{ side, found.node, found.facet, gap + candidates.approached });
 	};
-	GapsInLanes<NodeAtFacet, decltype(take)> gaps(take);
+	Gaps<2, NodeAtFacet, decltype(take)> gaps(take);
 	PlaceOnOutline<2> place;
 	forNodesNear(body, other, within, list, [&](int s, const auto& facets) {
 		const Vec<2>& x = body.position[s];
 		if (place.facet >= 0) place = placeOnFacet(x, other, place.facet);
 		place = nearestPlace(x, other, facets, anyFacet, place);
-		gaps.add({ s, place.facet }, x, other, { place.facet, place.weight[1] });
+		gaps.next() = { s, place.facet };
+		gaps.add(x, other, place);
 	});
 	gaps.measure();
 }
@@ -93,11 +55,12 @@ void findCandidates(const ContactOutline<3>& body, const ContactOutline<3>& othe
 		const Vec<3>& x = body.position[s];
 		if (place.facet >= 0) place = placeOnFacet(x, other, place.facet);
 		place = nearestPlace(x, other, facets, anyFacet, place);
-		const double gap = contactAt(x, other, place).gap;
-		if (gap < within)
+		Contact<3> contact;
+		measureGap(x, other, place, contact);
+		if (contact.gap < within)
 			candidates.nodes.push_back(
 				{ side, s, place.facet,
-				  gap - jumpBetween(body, other) + candidates.approached });
+				  contact.gap - jumpBetween(body, other) + candidates.approached });
 	});
 }
 
@@ -144,22 +107,23 @@ void measureCandidates(const ContactOutline<2>& first, const ContactOutline<2>& 
 {
 	using Node = ContactCandidates<2>::Node;
 	const std::array<const ContactOutline<2>*, 2> body { &first, &second };
-	auto take = [&](Node* node, const NodesInLanes& lanes, int lane) {
+	auto take = [&](Node* node, const auto& measured) {
 		const ContactOutline<2>&own = *body[node->side], &other = *body[1 - node->side];
-		const double gap = lanes.gap(lane);
+		const double gap = measured.gap();
 		++list.tested;
 		node->clearance = gap + list.candidates.approached;
 		if (gap >= reach || isBeforeFold(own.position[node->node], other, gap)) return;
 		if (auto* contact = append({ node->side, node->node, -1 }, gap, own, other, list))
-			lanes.write(lane, *contact);
+			measured.write(*contact);
 	};
-	GapsInLanes<Node*, decltype(take)> gaps(take);
+	Gaps<2, Node*, decltype(take)> gaps(take);
 	forCandidates(reach, list.candidates, [&](Node& node) {
 		const Vec<2>& x = body[node.side]->position[node.node];
 		const ContactOutline<2>& other = *body[1 - node.side];
 		const auto place = followOutline(x, other, node.facet);
 		node.facet = place.facet;
-		gaps.add(&node, x, other, place);
+		gaps.next() = &node;
+		gaps.add(x, other, { place.facet, { 1 - place.t, place.t } });
 	});
 	gaps.measure();
 }
@@ -176,12 +140,15 @@ void measureCandidates(const ContactOutline<3>& first, const ContactOutline<3>& 
 						     { second, first, within, candidates } } };
 	forCandidates(reach, candidates, [&](auto& node) {
 		const ContactOutline<3>&own = *body[node.side], &other = *body[1 - node.side];
-		const auto place = facets[node.side].nearest(node);
-		const Contact<3> contact = contactAt(own.position[node.node], other, place);
+		PlaceOnOutline<3> place;
+		facets[node.side].findNearest(node, place);
+		Contact<3>& contact = list.contacts.emplace_back();
+		contact.key = { node.side, node.node, -1 };
+		measureGap(own.position[node.node], other, place, contact);
 		++list.tested;
 		node.clearance = contact.gap - jumpBetween(own, other) + candidates.approached;
-		if (contact.gap < reach)
-			append({ node.side, node.node, -1 }, contact, own, other, list);
+		if (contact.gap >= reach || !isKept(contact.gap, own, other, list))
+			list.contacts.pop_back();
 	});
 }
 

@@ -1,5 +1,7 @@
 #include "contact/CornerSearch.hpp"
+#include "Fetch.hpp"
 #include "contact/CandidateFacets.hpp"
+#include "contact/Gaps.hpp"
 #include "contact/OutlineEdges.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
@@ -18,7 +20,8 @@ namespace {
 bool isBefore(const Vec<2>& x, const ContactOutline<2>& body, int facet)
 {
 	const Vec<2>& start = body.position[body.mesh->facet[facet][0]];
-	return (x - start).dot(body.normalOfFacet(facet)) >= -OutlineCurve(body, facet).bulge();
+	const double height = (x - start).dot(body.normalOfFacet(facet));
+	return height >= 0 || height >= -OutlineCurve(body, facet).bulge();
 }
 
 /// In 3D no grain has thin arms.
@@ -161,9 +164,21 @@ void findCandidates(const ContactOutline<dim>& body, const ContactOutline<dim>& 
 	}
 }
 
+/// A candidate and where it lies against the other outline.
+template <int dim> struct NodeAtPlace {
+	const typename ContactCandidates<dim>::Node* node;
+	PlaceOnOutline<dim> nearest, beside; ///< of all, and of those that may bear the node
+	bool isNearest;                      ///< the first may, too
+	bool faces;                          ///< whether the node faces it
+
+	const PlaceOnOutline<dim>& place() const { return isNearest ? nearest : beside; }
+};
+
 /// Measures nodes of one body at the outline of the other in one step.
 template <int dim> class NodesAtCorners {
 public:
+	using Node = typename ContactCandidates<dim>::Node;
+
 	NodesAtCorners(const ContactOutline<dim>& body, const ContactOutline<dim>& other,
 		       double reach, ContactList<dim>& list)
 		: body_(body)
@@ -179,28 +194,53 @@ public:
 	{
 	}
 
-	void measure(typename ContactCandidates<dim>::Node& node)
+	/// Where a candidate is to be measured, if anywhere.
+	bool findPlace(Node& node, NodeAtPlace<dim>& found)
 	{
-		const Vec<dim>& x = body_.position[node.node];
-		const auto nearest = facets_.nearest(node);
+		found.node = &node;
+		found.nearest = {};
+		facets_.findNearest(node, found.nearest);
 		const ContactCandidates<dim>& candidates = list_.candidates;
-		const double gap = leastGap(node, nearest);
+		const double gap = leastGap(node, found.nearest);
 		++list_.tested;
 		// nodes that are no candidates may be nearer than that, and no nearer than this
 		node.clearance = std::min(gap + candidates.approached, candidates.covered);
 		if (gap >= reach_) {
-			if (isOutside(x, other_, nearest)) return;
+			if (isOutside(positionOf(node), other_, found.nearest)) return false;
 			node.clearance = none;
 		}
-		findContact(node, x, nearest);
+		return findPlaceThatBears(found);
 	}
+	/// The contact there; returns whether it is one.
+	template <class Measured>
+	bool makeContact(const NodeAtPlace<dim>& found, const Measured& measured,
+			 Contact<dim>& contact) const
+	{
+		const Vec<dim>& x = positionOf(*found.node);
+		measured.write(contact);
+		contact.key = { found.node->side, found.node->node, -1 };
+		const bool isBeyond = isBeyondEdge(x, other_, found.place(), edgeWidth, contact);
+		if (isBeyond && !NodeFacing<dim>(body_, found.node->node).isAgainst(contact.normal))
+			return false;
+		if (!isBeyond && isAside(x, other_, found.place(), contact, reach_)) return false;
+		if (contact.gap >= (found.faces ? reach_ : -deep_)) return false;
+		if (isFarther(contact.gap, found.place()) && isOutside(x, other_, found.nearest))
+			return false;
+		// behind the line of a side that has been bent, and outside all the same
+		const bool doubtful = contact.gap < -trustedDepth * other_.pointSpacing;
+		return !doubtful || other_.mesh->irregular || other_.encloses(x);
+	}
+	const Vec<dim>& positionOf(const Node& node) const { return body_.position[node.node]; }
+	const ContactOutline<dim>& body() const { return body_; }
+	const ContactOutline<dim>& other() const { return other_; }
 
 private:
 	/// Only facets count that the node faces. One that is outside must be before them, not
 	/// behind the far side of a thin arm.
-	void findContact(const typename ContactCandidates<dim>::Node& node, const Vec<dim>& x,
-			 const PlaceOnOutline<dim>& nearest)
+	bool findPlaceThatBears(NodeAtPlace<dim>& found)
 	{
+		const Node& node = *found.node;
+		const Vec<dim>& x = positionOf(node);
 		const bool irregular = other_.mesh->irregular;
 		std::optional<bool> enclosed; // once it is asked for
 		auto mayBeInside = [&] {
@@ -212,23 +252,25 @@ private:
 			return facing.isAgainst(other_.normalOfFacet(f)) &&
 			       ((irregular && isBefore(x, other_, f)) || mayBeInside());
 		};
-		PlaceOnOutline<dim> place = placeThat(bears, node, nearest);
+		found.isNearest = isNear(found.nearest) && bears(found.nearest.facet);
+		found.faces = found.isNearest || findBeside(bears, found);
+		if (found.faces) return true;
 		// None near: the node lies against no side of the grain, but it may be inside.
-		const bool faces = place.facet >= 0;
-		if (!faces) {
-			if (nearest.squaredDistance < shallow_ * shallow_ || !mayBeInside()) return;
-			place = nearest;
-		}
-		Contact<dim> contact = contactAt(x, other_, place);
-		const bool isBeyond = isBeyondEdge(x, other_, place, edgeWidth, contact);
-		if (isBeyond && !facing.isAgainst(contact.normal)) return;
-		if (!isBeyond && isAside(x, other_, place, contact, reach_)) return;
-		if (contact.gap >= (faces ? reach_ : -deep_)) return;
-		if (isFarther(contact.gap, place) && isOutside(x, other_, nearest)) return;
-		// behind the line of a side that has been bent, and outside all the same
-		const bool doubtful = contact.gap < -trustedDepth * other_.pointSpacing;
-		if (doubtful && !irregular && !other_.encloses(x)) return;
-		append({ node.side, node.node, -1 }, contact, body_, other_, list_);
+		found.isNearest = true;
+		return found.nearest.squaredDistance >= shallow_ * shallow_ && mayBeInside();
+	}
+	/// No deeper than contacts are.
+	bool isNear(const PlaceOnOutline<dim>& place) const
+	{
+		return place.squaredDistance < deep_ * deep_;
+	}
+	/// The nearest on a facet that bears, if it is near.
+	template <class Bears> bool findBeside(Bears&& bears, NodeAtPlace<dim>& found)
+	{
+		if (!isNear(found.nearest)) return false;
+		found.beside = { -1, {}, deep_ * deep_ };
+		facets_.findNearestThat(bears, *found.node, found.beside);
+		return found.beside.facet >= 0;
 	}
 
 	/// Whether a gap is less than the way to its place: a facet that is not the nearest may be
@@ -238,17 +280,6 @@ private:
 		const double most = gap + lessThanDistance<dim> * other_.pointSpacing;
 		const double distance = std::sqrt(place.squaredDistance);
 		return most < distance && most < distance - bulgeOver(other_, place.facet);
-	}
-	/// The nearest on a facet that bears; no facet where none is as near as contacts are deep.
-	template <class Bears>
-	PlaceOnOutline<dim> placeThat(Bears&& bears,
-				      const typename ContactCandidates<dim>::Node& node,
-				      const PlaceOnOutline<dim>& nearest)
-	{
-		PlaceOnOutline<dim> within;
-		within.squaredDistance = deep_ * deep_;
-		if (nearest.squaredDistance >= within.squaredDistance) return within;
-		return bears(nearest.facet) ? nearest : facets_.nearestThat(bears, node, within);
 	}
 	/// What the gap of a node outside is at least, m.
 	double leastGap(const typename ContactCandidates<dim>::Node& node,
@@ -269,15 +300,47 @@ private:
 	CandidateFacets<dim> facets_;
 };
 
-/// Those candidates of a side that may be within reach.
+/// Asks for what the first candidates will need: they lie in a row, but what each is measured with
+/// is read one after the other.
 template <int dim>
-void measureCandidates(const ContactOutline<dim>& body, const ContactOutline<dim>& other, int side,
+void fetchCandidates(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
+		     const ContactCandidates<dim>& candidates)
+{
+	if (!candidates.nearby) return;
+	constexpr std::size_t enough = 32; // of a pair of polygons all; then memory comes in time
+	auto fetchOne = [](const auto& objects, std::size_t k) {
+		if (k < objects.size()) fetchBytes(&objects[k], &objects[k] + 1);
+	};
+	for (std::size_t k = 0; k < std::min(candidates.nodes.size(), enough); ++k) {
+		const auto& [side, node, facet, clearance] = candidates.nodes[k];
+		fetchOne(*candidates.nearby, k);
+		fetchOne((side == 0 ? first : second).normal, node);
+		fetchOne((side == 0 ? second : first).facetNormal, facet);
+	}
+}
+
+/// Those candidates that may be within reach.
+template <int dim>
+void measureCandidates(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
 		       double reach, ContactList<dim>& list)
 {
-	NodesAtCorners<dim> nodes(body, other, reach, list);
+	std::array<NodesAtCorners<dim>, 2> sides { { { first, second, reach, list },
+						     { second, first, reach, list } } };
+	auto take = [&](const NodeAtPlace<dim>& found, const auto& measured) {
+		const NodesAtCorners<dim>& side = sides[found.node->side];
+		Contact<dim>& contact = list.contacts.emplace_back();
+		const bool isContact = side.makeContact(found, measured, contact);
+		if (!isContact || !isKept(contact.gap, side.body(), side.other(), list))
+			list.contacts.pop_back();
+	};
+	Gaps<dim, NodeAtPlace<dim>, decltype(take)> gaps(take);
 	forCandidates(reach, list.candidates, [&](auto& node) {
-		if (node.side == side) nodes.measure(node);
+		NodesAtCorners<dim>& side = sides[node.side];
+		NodeAtPlace<dim>& found = gaps.next();
+		if (side.findPlace(node, found))
+			gaps.add(side.positionOf(node), side.other(), found.place());
 	});
+	gaps.measure();
 }
 
 } // namespace
@@ -286,13 +349,13 @@ template <int dim>
 void findContactsAtCorners(const ContactOutline<dim>& first, const ContactOutline<dim>& second,
 			   double reach, ContactList<dim>& list)
 {
+	fetchCandidates(first, second, list.candidates);
 	followBodies(first, second, reach, list.candidates);
 	renewCandidates<dim>(first, second, reach, true, 0, list.candidates,
 			     [&](const auto& body, const auto& other, int side, double within) {
 				     findCandidates<dim>(body, other, side, within, list);
 			     });
-	measureCandidates(first, second, 0, reach, list);
-	measureCandidates(second, first, 1, reach, list);
+	if (!list.candidates.nodes.empty()) measureCandidates(first, second, reach, list);
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \

@@ -1,5 +1,4 @@
 #include "contact/NodesInLanes.hpp"
-#include "contact/OutlineCurve.hpp"
 
 namespace softgrain {
 
@@ -18,22 +17,24 @@ void NodesInLanes::add(const Vec<2>& x, const ContactOutline<2>& other, int face
 	Set& set = set_[count_ / laneWidth];
 	const int lane = count_ % laneWidth;
 	facet_[count_] = facet;
-	carrier_[count_] = other.mesh->carriers(facet);
+	other_[count_] = &other;
 	set.t[lane] = t;
 	setLane(set.x, lane, x);
-	for (int k = 0; k < 4; ++k)
-		setLane(set.carrier[k], lane, other.position[carrier_[count_][k]]);
+	const NodeWays<Vec<2>> curve = nodesOver(other, facet);
+	setLane(set.curve.start, lane, curve.start);
+	setLane(set.curve.before, lane, curve.before);
+	setLane(set.curve.edge, lane, curve.edge);
+	setLane(set.curve.next, lane, curve.next);
 	++count_;
 }
 
 void NodesInLanes::Set::measure()
 {
-	const CurvePiece<VectorLanes> curve(carrier[1], carrier[1] - carrier[0],
-					    carrier[2] - carrier[1], carrier[3] - carrier[2]);
-	const auto foot = curve.nearest(x, t);
+	const CurvePiece<VectorLanes> piece(curve);
+	const auto foot = piece.nearest(x, t);
 	normal = foot.normal();
 	gap = (x - foot.position).dot(normal);
-	curve.weights(foot.t, weight);
+	piece.weights(foot.t, weight);
 }
 
 /// Lanes without a node compute whatever there is.
@@ -47,11 +48,15 @@ void NodesInLanes::write(int node, Contact<2>& contact) const
 {
 	const Set& set = set_[node / laneWidth];
 	const int lane = node % laneWidth;
+	const ContactOutline<2>& other = *other_[node];
 	contact.partners = mostPartners<2>;
 	contact.facet = facet_[node];
-	contact.partner = carrier_[node];
+	contact.partner = other.mesh->carriers(contact.facet);
+	std::array<double, 4> weight;
 	for (int k = 0; k < 4; ++k)
-		contact.weight[k] = set.weight[k][lane];
+		weight[k] = set.weight[k][lane];
+	contact.weight = sharesOfNodes(weight, other.isSharp(contact.partner[1]),
+				       other.isSharp(contact.partner[2]));
 	contact.normal = { set.normal.x[lane], set.normal.y[lane] };
 	contact.gap = set.gap[lane];
 }

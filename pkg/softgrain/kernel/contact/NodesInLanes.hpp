@@ -3,11 +3,11 @@
 
 #include "contact/Contact.hpp"
 #include "contact/ContactOutline.hpp"
-#include "lanes/VectorLanes.hpp"
+#include "contact/OutlineCurve.hpp"
 
 namespace softgrain {
 
-/// Up to `most` nodes, each with a piece of an outline without sharp nodes.
+/// Up to `most` nodes, each with a piece of an outline.
 class NodesInLanes {
 public:
 	/// What is computed in one set of lanes is waited for; two overlap.
@@ -27,14 +27,15 @@ public:
 private:
 	/// Nodes, curves and the nearest places on them, `laneWidth` of each.
 	struct Set {
-		VectorLanes x {}, carrier[4] {}, normal;
+		VectorLanes x {}, normal;
+		NodeWays<VectorLanes> curve {};
 		Lanes t {}, gap, weight[4];
 		void measure();
 	};
 
 	int count_ = 0;
 	int facet_[most];
-	std::array<int, 4> carrier_[most];
+	const ContactOutline<2>* other_[most];
 	Set set_[sets];
 };
 

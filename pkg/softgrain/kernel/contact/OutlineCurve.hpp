@@ -2,15 +2,21 @@
 #pragma once
 
 #include "contact/ContactOutline.hpp"
+#include "lanes/VectorLanes.hpp"
 
 #include <algorithm>
 #include <array>
 
 namespace softgrain {
 
-/// What a curve asks of vectors and numbers; lanes of them have the same (VectorLanes.hpp).
+/// What a curve asks of vectors and numbers, as VectorLanes.hpp has it for lanes of them.
 inline Vec<2> toTheRight(const Vec<2>& v) { return { v[1], -v[0] }; }
 inline double withinUnit(double t) { return std::clamp(t, 0., 1.); }
+
+/// The nodes of a curve: x_1 and the ways x_1 - x_0, x_2 - x_1, x_3 - x_2.
+template <class Vector> struct NodeWays {
+	Vector start, before, edge, next;
+};
 
 /// The curve from a node x_1 at t = 0 to the next, x_2, at t = 1; with the nodes x_0, x_3 beside
 /// them
@@ -25,13 +31,11 @@ template <class Vector> class CurvePiece {
 public:
 	using Number = typename Vector::Scalar;
 
-	/// From x_1 and the ways x_1 - x_0, x_2 - x_1, x_3 - x_2.
-	CurvePiece(const Vector& start, const Vector& before, const Vector& edge,
-		   const Vector& next)
-		: start_(start)
-		, linear_(0.5 * (before + edge))
-		, quadratic_(1.5 * edge - before - 0.5 * next)
-		, cubic_(0.5 * (before + next) - edge)
+	explicit CurvePiece(const NodeWays<Vector>& nodes)
+		: start_(nodes.start)
+		, linear_(0.5 * (nodes.before + nodes.edge))
+		, quadratic_(1.5 * nodes.edge - nodes.before - 0.5 * nodes.next)
+		, cubic_(0.5 * (nodes.before + nodes.next) - nodes.edge)
 	{
 	}
 
@@ -75,8 +79,14 @@ protected:
 	Vector start_, linear_, quadratic_, cubic_;
 };
 
-/// The piece over a facet of a body. At a sharp node the outline ends: the neighbour beyond it is
-/// the mirror image of the one before, which leaves a straight side straight.
+/// Nodes of the curve over a facet of a body. At a sharp node the outline ends: the neighbour
+/// beyond it is the mirror image of the one before, which leaves a straight side straight.
+NodeWays<Vec<2>> nodesOver(const ContactOutline<2>& body, int facet);
+/// What the nodes themselves have of the weights w_k, given which of x_1 and x_2 are sharp.
+std::array<double, 4> sharesOfNodes(const std::array<double, 4>& weight, bool startsSharp,
+				    bool endsSharp);
+
+/// The piece over a facet of a body.
 class OutlineCurve : public CurvePiece<Vec<2>> {
 public:
 	OutlineCurve(const ContactOutline<2>& body, int facet);
@@ -90,17 +100,15 @@ public:
 	double bulge() const;
 
 private:
-	static CurvePiece pieceOver(const ContactOutline<2>& body, const std::array<int, 4>& node);
-
 	std::array<int, 4> node_;
 	bool startsSharp_, endsSharp_;
 };
 
 // --- inline, since the search consists of it ------------------------------
 
-inline CurvePiece<Vec<2>> OutlineCurve::pieceOver(const ContactOutline<2>& body,
-						  const std::array<int, 4>& node)
+inline NodeWays<Vec<2>> nodesOver(const ContactOutline<2>& body, int facet)
 {
+	const std::array<int, 4>& node = body.mesh->carriers(facet);
 	auto way = [&](int k) -> Vec<2> {
 		return body.position[node[k + 1]] - body.position[node[k]];
 	};
@@ -109,30 +117,37 @@ inline CurvePiece<Vec<2>> OutlineCurve::pieceOver(const ContactOutline<2>& body,
 		 body.isSharp(node[2]) ? edge : way(2) };
 }
 
+/// x_0 = 2 x_1 - x_2 at a sharp first node, x_3 = 2 x_2 - x_1 at a sharp second one.
+inline std::array<double, 4> sharesOfNodes(const std::array<double, 4>& weight, bool startsSharp,
+					   bool endsSharp)
+{
+	std::array<double, 4> w = weight;
+	if (startsSharp) {
+		w[1] += 2 * w[0];
+		w[2] -= w[0];
+		w[0] = 0;
+	}
+	if (endsSharp) {
+		w[2] += 2 * w[3];
+		w[1] -= w[3];
+		w[3] = 0;
+	}
+	return w;
+}
+
 inline OutlineCurve::OutlineCurve(const ContactOutline<2>& body, int facet)
-	: CurvePiece(pieceOver(body, body.mesh->carriers(facet)))
+	: CurvePiece(nodesOver(body, facet))
 	, node_(body.mesh->carriers(facet))
 	, startsSharp_(body.isSharp(node_[1]))
 	, endsSharp_(body.isSharp(node_[2]))
 {
 }
 
-/// x_0 = 2 x_1 - x_2 at a sharp first node, x_3 = 2 x_2 - x_1 at a sharp second one.
 inline std::array<double, 4> OutlineCurve::weights(double t) const
 {
 	double w[4];
 	CurvePiece::weights(t, w);
-	if (startsSharp_) {
-		w[1] += 2 * w[0];
-		w[2] -= w[0];
-		w[0] = 0;
-	}
-	if (endsSharp_) {
-		w[2] += 2 * w[3];
-		w[1] -= w[3];
-		w[3] = 0;
-	}
-	return std::to_array(w);
+	return sharesOfNodes(std::to_array(w), startsSharp_, endsSharp_);
 }
 
 } // namespace softgrain

@@ -129,38 +129,25 @@ std::vector<int> nodesNear(const ContactOutline<dim>& body, const ContactOutline
 	});
 }
 
-/// Makes room for a contact with this gap; what lies deeper than contacts do is none (null), but is
-/// known by its depth.
+/// Whether a contact with this gap is one; what lies deeper than contacts do is none, but is known
+/// by its depth.
+template <int dim>
+bool isKept(double gap, const ContactOutline<dim>& body, const ContactOutline<dim>& other,
+	    ContactList<dim>& list)
+{
+	list.noteOverlap(gap, 0.5 * (body.pointSpacing + other.pointSpacing));
+	return gap >= -contactDepth(body, other);
+}
+
+/// Makes room for a contact with this gap, if it is one (else null).
 template <int dim>
 Contact<dim>* append(const ContactKey& key, double gap, const ContactOutline<dim>& body,
 		     const ContactOutline<dim>& other, ContactList<dim>& list)
 {
-	list.noteOverlap(gap, 0.5 * (body.pointSpacing + other.pointSpacing));
-	if (gap < -contactDepth(body, other)) return nullptr;
+	if (!isKept(gap, body, other, list)) return nullptr;
 	Contact<dim>& contact = list.contacts.emplace_back();
 	contact.key = key;
 	return &contact;
-}
-
-/// The same with a contact that is known but for its key.
-template <int dim>
-void append(const ContactKey& key, const Contact<dim>& contact, const ContactOutline<dim>& body,
-	    const ContactOutline<dim>& other, ContactList<dim>& list)
-{
-	if (Contact<dim>* room = append(key, contact.gap, body, other, list)) {
-		*room = contact;
-		room->key = key;
-	}
-}
-
-/// The contact of a node with a place on an outline, but for its key.
-template <int dim>
-Contact<dim> contactAt(const Vec<dim>& x, const ContactOutline<dim>& other,
-		       const PlaceOnOutline<dim>& place)
-{
-	Contact<dim> contact;
-	measureGap(x, other, place, contact);
-	return contact;
 }
 
 /// The facet nearest to a node that overlaps may lie outside the common region by less than a
