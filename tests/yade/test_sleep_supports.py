@@ -234,3 +234,25 @@ def test_squeezed_grains_that_slide_do_not_sleep(sleep):
     run(2000)
     fall = 9.81 * (O.time - start) ** 2 / 2
     assert height - disk.state.pos[1] == pytest.approx(fall, rel=0.01)
+
+
+@pytest.mark.parametrize("share", (9e-3, 9e-4))
+def test_squeezed_grains_do_not_sleep_under_a_small_share_of_their_weight(share):
+    """That walls without friction bear the rest; the forces of grains squeezed so hard tremble by
+    more in a step."""
+    O.reset()
+    small = 0.1 * RADIUS
+    disk = add_disk(radius=small, material=soft_material(young=1e9, massDamping=1e6))
+    walls = add_wall(-small, 0), add_wall(small, 0)
+    ready(gravity=(-9.81, 0, 0))
+    walls[1].state.vel = (-10, 0, 0)
+    while walls[1].state.pos[0] > 0.96 * small:
+        run(1)
+    walls[1].state.vel = (0, 0, 0)
+    run(20000)
+    assert asleep() == [True]
+    newton().gravity = (-9.81, -9.81 * share, 0)
+    start, height = O.time, disk.state.pos[1]
+    run(20000)
+    fall = 9.81 * share * (O.time - start) ** 2 / 2
+    assert height - disk.state.pos[1] == pytest.approx(fall, rel=0.01)

@@ -132,6 +132,9 @@ public:
 	virtual bool isBalanced(int /*g*/, double /*kick*/) const { return false; }
 	/// At the same time: what the step does to the grain as a whole, and its load of that.
 	virtual WholeImpulses wholeImpulses(int g, double kick, const BodyLoad<dim>& load) const;
+	/// Whether its load has driven it while it was at rest: what nothing bears, if it is
+	/// little, is told by what has come together.
+	virtual bool isDriven(int /*g*/, const BodyLoad<dim>& /*load*/) { return false; }
 	/// Before the last `move`: the new velocities become 0. Returns the momentum that this
 	/// takes away, N s.
 	virtual Vec<dim> fallAsleep(int g);

@@ -33,8 +33,16 @@ public:
 	double count(bool calm, double dt)
 	{
 		calmTime_ = calm ? calmTime_ + dt : 0;
+		watchedTime_ += dt;
 		return calmTime_ / period_;
 	}
+	/// What comes together while a grain is calm tells whether something drives it. What is
+	/// left of the motion before dies away meanwhile; so where that is too much it is watched
+	/// anew, for as long as the grain has been calm until then.
+	void watchFromNow() { watchedTime_ = 0; }
+	bool isWatchedForLong() const { return watchedTime_ >= 0.25 * calmTime_; }
+	bool isToBeWatchedAnew() const { return watchedTime_ >= 0.5 * calmTime_; }
+	double watchedTime() const { return watchedTime_; } ///< s
 	bool isAsleep() const { return asleep_; }
 	void fallAsleep() { asleep_ = true; }
 	void wake()
@@ -44,9 +52,10 @@ public:
 	}
 
 	double calmTime() const { return calmTime_; }
-	void restore(double calmTime, bool asleep)
+	void restore(double calmTime, double watchedTime, bool asleep)
 	{
 		calmTime_ = calmTime;
+		watchedTime_ = watchedTime;
 		asleep_ = asleep;
 	}
 
@@ -54,7 +63,7 @@ private:
 	double period_; ///< s
 	double share_;  ///< kinetic over elastic energy up to which it is calm
 	bool mayRest_;
-	double calmTime_ = 0; ///< s
+	double calmTime_ = 0, watchedTime_ = 0; ///< s
 	bool asleep_ = false;
 };
 

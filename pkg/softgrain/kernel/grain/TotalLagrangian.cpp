@@ -82,7 +82,7 @@ template <int dim> void TotalLagrangian<dim>::measureShapes()
 	for (int g = 0; g < grains(); ++g) {
 		const GrainParameters<dim>& own = batch_.grain[g];
 		const double wave = own.constants.waveSpeed(batch_.condition);
-		const double rim = outlineRadius_ * own.radius;
+		const double rim = rimOf(g);
 		limits_.push_back(
 			{ spinStrain * wave * wave / (rim * rim),
 			  undeformedStrain * undeformedStrain * shape_[g].mass * wave * wave });
@@ -90,6 +90,7 @@ template <int dim> void TotalLagrangian<dim>::measureShapes()
 		rest_.emplace_back(own.damping, slowestPeriod * rim * outlineRadius_ /
 							(reference.inradius * shear));
 	}
+	watchedFrom_.assign(grains(), Momenta::Zero());
 }
 
 template <int dim>

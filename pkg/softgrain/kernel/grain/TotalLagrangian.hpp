@@ -50,6 +50,7 @@ public:
 	double watchRest(int g, double dt) override;
 	bool isBalanced(int g, double kick) const override;
 	WholeImpulses wholeImpulses(int g, double kick, const BodyLoad<dim>& load) const override;
+	bool isDriven(int g, const BodyLoad<dim>& load) override;
 	Vec<dim> fallAsleep(int g) override;
 	void wake(int g) override;
 	void arrangeGrains() override;
@@ -125,7 +126,17 @@ private:
 		SparseRows<double> delassus;
 	};
 
+	/// Of a grain as a whole: momentum, and angular momentum over the radius of its rim, N s.
+	using Momenta = Eigen::Matrix<double, dim == 2 ? 3 : 6, 1>;
+
 	int nodes() const { return batch_.reference->nodes(); }
+	/// Of the farthest contact node of the undeformed grain, m.
+	double rimOf(int g) const { return outlineRadius_ * batch_.grain[g].radius; }
+	Momenta momentaOf(int g, const WholeGrain<dim>& whole) const;
+	void watchFromNow(int g, const WholeGrain<dim>& whole);
+	/// What a load does in some time.
+	double impulseOf(const BodyLoad<dim>& load, double time, int g,
+			 const WholeGrain<dim>& whole) const;
 	double stiffeningOf(int g, double frequency) const;
 	WholeGrain<dim> wholeOfParticles(int g) const;
 	void measureShapes();
@@ -164,6 +175,7 @@ private:
 	std::vector<RigidShape<dim>> shape_;
 	std::vector<RigidLimits> limits_;
 	std::vector<RestWatch> rest_;
+	std::vector<Momenta> watchedFrom_; ///< of a calm grain, when RestWatch::watchedTime began
 	double outlineRadius_ = 0, outlineBulge_ = 0; ///< as in RigidBounds, in radii
 	std::vector<RigidMotion<dim>> rigid_;         ///< where isRigid_
 	std::vector<char> isRigid_;

@@ -7,6 +7,14 @@
 
 namespace softgrain {
 
+namespace {
+
+/// What comes together of the load of a grain that is borne is less. (In a single step it may be
+/// more, as the forces of grains that are squeezed hard tremble.)
+constexpr double drivingShare = 1e-4;
+
+} // namespace
+
 template <int dim>
 double TotalLagrangian<dim>::vibrationEnergy(int g, const WholeGrain<dim>& whole) const
 {
@@ -77,12 +85,33 @@ template <int dim> void TotalLagrangian<dim>::computeFirst(std::vector<int> chos
 	computed_ = std::move(chosen);
 }
 
+template <int dim>
+auto TotalLagrangian<dim>::momentaOf(int g, const WholeGrain<dim>& whole) const -> Momenta
+{
+	Momenta momenta;
+	momenta << whole.mass * whole.velocity, whole.angularMomentum / rimOf(g);
+	return momenta;
+}
+
+template <int dim>
+double TotalLagrangian<dim>::impulseOf(const BodyLoad<dim>& load, double time, int g,
+				       const WholeGrain<dim>& whole) const
+{
+	const double spin = load.angular.norm() / std::numbers::sqrt2; // skew: each number twice
+	return time *
+	       (whole.mass * load.acceleration.norm() + whole.inertia.norm() * spin / rimOf(g));
+}
+
 template <int dim> double TotalLagrangian<dim>::watchRest(int g, double dt)
 {
 	RestWatch& rest = rest_[g];
 	if (!rest.mayRest()) return 0;
 	const double kinetic = softgrain::kineticEnergy(batch_, batch_.v, batch_.v, g);
-	return rest.count(rest.isCalm(kinetic, batch_.report[g].elasticEnergy), dt);
+	const bool isCalm = rest.isCalm(kinetic, batch_.report[g].elasticEnergy);
+	const bool begins = isCalm && rest.calmTime() == 0;
+	const double periods = rest.count(isCalm, dt);
+	if (begins) watchFromNow(g, wholeGrain(batch_, g));
+	return periods;
 }
 
 template <int dim> bool TotalLagrangian<dim>::isBalanced(int g, double kick) const
@@ -99,16 +128,30 @@ template <int dim>
 WholeImpulses TotalLagrangian<dim>::wholeImpulses(int g, double kick,
 						  const BodyLoad<dim>& load) const
 {
-	const double rim = outlineRadius_ * batch_.grain[g].radius;
 	const auto change = wholeOf<dim>(nodes(), [&](int I) {
 		return Particle<dim> { batch_.nodeMass(g, I), batch_.x.get(g, I),
 				       batch_.vNext.get(g, I) - batch_.v.get(g, I),
 				       batch_.reference->nodePosition[I] };
 	});
-	const double spin = load.angular.norm() / std::numbers::sqrt2; // skew: each number twice
-	return { change.mass * change.velocity.norm() + change.angularMomentum.norm() / rim,
-		 kick * (change.mass * load.acceleration.norm() +
-			 change.inertia.norm() * spin / rim) };
+	return { momentaOf(g, change).norm(), impulseOf(load, kick, g, change) };
+}
+
+template <int dim> void TotalLagrangian<dim>::watchFromNow(int g, const WholeGrain<dim>& whole)
+{
+	rest_[g].watchFromNow();
+	watchedFrom_[g] = momentaOf(g, whole);
+}
+
+template <int dim> bool TotalLagrangian<dim>::isDriven(int g, const BodyLoad<dim>& load)
+{
+	if (load.isZero()) return false;
+	const RestWatch& rest = rest_[g];
+	if (!rest.isWatchedForLong()) return true;
+	const WholeGrain<dim> whole = wholeGrain(batch_, g);
+	const double came = (momentaOf(g, whole) - watchedFrom_[g]).norm();
+	if (came <= drivingShare * impulseOf(load, rest.watchedTime(), g, whole)) return false;
+	if (rest.isToBeWatchedAnew()) watchFromNow(g, whole);
+	return true;
 }
 
 template <int dim> Vec<dim> TotalLagrangian<dim>::fallAsleep(int g)
@@ -169,6 +212,7 @@ template <int dim> void TotalLagrangian<dim>::writeNodes(int g) const
 	template void TotalLagrangian<dim>::computeFirst(std::vector<int>);                        \
 	template double TotalLagrangian<dim>::watchRest(int, double);                              \
 	template bool TotalLagrangian<dim>::isBalanced(int, double) const;                         \
+	template bool TotalLagrangian<dim>::isDriven(int, const BodyLoad<dim>&);                   \
 	template WholeImpulses TotalLagrangian<dim>::wholeImpulses(int, double,                    \
 								   const BodyLoad<dim>&) const;    \
 	template Vec<dim> TotalLagrangian<dim>::fallAsleep(int);                                   \

@@ -55,14 +55,19 @@ template <int dim> double elasticEnergyOf(const Batch<dim>& batch, int g)
 
 } // namespace
 
-/// Calm time; of a sleeping grain also the material it rests with, what was known of it, and the
-/// forces of its nodes, so that nothing is computed when it is loaded or woken.
+/// Calm time, and since when what comes together is watched; of a sleeping grain the time and the
+/// material it rests with, what was known of it, and the forces of its nodes, so that nothing is
+/// computed when it is loaded or woken.
 template <int dim> std::vector<double> TotalLagrangian<dim>::restNumbers(int g) const
 {
 	const RestWatch& rest = rest_[g];
 	if (rest.calmTime() == 0) return {};
 	std::vector<double> numbers { rest.calmTime() };
-	if (!rest.isAsleep()) return numbers;
+	if (!rest.isAsleep()) {
+		numbers.push_back(rest.watchedTime());
+		numbers.insert(numbers.end(), watchedFrom_[g].begin(), watchedFrom_[g].end());
+		return numbers;
+	}
 	const BulkReport& report = batch_.report[g];
 	for (double number : materialNumbers(batch_, g))
 		numbers.push_back(number);
@@ -79,12 +84,15 @@ template <int dim> void TotalLagrangian<dim>::restoreRest(int g, const std::vect
 {
 	rest_[g].wake();
 	if (numbers.empty()) return;
-	if (numbers.size() == 1) return rest_[g].restore(numbers[0], false);
+	if (numbers.size() == 2 + Momenta::SizeAtCompileTime) {
+		watchedFrom_[g] = Eigen::Map<const Momenta>(&numbers[2]);
+		return rest_[g].restore(numbers[0], numbers[1], false);
+	}
 	const auto material = materialNumbers(batch_, g);
 	const int figures = 1 + static_cast<int>(material.size()), forces = figures + 3;
 	requireSize("figures at rest", numbers, forces + nodes() * dim);
 	if (!std::equal(material.begin(), material.end(), numbers.begin() + 1)) return;
-	rest_[g].restore(numbers[0], true);
+	rest_[g].restore(numbers[0], 0, true);
 	batch_.report[g].elasticEnergy = numbers[figures];
 	batch_.report[g].stiffening = numbers[figures + 1];
 	damper_->setRateStiffening(g, numbers[figures + 2]);

@@ -16,7 +16,7 @@ constexpr double calmPeriods = 4;
 /// has some tens of steps.
 constexpr int watchInterval = 8;
 
-/// Of the loads of an island, what may be left over while it falls asleep.
+/// Of the loads of an island in the step in which it falls asleep, what may be left over.
 constexpr double unborneShare = 1e-2;
 
 } // namespace
@@ -232,20 +232,21 @@ template <int dim>
 void Activity<dim>::keepBalanced(const std::vector<ContactList<dim>*>& lists, double kick)
 {
 	Islands islands = islandsInContact(lists);
-	std::vector<char> isDriven(grains_.count(), 0); // by island
+	std::vector<char> staysAwake(grains_.count(), 0); // by island
 	std::vector<WholeImpulses> whole(grains_.count());
 	for (int g : rested_) {
-		const GrainSet<dim>& set = grains_.setOf(g);
+		GrainSet<dim>& set = grains_.setOf(g);
 		const int k = grains_.indexInSet(g), island = islands.of(g);
-		if (!set.isBalanced(k, kick)) isDriven[island] = 1;
-		const WholeImpulses own = set.wholeImpulses(k, kick, grains_.loads()[g]);
+		const BodyLoad<dim>& load = grains_.loads()[g];
+		if (!set.isBalanced(k, kick) || set.isDriven(k, load)) staysAwake[island] = 1;
+		const WholeImpulses own = set.wholeImpulses(k, kick, load);
 		whole[island].sum += own.sum;
 		whole[island].load += own.load;
 	}
 	std::erase_if(rested_, [&](int g) {
 		const WholeImpulses& all = whole[islands.of(g)];
 		const bool isBorne = all.load == 0 || all.sum <= unborneShare * all.load;
-		return isDriven[islands.of(g)] || !isBorne;
+		return staysAwake[islands.of(g)] || !isBorne;
 	});
 }
 
