@@ -1,6 +1,7 @@
 #include "SoftContact.hpp"
 #include "PythonArrays.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 
@@ -117,6 +118,16 @@ int SoftGeom::bondTouching()
 		throw std::runtime_error("bond: the contact points are not known yet, as after "
 					 "O.load; make a step before");
 	return pair->bondTouching();
+}
+
+int SoftGeom::wholeBonds() const
+{
+	if (!pair) return 0;
+	const auto records = pair->records();
+	return static_cast<int>(
+		std::count_if(records.begin(), records.end(), [](const ContactRecord& c) {
+			return c.bond == softgrain::Bond::whole;
+		}));
 }
 
 namespace {

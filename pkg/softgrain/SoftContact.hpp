@@ -23,6 +23,7 @@ public:
 	int firstBody() const;
 	py::dict contactArrays() const;
 	int bondTouching();
+	int wholeBonds() const; ///< bonds that hold
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(SoftGeom, GenericSpheresContact,

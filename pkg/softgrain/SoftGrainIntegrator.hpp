@@ -63,7 +63,7 @@ public:
 		((Real, candidatesTested, 0, Attr::readonly, "Contact nodes that these searches tested against the other body. |yupdate|"))
 		((Real, contactsSwept, 0, Attr::readonly, "Visits of contact points by sweeps so far. |yupdate|"))
 		((Real, cappedSteps, 0, Attr::readonly, "Steps so far whose *residual* was still above *tolerance* after *maxSweeps* sweeps. |yupdate|"))
-		((Real, lostBonds, 0, Attr::readonly, "Bonds that were whole when their contact point vanished, so far: whether the surfaces went apart in one step or slid off each other. |yupdate|"))
+		((Real, lostBonds, 0, Attr::readonly, "Bonds that were whole when their contact point vanished, so far: whether the surfaces went apart in one step or slid off each other, or a rigid sphere turned soft (:yref:`SoftenWhenLoaded`). |yupdate|"))
 		((string, lastError, "", Attr::readonly, "What stopped the last run, also where YADE lost the exception. |yupdate|"))
 		((Real, dtSet, 0, , "O.dt as last set by this engine or by sg.set_time_step [s]; any other O.dt is the user's."))
 		((Real, dtOfSpheres, -1, Attr::hidden, "O.dt that was chosen for rigid spheres before the first of them turned soft, 0 where there were soft grains already [s]; negative: none turned."))

@@ -2,6 +2,7 @@
 #include "Engines.hpp"
 #include "Require.hpp"
 #include "SceneAssembly.hpp"
+#include "SoftContact.hpp"
 #include "SoftGrainIntegrator.hpp"
 
 #include <lib/pyutil/gil.hpp>
@@ -40,8 +41,10 @@ void SoftenWhenLoaded::action()
 		integrator->dtOfSpheres = std::max(integrator->dtOfSpheres, dt);
 	if (loaded.empty()) return;
 	// not one by one: the contact that loads two is gone with the first
+	int lostBonds = 0;
 	for (const int id : loaded)
-		soften(*(*scene->bodies)[id]);
+		lostBonds += soften(*(*scene->bodies)[id]);
+	if (integrator) integrator->lostBonds += lostBonds;
 	softened += loaded.size();
 	scene->doSort = true;
 }
@@ -75,7 +78,7 @@ bool SoftenWhenLoaded::isLoaded(const Body& body) const
 }
 
 /// As sg.soften() does. Python holds the sphere that goes if a script made it.
-void SoftenWhenLoaded::soften(Body& body) const
+int SoftenWhenLoaded::soften(Body& body) const
 {
 	const gilLock lock;
 	const auto grain = shape->undeformed();
@@ -89,8 +92,13 @@ void SoftenWhenLoaded::soften(Body& body) const
 		state.vel[2] = 0;
 		state.angVel[0] = state.angVel[1] = 0;
 	}
-	for (const auto& [other, interaction] : body.intrs)
+	int lostBonds = 0;
+	for (const auto& [other, interaction] : body.intrs) {
+		const auto* geom = dynamic_cast<const SoftGeom*>(interaction->geom.get());
+		if (geom) lostBonds += geom->wholeBonds();
 		interaction->reset();
+	}
+	return lostBonds;
 }
 
 /// The first soft grains come into a scene whose O.dt was chosen for spheres.

@@ -9,7 +9,7 @@ from softgrain.build import refuse_form, soft_polygon, volume_and_inertia
 from softgrain.checks import made, number
 from softgrain.disk_union import outline_of_disks
 from softgrain.materials import keep_material, soft_material
-from softgrain.observe import bodies_of
+from softgrain.observe import bodies_of, soft_bodies
 from softgrain.overlaps import Ball, overlap_factor
 from softgrain.time_loop import (
     checked_fraction,
@@ -86,7 +86,8 @@ def soften(
         ValueError: a body is neither sphere nor clump, is held (``x`` or ``y`` among its
             ``blockedDOFs``, as by ``fixed=True``: a soft grain cannot be), a clump is in 3D, falls
             into parts or encloses a hole, the scene's dimension is not clear, an overlap is
-            refused, or a parameter is out of its range. Nothing has been changed then.
+            refused, grains would differ from others in ``dim``, ``contact`` or plane, or a
+            parameter is out of its range. Nothing has been changed then.
         RuntimeError: a run is going on in the background. Nothing has been changed then.
     """
     refuse_background_run("soften")
@@ -216,11 +217,37 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
     if grain.dim == 2:
         for body in bodies:
             _require_plane(body)
+    _require_alike(bodies, grain)
     for body in bodies:
         _give_mass(body, grain, material.density)
     keep_material(material)
     engine.timeStepFraction = fraction
     insert_before_solve(softener)
+
+
+def _require_alike(bodies, grain):
+    """ValueError where spheres, once soft, would not fit with each other or with the soft grains
+    that there are or will be, which is seen when the first of them turns."""
+    waiting = [e for e in O.engines if isinstance(e, wrapper.SoftenWhenLoaded) and e.shape]
+    others = [(b, b.shape) for b in soft_bodies()[:1]]
+    others += [(O.bodies[i], e.shape) for e in waiting for i in e.ids if O.bodies[i]]
+    for _, shape in others:
+        for name in ("dim", "contact"):
+            own, there = getattr(grain, name), getattr(shape, name)
+            if own != there:
+                raise ValueError(
+                    f"{name} = {own!r}: other grains of the scene are soft, or will be, with "
+                    f"{there!r}; admissible: one for all"
+                )
+    if grain.dim == 3:
+        return
+    plane = [*(b for b, _ in others), *bodies][0].state.pos[2]
+    for body in bodies:
+        if abs(body.state.pos[2] - plane) > ONE_PLANE * body.shape.radius:
+            raise ValueError(
+                f"ids: body #{body.id} is centred at z = {body.state.pos[2]:g} m; admissible in "
+                f"2D: the plane of all soft grains, z = {plane:g} m"
+            )
 
 
 def _give_mass(sphere, grain, density):

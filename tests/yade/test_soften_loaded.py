@@ -244,3 +244,42 @@ def test_spheres_of_another_scene_do_not_turn():
     run(500)
     assert not sg.soft_bodies()
     assert abs(O.bodies[1].state.vel[0]) > 0.5  # they have met
+
+
+@pytest.mark.parametrize(
+    "message, height, attributes",
+    (
+        ("contact = 'points'", 0, {"contact": "points"}),
+        ("dim = 3", 0, {"dim": 3}),
+        ("body #1 is centred at z = 0", 0.5 * RADIUS, {}),
+    ),
+)
+@pytest.mark.parametrize("first", ("now", "loaded"))
+def test_spheres_that_would_not_fit_are_refused_at_once(message, height, attributes, first):
+    """With soft grains that there are, and with those that are to become such; as they are with
+    when='now', nothing being changed."""
+    add_rigid_disk((0, 9 * RADIUS, height), RADIUS, (0, 0, 0), density=1000, young=1e8)
+    sphere = add_rigid_disk((0, 0, 0), RADIUS, (0, 0, 0), density=1000, young=1e8)
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    sg.soften([0], material=soft_material(), zeta=0.25, when=first)
+    mass, engines = sphere.state.mass, len(O.engines)
+    with pytest.raises(ValueError, match=message):
+        sg.soften([1], material=soft_material(), when="loaded", **{"dim": 2, **attributes})
+    assert sphere.state.mass == mass and len(O.engines) == engines
+
+
+def test_bonds_that_end_when_a_sphere_turns_are_counted():
+    add_disk((0, 0, 0), material=soft_material())
+    for x, speed in ((2, 0), (4.05, -0.5)):
+        add_rigid_disk((x * RADIUS, 0, 0), RADIUS, (speed, 0, 0), density=1000, young=1e8)
+    bond = {"bondStrength": 2e4, "bondEnergy": 1.0, "bondAtTouch": False}
+    O.engines = sg.engines(rigid="nonsmooth", verlet_distance=0.05 * RADIUS, interface=bond)
+    sg.set_time_step(0.5)
+    run(3)
+    bonds = sum(i.geom.bond() for i in O.interactions if i.isReal and hasattr(i.geom, "bond"))
+    assert bonds > 0
+    sg.soften([1, 2], material=soft_material(), zeta=0.25, when="loaded", load=1e-5)
+    run(3)
+    assert sg.integrator().lostBonds == 0
+    run_until_softened(1)
+    assert sg.integrator().lostBonds == bonds
