@@ -230,7 +230,8 @@ def _require_alike(bodies, grain):
     that there are or will be, which is seen when the first of them turns."""
     waiting = [e for e in O.engines if isinstance(e, wrapper.SoftenWhenLoaded) and e.shape]
     others = [(b, b.shape) for b in soft_bodies()[:1]]
-    others += [(O.bodies[i], e.shape) for e in waiting for i in e.ids if O.bodies[i]]
+    kept = range(len(O.bodies))  # the engine passes over ids of none
+    others += [(O.bodies[i], e.shape) for e in waiting for i in e.ids if i in kept and O.bodies[i]]
     for _, shape in others:
         for name in ("dim", "contact"):
             own, there = getattr(grain, name), getattr(shape, name)
