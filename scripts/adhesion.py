@@ -25,6 +25,7 @@ SETTLING = 0.01  # s, in which the attraction closes the contact
 POINTS = 120  # of the quadrature over the contact
 POINTS_OUTSIDE = 60  # of that over the ring of attraction
 BISECTIONS = 30
+HALF_WIDTHS = 1e-6, 1.0  # over R, among which that of the largest force is looked for
 
 
 def parse_options(arguments=None):
@@ -79,10 +80,20 @@ def line_contact(a, E, R, sigma, delta):
 
 def theory(options):
     """Largest pulling force of the reference [N/m]."""
-    E = options.young / (1 - options.poisson**2)
-    a = np.linspace(0.01, 0.25, 25) * options.radius
-    forces = [line_contact(x, E, options.radius, options.cohesion, options.range) for x in a]
-    return max(forces)
+    R, E = options.radius, options.young / (1 - options.poisson**2)
+
+    def largest(widths):
+        forces = [line_contact(a, E, R, options.cohesion, options.range) for a in widths]
+        k = int(np.argmax(forces))
+        return forces[k], widths[max(k - 1, 0)], widths[min(k + 1, len(widths) - 1)]
+
+    _, low, high = largest(R * np.geomspace(*HALF_WIDTHS, 60))  # stiff disks let go at a point
+    if high == R * HALF_WIDTHS[1]:
+        raise ValueError(
+            "the disk is pulled off at a contact as wide as itself, for which there is no theory: "
+            "less cohesion or range, or a larger Young's modulus"
+        )
+    return largest(np.linspace(low, high, 20))[0]
 
 
 def make_scene(options, zeta):

@@ -40,6 +40,8 @@ def parse_options(arguments=None):
     )
     options = parser.parse_args(arguments)
     command_line.check_method(parser, options)
+    if options.condition == "plane_stress" and options.volumetric == "projected":
+        parser.error("argument --volumetric: projected needs --condition plane_strain")
     return options
 
 

@@ -17,6 +17,7 @@ from softgrain import cases, command_line, finite_elements
 
 RADIUS = 0.01  # m
 YOUNG, POISSON, DENSITY = 1e6, finite_elements.POISSON, 1000.0  # Pa, -, kg/m3
+WINDOW = cases.window_seconds(YOUNG, POISSON, DENSITY, 2 * RADIUS)  # s
 LATE = 0.01  # displacement w/D from which on forces are compared; before, few nodes bear them
 
 
@@ -37,6 +38,12 @@ def parse_options(arguments=None):
     end = solution(options.lattice).wall_displacement_over_D[-1]
     if not LATE < options.until <= end:
         parser.error(f"argument --until: {options.until} is not in the range ({LATE}, {end}]")
+    fastest = 2 * LATE / WINDOW
+    if options.rate > fastest:
+        parser.error(
+            f"argument --rate: {options.rate} is not in the range (0, {fastest:.3g}] 1/s: forces "
+            f"are means over windows of {WINDOW:.2g} s, in which w/D is to grow by {LATE} at most"
+        )
     return options
 
 
@@ -96,10 +103,10 @@ def compress(options):
         )
 
     O.step()
-    rows, seconds = [], cases.window_seconds(YOUNG, POISSON, DENSITY, 2 * RADIUS)
+    rows = []
     with command_line.progress_bar(total=options.until) as bar:
         while not rows or rows[-1][0] < options.until:
-            where, mean = cases.window_means(seconds, place, stresses, step=step)
+            where, mean = cases.window_means(WINDOW, place, stresses, step=step)
             rows.append([*where, *mean])
             command_line.show_progress(bar, where[0], f"w/D {where[0]:.4f}")
     return np.array(rows).T

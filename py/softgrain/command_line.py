@@ -157,6 +157,8 @@ def check_method(parser, options):
     """Refuse combinations of :func:`add_method_options` that cannot be."""
     if options.formulation == "updated" and options.order == 1:
         parser.error("argument --order: 1 is outside the admissible range [2, 3] for updated")
+    if options.formulation == "updated" and options.contact == "nodes":
+        parser.error("argument --contact: nodes needs --formulation total")
     at_points = options.formulation == "updated" or options.velocity_update == "flip"
     if options.pic_share > 0 and not at_points:
         parser.error(

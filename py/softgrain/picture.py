@@ -14,7 +14,9 @@ from softgrain.checks import finite_vector, number
 from softgrain.observe import nearest_images, soft_bodies, von_mises
 
 #: Size of a picture, without its colour bar, and the room for the title [inches].
-WIDTH, LARGEST_HEIGHT, TITLE_HEIGHT = 6.5, 9.0, 0.4
+WIDTH, LEAST_HEIGHT, LARGEST_HEIGHT, TITLE_HEIGHT = 6.5, 1.8, 9.0, 0.4
+#: Pictures that are so many times as wide as high have their colour bar below.
+BAR_BELOW = 2.5
 #: Percentile of the stresses at which colours end if no limits are given: single points stick out.
 HIGHEST_SHOWN = 99
 #: Stresses that differ by less, in their unit, are those of rounding.
@@ -112,7 +114,8 @@ def _shifts_of(polygon):
 
 
 def _outline(body):
-    """Polygon of the outline; for 'points' geometry the hull of the boundary points."""
+    """Polygon of the outline; for 'points' geometry the boundary points by their angle about their
+    mean, as far as that goes for outlines with notches."""
     outline = body.shape.outline()[:, :2]
     if body.shape.contact == "points":
         centre = outline.mean(axis=0)
@@ -180,7 +183,7 @@ def _size(outlines, box):
     if box is not None:
         low, high = np.minimum(low, [box[0], box[2]]), np.maximum(high, [box[1], box[3]])
     width, height = high - low
-    return WIDTH, min(LARGEST_HEIGHT, WIDTH * height / width + TITLE_HEIGHT)
+    return WIDTH, np.clip(WIDTH * height / width + TITLE_HEIGHT, LEAST_HEIGHT, LARGEST_HEIGHT)
 
 
 def _draw_field(figure, axes, images, outlines, field, scale, limits):
@@ -197,7 +200,11 @@ def _draw_field(figure, axes, images, outlines, field, scale, limits):
     axes.add_collection(mesh, autolim=False)  # the outlines tell, triangle by triangle is slow
     name = {"von_mises": "von Mises stress", "pressure": "pressure"}[field]
     label = f"{name} {_unit_label(scale)}"
-    figure.colorbar(mesh, ax=axes, label=label, shrink=0.6, pad=0.02)
+    width, height = figure.get_size_inches()
+    if width > BAR_BELOW * height:
+        figure.colorbar(mesh, ax=axes, label=label, shrink=0.6, location="bottom")
+    else:
+        figure.colorbar(mesh, ax=axes, label=label, shrink=0.6, pad=0.02)
 
 
 def _limits_of(values):

@@ -30,7 +30,11 @@ def main():
             "default": 0.03,
             "help": "relative resolution 2 dr/D [-]",
         },
-        contact={"default": "points", "help": "contact geometry; the paper's is points"},
+        contact={
+            "choices": ("points", "surface"),
+            "default": "points",
+            "help": "contact geometry; the paper's is points",
+        },
     )
     common = {"contact": options.contact, "zeta": options.zeta, "until": UNTIL}
     settings = [{**common, **chosen} for chosen in FORMULATIONS.values()]

@@ -194,3 +194,19 @@ def test_outline_of_points_goes_round(drawn):
     (line,) = the_one(drawn[0], LineCollection).get_segments()
     turns = np.diff(np.unwrap(np.arctan2(*(line - (0.02, 0.01)).T[::-1])))
     assert (turns > 0).all() and turns.sum() == pytest.approx(2 * math.pi)
+
+
+@pytest.mark.parametrize("disks, is_below", ((2, False), (12, True)))
+def test_label_of_the_colours_is_whole(drawn, disks, is_below):
+    """Beside a picture much wider than high there would be no room for it."""
+    places = [(0.02 * k, 0, 0) for k in range(disks)]
+    O.bodies.append([sg.soft_disk(place, 0.01, sg.SoftMat(), zeta=0.3) for place in places])
+    sg.draw_packing("row.png")
+    figure = drawn[0].figure
+    figure.draw_without_rendering()
+    bar = figure.axes[1]
+    label = bar.xaxis.label if is_below else bar.yaxis.label
+    assert label.get_text() == "von Mises stress (kPa)"
+    inside, shown = figure.bbox.padded(1), label.get_window_extent()  # for rounding
+    assert inside.x0 <= shown.x0 < shown.x1 <= inside.x1
+    assert inside.y0 <= shown.y0 < shown.y1 <= inside.y1

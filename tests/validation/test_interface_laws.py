@@ -1,6 +1,9 @@
 """scripts/interfaces.py and scripts/adhesion.py: laws of interfaces against their parameters and
 against the theory of adhesive line contact."""
 
+import math
+
+import adhesion
 import pytest
 from runs import run_case
 
@@ -22,3 +25,15 @@ def test_adhesive_disk(tmp_path):
     for row, bound in zip(result["runs"], (0.05, 0.03, 0.015), strict=True):
         assert abs(row["error"]) < bound
         assert abs(row["energy_lost"]) < 0.01
+
+
+def test_pull_off_of_stiff_and_soft_disks():
+    """Stiff ones let go at a point, which bears 2 sigma across sqrt(2 R delta) on either side; soft
+    ones where it bears what Johnson, Kendall and Roberts found."""
+    stiff = adhesion.parse_options(["--young", "1e10"])
+    point = 2 * stiff.cohesion * math.sqrt(2 * stiff.radius * stiff.range)
+    assert adhesion.theory(stiff) == pytest.approx(point, rel=1e-3)
+    soft = adhesion.parse_options(["--cohesion", "3e5", "--range", "2e-5"])
+    E, w = soft.young / (1 - soft.poisson**2), soft.cohesion * soft.range
+    jkr = adhesion.jkr_force(E, soft.radius, w)
+    assert adhesion.theory(soft) == pytest.approx(jkr, rel=5e-3)

@@ -109,6 +109,8 @@ REFUSED = {
         "--formulation euler": "--formulation: invalid choice: 'euler'",
         "--velocity-update pic": "--velocity-update: invalid choice: 'pic'",
         "--formulation updated --order 1": "--order: 1 is outside the admissible range [2, 3]",
+        "--formulation updated --contact nodes": "--contact: nodes needs --formulation total",
+        "--volumetric projected --condition plane_stress": "--volumetric: projected needs ",
         "--pic-share 0.1": "--pic-share: 0.1 needs --velocity-update flip",
         "--velocity-update flip --pic-share 2": "--pic-share: '2' is not a number in [0, 1]",
     },
