@@ -215,44 +215,42 @@ def test_woken_by_an_interface_that_changes(change, meanwhile, tmp_path):
     assert height - disk.state.pos[1] == pytest.approx(fall, rel=0.1)
 
 
-@pytest.mark.parametrize("sleep", (True, False))
-def test_squeezed_grains_that_slide_do_not_sleep(sleep):
-    """A weight that is small beside what squeezes them, and that nothing bears."""
+def disk_squeezed_hard(steps, **engines):
+    """Between walls without friction across x, let lie for so many steps."""
     O.reset()
     small = 0.1 * RADIUS
     disk = add_disk(radius=small, material=soft_material(young=1e9, massDamping=1e6))
     walls = add_wall(-small, 0), add_wall(small, 0)
-    ready(gravity=(0, 0, 0), sleep=sleep)
+    ready(**engines)
     walls[1].state.vel = (-10, 0, 0)
     while walls[1].state.pos[0] > 0.96 * small:
         run(1)
     walls[1].state.vel = (0, 0, 0)
-    run(10000)
+    run(steps)
+    return disk
+
+
+def assert_falls(disk, gravity, steps):
+    start, height = O.time, disk.state.pos[1]
+    run(steps)
+    fall = gravity * (O.time - start) ** 2 / 2
+    assert height - disk.state.pos[1] == pytest.approx(fall, rel=0.01)
+
+
+@pytest.mark.parametrize("sleep", (True, False))
+def test_squeezed_grains_that_slide_do_not_sleep(sleep):
+    """A weight that is small beside what squeezes them, and that nothing bears."""
+    disk = disk_squeezed_hard(10000, gravity=(0, 0, 0), sleep=sleep)
     assert asleep() == [sleep]
     newton().gravity = (0, -9.81, 0)
-    start, height = O.time, disk.state.pos[1]
-    run(2000)
-    fall = 9.81 * (O.time - start) ** 2 / 2
-    assert height - disk.state.pos[1] == pytest.approx(fall, rel=0.01)
+    assert_falls(disk, 9.81, 2000)
 
 
 @pytest.mark.parametrize("share", (9e-3, 9e-4))
 def test_squeezed_grains_do_not_sleep_under_a_small_share_of_their_weight(share):
-    """That walls without friction bear the rest; the forces of grains squeezed so hard tremble by
+    """Walls without friction bear the rest; the forces of grains squeezed so hard tremble by
     more in a step."""
-    O.reset()
-    small = 0.1 * RADIUS
-    disk = add_disk(radius=small, material=soft_material(young=1e9, massDamping=1e6))
-    walls = add_wall(-small, 0), add_wall(small, 0)
-    ready(gravity=(-9.81, 0, 0))
-    walls[1].state.vel = (-10, 0, 0)
-    while walls[1].state.pos[0] > 0.96 * small:
-        run(1)
-    walls[1].state.vel = (0, 0, 0)
-    run(20000)
+    disk = disk_squeezed_hard(20000, gravity=(-9.81, 0, 0))
     assert asleep() == [True]
     newton().gravity = (-9.81, -9.81 * share, 0)
-    start, height = O.time, disk.state.pos[1]
-    run(20000)
-    fall = 9.81 * share * (O.time - start) ** 2 / 2
-    assert height - disk.state.pos[1] == pytest.approx(fall, rel=0.01)
+    assert_falls(disk, 9.81 * share, 20000)
