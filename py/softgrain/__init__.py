@@ -52,7 +52,8 @@ from softgrain.quasi_static import (  # noqa: E402
     suggest_speed,
     unbalanced_force,
 )
-from softgrain.softening import as_disks, soften  # noqa: E402
+from softgrain.rigid_disks import as_disks  # noqa: E402
+from softgrain.softening import soften  # noqa: E402
 from softgrain.time_loop import (  # noqa: E402
     advance,
     critical_time_step,

@@ -51,9 +51,10 @@ class Hardened:
 
 
 def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
-    """Turn soft grains into rigid bodies of YADE in place, between steps or by a PyRunner (which
-    does not stand between SoftGrainIntegrator and NewtonIntegrator: there outlines are a step ahead
-    of ``state.pos``).
+    """Turn soft grains into rigid bodies of YADE in place, between steps or by a PyRunner.
+
+    A PyRunner must not stand between SoftGrainIntegrator and NewtonIntegrator, where outlines are a
+    step ahead of ``state.pos``.
 
     * ``into='spheres'`` (disks and balls only): each becomes a sphere of its present area (volume)
       and keeps its id. The shape becomes round, so that grains that were flattened at their

@@ -1,6 +1,5 @@
-"""Turning spheres and clumps of a scene into soft grains, in place, and spheres into disks."""
+"""Turning spheres and clumps of a scene into soft grains, in place."""
 
-import math
 from dataclasses import dataclass
 
 from yade import Body, InsertionSortCollider, Material, O, Sphere, Vector3, wrapper
@@ -11,6 +10,7 @@ from softgrain.disk_union import outline_of_disks
 from softgrain.materials import keep_material, soft_material
 from softgrain.observe import bodies_of, soft_bodies
 from softgrain.overlaps import Ball, overlap_factor
+from softgrain.rigid_disks import is_single_sphere, require_plane, spheres_of
 from softgrain.time_loop import (
     checked_fraction,
     insert_before_solve,
@@ -19,8 +19,6 @@ from softgrain.time_loop import (
     set_time_step,
 )
 
-#: Members of a clump count as touching, not overlapping, at this share of two radii: rounding.
-TOUCHING = 0.999
 #: Spheres lie in one plane where their centres differ by less than this share of a radius.
 ONE_PLANE = 1e-6
 
@@ -105,7 +103,7 @@ def soften(
         return [b.id for b in bodies]
     if when != "now":
         raise ValueError(f"when = {when!r} is unknown; known: 'now', 'loaded'")
-    spheres = [part for body in bodies for part in _spheres_of(body)]
+    spheres = [part for body in bodies for part in spheres_of(body)]
     factor = overlap_factor([Ball.of(sphere) for sphere in spheres], overlap, dim)
     shape.update(dim=dim, zeta=zeta)
     grains = [_soft_counterpart(body, factor, material, shape) for body in bodies]
@@ -138,7 +136,7 @@ def _replace(bodies, grains, material, fraction):
                 O.bodies.erase(grain_id)
         raise
     keep_material(material)
-    drop_interactions([part for body in bodies for part in _spheres_of(body)])
+    drop_interactions([part for body in bodies for part in spheres_of(body)])
     for body in bodies:
         if body.isClump:
             O.bodies.erase(body.id, True)
@@ -178,7 +176,7 @@ def _soft_counterpart(body, factor, material, shape):
 def _soft_clump(clump, factor, material, shape):
     if shape["dim"] != 2:
         raise ValueError(f"ids: body #{clump.id} is a clump; in 3D only spheres can be softened")
-    parts = _spheres_of(clump)
+    parts = spheres_of(clump)
     aside = max(parts, key=lambda part: abs(part.state.pos[2] - clump.state.pos[2]))
     if abs(aside.state.pos[2] - clump.state.pos[2]) > ONE_PLANE * aside.shape.radius:
         raise ValueError(
@@ -216,7 +214,7 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
         )
     if grain.dim == 2:
         for body in bodies:
-            _require_plane(body)
+            require_plane(body)
     _require_alike(bodies, grain)
     for body in bodies:
         _give_mass(body, grain, material.density)
@@ -262,14 +260,14 @@ def _give_mass(sphere, grain, density):
 
 def _rigid_grains(ids):
     if ids is None:
-        spheres = [b for b in O.bodies if b and _is_single_sphere(b)]
+        spheres = [b for b in O.bodies if b and is_single_sphere(b)]
         bodies = [b for b in spheres if not _is_held(b)]
         if spheres and not bodies:
             _refuse_held(spheres[0])
     else:
         bodies = bodies_of(ids)
         for body in bodies:
-            if not (body.isClump or _is_single_sphere(body)):
+            if not (body.isClump or is_single_sphere(body)):
                 part = f"; it is a member of clump #{body.clumpId}" if body.isClumpMember else ""
                 raise ValueError(
                     f"ids: body #{body.id} is neither a sphere outside clumps nor a clump; only "
@@ -277,7 +275,7 @@ def _rigid_grains(ids):
                 )
             if _is_held(body):
                 _refuse_held(body)
-            if not all(isinstance(part.shape, Sphere) for part in _spheres_of(body)):
+            if not all(isinstance(part.shape, Sphere) for part in spheres_of(body)):
                 raise ValueError(f"ids: clump #{body.id} has a member that is no sphere")
     if not bodies:
         raise ValueError("ids: there is no sphere to soften")
@@ -297,16 +295,11 @@ def _refuse_held(body):
     )
 
 
-def _spheres_of(body):
-    """The members of a clump, or the sphere itself."""
-    return [O.bodies[i] for i in body.shape.members] if body.isClump else [body]
-
-
 def _dimension(bodies):
     flat = all(set("zXY") <= set(b.state.blockedDOFs) for b in bodies)
     solid = not any(set("zXY") & set(b.state.blockedDOFs) for b in bodies)
     heights = [b.state.pos[2] for b in bodies]
-    smallest = min(part.shape.radius for b in bodies for part in _spheres_of(b))
+    smallest = min(part.shape.radius for b in bodies for part in spheres_of(b))
     one_layer = max(heights) - min(heights) < ONE_PLANE * smallest
     if flat and one_layer:
         return 2
@@ -350,78 +343,3 @@ def _convert(body, grain, material):
     state.blockedDOFs = "xyzXYZ"
     state.vel, state.angVel = velocity, spin
     return body.id
-
-
-def as_disks(ids=None):
-    """Give spheres of a 2D scene, and clumps of them, the mass and inertia of disks per metre of
-    thickness, as soft disks have theirs.
-
-    YADE makes a 2D scene of spheres that stay in a plane, with the mass of a ball, 4/3 pi R^3
-    density. Beside soft disks, of pi R^2 density kg/m, such a sphere weighs 4 R/3 (in m) of what a
-    disk of the same material does. Contact takes the mass and inertia that are in ``State``.
-
-    Args:
-        ids (iterable of int | None): spheres and clumps; None: all spheres of the scene that are
-            not in clumps, and all clumps of spheres.
-
-    Returns:
-        list of int: ids of the changed bodies.
-
-    Raises:
-        ValueError: a body is neither, or there is none, its out-of-plane degrees of freedom ``z``,
-            ``X`` and ``Y`` are not blocked, or a clump has members that overlap or differ in
-            radius. Nothing has been changed then.
-    """
-    if ids is None:
-        bodies = [b for b in O.bodies if b and (_is_clump_of_spheres(b) or _is_single_sphere(b))]
-    else:
-        bodies = bodies_of(ids)
-    if not bodies:
-        raise ValueError("ids: there is no sphere and no clump")
-    disks = [(b, _disk_mass_and_inertia(b)) for b in bodies]
-    for body, (mass, inertia) in disks:
-        body.state.mass = mass
-        body.state.inertia = (inertia,) * 3
-    return [b.id for b in bodies]
-
-
-def _is_clump_of_spheres(body):
-    return body.isClump and all(isinstance(part.shape, Sphere) for part in _spheres_of(body))
-
-
-def _is_single_sphere(body):
-    return isinstance(body.shape, Sphere) and not body.isClumpMember
-
-
-def _require_plane(body):
-    if not set("zXY") <= set(body.state.blockedDOFs):
-        raise ValueError(
-            f"ids: body #{body.id} has blockedDOFs = {body.state.blockedDOFs!r}; a disk of a 2D "
-            "scene has at least 'zXY'"
-        )
-
-
-def _disk_mass_and_inertia(body):
-    """Of a sphere or a clump of spheres, as disks per metre of thickness [kg/m, kg m]."""
-    if not (body.isClump or _is_single_sphere(body)):
-        raise ValueError(f"ids: body #{body.id} is no sphere outside clumps and no clump")
-    _require_plane(body)
-    parts = _spheres_of(body)
-    if not all(isinstance(part.shape, Sphere) for part in parts):
-        raise ValueError(f"ids: clump #{body.id} has a member that is no sphere")
-    radii = [part.shape.radius for part in parts]
-    if max(radii) > (1 + 1e-9) * min(radii) or any(
-        (a.state.pos - b.state.pos).norm() < 2 * TOUCHING * radii[0]
-        for k, a in enumerate(parts)
-        for b in parts[:k]
-    ):
-        raise ValueError(
-            f"ids: members of clump #{body.id} overlap or differ in radius, so that its centre of "
-            "mass is not that of the disks; set state.mass and state.inertia by hand"
-        )
-    masses = [math.pi * part.shape.radius**2 * part.material.density for part in parts]
-    inertia = sum(
-        mass * (0.5 * part.shape.radius**2 + (part.state.pos - body.state.pos).squaredNorm())
-        for mass, part in zip(masses, parts)
-    )
-    return sum(masses), inertia

@@ -40,8 +40,9 @@ public:
 	/// left of the motion before dies away meanwhile; so where that is too much it is watched
 	/// anew, for as long as the grain has been calm until then.
 	void watchFromNow() { watchedTime_ = 0; }
-	bool isWatchedForLong() const { return watchedTime_ >= 0.25 * calmTime_; }
 	bool isToBeWatchedAnew() const { return watchedTime_ >= 0.5 * calmTime_; }
+	/// For a period at least, of the four and more that a grain is calm before it is asked.
+	bool isWatchedForLong() const { return watchedTime_ >= 0.25 * calmTime_; }
 	double watchedTime() const { return watchedTime_; } ///< s
 	bool isAsleep() const { return asleep_; }
 	void fallAsleep() { asleep_ = true; }

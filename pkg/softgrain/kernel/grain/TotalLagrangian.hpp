@@ -133,8 +133,9 @@ private:
 	/// Of the farthest contact node of the undeformed grain, m.
 	double rimOf(int g) const { return outlineRadius_ * batch_.grain[g].radius; }
 	Momenta momentaOf(int g, const WholeGrain<dim>& whole) const;
+	static double sizeOf(const Momenta& momenta); ///< sum of both sizes
 	void watchFromNow(int g, const WholeGrain<dim>& whole);
-	/// What a load does in some time.
+	/// Size of what a load does in some time, N s.
 	double impulseOf(const BodyLoad<dim>& load, double time, int g,
 			 const WholeGrain<dim>& whole) const;
 	double stiffeningOf(int g, double frequency) const;

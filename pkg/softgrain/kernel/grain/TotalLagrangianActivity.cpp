@@ -10,7 +10,8 @@ namespace softgrain {
 namespace {
 
 /// What comes together of the load of a grain that is borne is less. (In a single step it may be
-/// more, as the forces of grains that are squeezed hard tremble.)
+/// more, as the forces of grains that are squeezed hard tremble:
+/// doc/decisions/0014-inactive-grains.md.)
 constexpr double drivingShare = 1e-4;
 
 } // namespace
@@ -93,6 +94,12 @@ auto TotalLagrangian<dim>::momentaOf(int g, const WholeGrain<dim>& whole) const 
 	return momenta;
 }
 
+template <int dim> double TotalLagrangian<dim>::sizeOf(const Momenta& momenta)
+{
+	return momenta.template head<dim>().norm() +
+	       momenta.template tail<Momenta::SizeAtCompileTime - dim>().norm();
+}
+
 template <int dim>
 double TotalLagrangian<dim>::impulseOf(const BodyLoad<dim>& load, double time, int g,
 				       const WholeGrain<dim>& whole) const
@@ -133,7 +140,7 @@ WholeImpulses TotalLagrangian<dim>::wholeImpulses(int g, double kick,
 				       batch_.vNext.get(g, I) - batch_.v.get(g, I),
 				       batch_.reference->nodePosition[I] };
 	});
-	return { momentaOf(g, change).norm(), impulseOf(load, kick, g, change) };
+	return { sizeOf(momentaOf(g, change)), impulseOf(load, kick, g, change) };
 }
 
 template <int dim> void TotalLagrangian<dim>::watchFromNow(int g, const WholeGrain<dim>& whole)
@@ -148,7 +155,7 @@ template <int dim> bool TotalLagrangian<dim>::isDriven(int g, const BodyLoad<dim
 	const RestWatch& rest = rest_[g];
 	if (!rest.isWatchedForLong()) return true;
 	const WholeGrain<dim> whole = wholeGrain(batch_, g);
-	const double came = (momentaOf(g, whole) - watchedFrom_[g]).norm();
+	const double came = sizeOf(momentaOf(g, whole) - watchedFrom_[g]);
 	if (came <= drivingShare * impulseOf(load, rest.watchedTime(), g, whole)) return false;
 	if (rest.isToBeWatchedAnew()) watchFromNow(g, whole);
 	return true;

@@ -55,9 +55,9 @@ template <int dim> double elasticEnergyOf(const Batch<dim>& batch, int g)
 
 } // namespace
 
-/// Calm time, and since when what comes together is watched; of a sleeping grain the time and the
-/// material it rests with, what was known of it, and the forces of its nodes, so that nothing is
-/// computed when it is loaded or woken.
+/// Calm time; of a grain that is awake how long it has been watched, and its momenta then; of a
+/// sleeping one the material it rests with, what was known of it, and the forces of its nodes, so
+/// that nothing is computed when it is loaded or woken.
 template <int dim> std::vector<double> TotalLagrangian<dim>::restNumbers(int g) const
 {
 	const RestWatch& rest = rest_[g];
