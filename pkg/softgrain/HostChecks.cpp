@@ -47,11 +47,15 @@ const std::map<string, string>& unfitEngines()
 /// The one collider that runs again when an outline leaves its box (Scene::doSort).
 void checkCollider(const Engine& engine)
 {
-	if (dynamic_cast<const Collider*>(&engine) &&
-	    typeid(engine) != typeid(InsertionSortCollider))
+	const auto* collider = dynamic_cast<const Collider*>(&engine);
+	if (!collider) return;
+	if (typeid(engine) != typeid(InsertionSortCollider))
 		refuse(engine.getClassName(),
 		       "it does not follow outlines that deform; soft grains need an "
 		       "InsertionSortCollider");
+	for (const auto& functor : collider->boundDispatcher->functors)
+		if (auto* ofGrains = dynamic_cast<Bo1_SoftGrain_Aabb*>(functor.get()))
+			ofGrains->postLoad(*ofGrains); // YADE keeps a value that was refused
 }
 
 /// Whether there is one of this very class.

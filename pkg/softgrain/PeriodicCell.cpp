@@ -33,13 +33,12 @@ Vector3r shiftTowards(const Scene& scene, const Vector3r& place, const Vector3r&
 	return scene.cell->hSize * Vector3r(periods.array().round());
 }
 
-namespace {
-
-/// In lengths of the base vectors.
 Vector3r spanInCell(const Scene& scene, const Bound& bound)
 {
 	return (bound.max - bound.min).cwiseQuotient(scene.cell->getSize());
 }
+
+namespace {
 
 /// Middle of the box that the collider has of a body, by the period in which its place is, in
 /// lengths of the base vectors.
@@ -194,9 +193,12 @@ void checkSortAxis(const Scene& scene, const Body& floor, int axis)
 	}
 }
 
+} // namespace
+
 /// A rigid body touches a grain with one image only, unless it is a floor, of which it does not
 /// matter which one: then its ends are beyond the reach of a grain on the nearest.
-void checkRigidSpan(const Scene& scene, const Body& body, const Vector3r& grains, int dim)
+void checkRigidSpan(const Scene& scene, const Body& body, const Vector3r& grains, int dim,
+		    const char* grain)
 {
 	const Vector3r span = spanInCell(scene, *body.bound), size = scene.cell->getSize();
 	for (int axis = 0; axis < dim; ++axis) {
@@ -209,15 +211,14 @@ void checkRigidSpan(const Scene& scene, const Body& body, const Vector3r& grains
 		std::ostringstream message;
 		message << "rigid body #" << body.getId() << " (" << body.shape->getClassName()
 			<< ") spans " << span[axis] * size[axis] << " m along base vector " << axis
-			<< " of the periodic cell: it might touch a soft grain on two sides, or "
+			<< " of the periodic cell: it might touch a " << grain
+			<< " on two sides, or "
 			<< "end under it. Admissible: up to " << shorter * size[axis]
 			<< " m, or, for a Box with a side along that base vector, which does not "
 			<< "move nor change, from " << longer * size[axis] << " m";
 		throw std::runtime_error(message.str());
 	}
 }
-
-} // namespace
 
 void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly)
 {
@@ -240,7 +241,7 @@ void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly)
 	for (const auto& body : *scene.bodies)
 		if (body && body->bound && body->shape &&
 		    !YADE_PTR_DYN_CAST<SoftGrain>(body->shape))
-			checkRigidSpan(scene, *body, longest, dim);
+			checkRigidSpan(scene, *body, longest, dim, "soft grain");
 }
 
 } // namespace yade

@@ -65,6 +65,14 @@ bool isSheared(const Scene& scene);
 /// beside them, cannot be in.
 void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly);
 
+/// The box that the collider has of a body, in lengths of the base vectors.
+Vector3r spanInCell(const Scene& scene, const Bound& bound);
+
+/// The same for a rigid body that grains (`grain` in a message) may touch, the longest of which
+/// span so much; along the first `dim` base vectors.
+void checkRigidSpan(const Scene& scene, const Body& body, const Vector3r& grains, int dim,
+		    const char* grain);
+
 /// The same for a body in the contact dynamics that may touch others on all sides; along the first
 /// `axes` base vectors.
 void checkSpan(const Scene& scene, const Body& body, int axes);

@@ -98,11 +98,45 @@ void keepInPlane(const Body& first, const Body& second, const Body& mover,
 	d.point = *place + 0.5 * d.gap * d.normal;
 }
 
+/// Members of a clump have no interaction with each other, nor with images of each other.
+void checkClump(const Scene& scene, const Body& clump)
+{
+	const Real infinity = std::numeric_limits<Real>::infinity();
+	Vector3r low = Vector3r::Constant(infinity), high = -low;
+	for (const auto& [id, place] : static_cast<const Clump&>(*clump.shape).members) {
+		const auto& bound = (*scene.bodies)[id]->bound;
+		if (!bound) continue;
+		low = low.cwiseMin(bound->min);
+		high = high.cwiseMax(bound->max);
+	}
+	const Vector3r size = scene.cell->getSize();
+	for (int axis = 0; axis < 3; ++axis) {
+		if (!(high[axis] - low[axis] > size[axis])) continue;
+		std::ostringstream message;
+		message << "clump #" << clump.getId() << " spans " << high[axis] - low[axis]
+			<< " m along base vector " << axis
+			<< " of the periodic cell (with the margins of the collider), more than "
+			<< "its length " << size[axis]
+			<< " m: it might meet its own image, unnoticed. Use a larger cell";
+		throw std::runtime_error(message.str());
+	}
+}
+
 void checkSpans(const Scene& scene)
 {
 	if (!scene.isPeriodic) return;
+	Vector3r longest = Vector3r::Zero();
+	for (const auto& body : *scene.bodies) {
+		if (!body) continue;
+		if (body->isClump()) checkClump(scene, *body);
+		if (!asSphere(*body)) continue;
+		checkSpan(scene, *body, 3);
+		if (body->bound) longest = longest.cwiseMax(spanInCell(scene, *body->bound));
+	}
 	for (const auto& body : *scene.bodies)
-		if (body && asSphere(*body)) checkSpan(scene, *body, 3);
+		if (body && body->bound && body->shape && !asSphere(*body) &&
+		    dynamic_cast<const SoftGrain*>(body->shape.get()) == nullptr)
+			checkRigidSpan(scene, *body, longest, 3, "sphere");
 }
 
 /// Where a contact lies on the surface of the first body, as the second sees it.
@@ -237,7 +271,9 @@ void RigidContacts::stopOnOverlap(const RigidPartners& partners, Real maxOverlap
 		message << "rigid " << namesOf(*interactions_[k].interaction) << " overlap by "
 			<< -d.gap / d.size * sizeOverRadius << " radii of the smaller, more than "
 			<< sizeOverRadius << " maxOverlap = " << sizeOverRadius * maxOverlap
-			<< ". Hint: start from less overlap, reduce O.dt, or load more slowly";
+			<< ". Hint: start from less overlap, reduce O.dt or tolerance, or load "
+			   "more "
+			   "slowly";
 		throw std::runtime_error(message.str());
 	}
 }

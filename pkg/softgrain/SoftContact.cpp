@@ -132,6 +132,13 @@ int SoftGeom::wholeBonds() const
 
 namespace {
 
+/// Of two materials; no number where one of the angles is none.
+Real angleBetween(Real angle1, Real angle2)
+{
+	const bool valid = isFrictionAngle(angle1) && isFrictionAngle(angle2);
+	return valid ? std::min(angle1, angle2) : std::numeric_limits<Real>::quiet_NaN();
+}
+
 /// The step refuses what is no number.
 Real tangentOf(Real angle)
 {
@@ -156,7 +163,7 @@ void Ip2_SoftPhys::makePhys(const shared_ptr<Interaction>& I, const Material& m1
 	};
 	const auto phys = shared_ptr<SoftPhys>(new SoftPhys);
 	const Real angle = frictAngle ? found(*frictAngle, frictionAngle1, frictionAngle2)
-				      : std::min(frictionAngle1, frictionAngle2);
+				      : angleBetween(frictionAngle1, frictionAngle2);
 	phys->tangensOfFrictionAngle = tangentOf(angle);
 	phys->kn = phys->ks = stiffness;
 	I->phys = phys;

@@ -242,7 +242,7 @@ Real SoftGrain::presentVolume() { return assembled().presentVolume(index); }
 
 void Bo1_SoftGrain_Aabb::postLoad(Bo1_SoftGrain_Aabb&)
 {
-	softgrain::require(margin > 0 && math::isfinite(margin), "margin", margin, "(0, inf)");
+	softgrain::require(hasMargin(), "margin", margin, "(0, inf)");
 }
 
 /// Once for each list of engines, before their InteractionLoop: that may end the process where the
@@ -263,13 +263,13 @@ void Bo1_SoftGrain_Aabb::checkEngines(const SoftGrain& grain) const noexcept
 
 Real Bo1_SoftGrain_Aabb::room(const SoftGrain& grain) const
 {
-	return roomInBox(*grain.assembly, grain.index, margin * grain.radius);
+	// YADE keeps a value that was refused; the step refuses it, here it would end the process
+	return roomInBox(*grain.assembly, grain.index, hasMargin() ? margin * grain.radius : 0);
 }
 
 void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound,
 			    const Se3r& se3, const Body*)
 {
-	postLoad(*this); // YADE keeps a value that was refused
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
 	if (!checked_.load(std::memory_order_relaxed) && !checked_.exchange(true))
 		checkEngines(grain);

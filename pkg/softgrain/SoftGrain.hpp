@@ -106,6 +106,7 @@ public:
 	void go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3,
 		const Body* body) override;
 	void postLoad(Bo1_SoftGrain_Aabb&);
+	bool hasMargin() const { return margin > 0 && math::isfinite(margin); }
 	Real room(const SoftGrain& grain) const; ///< about the outline, m
 	FUNCTOR1D(SoftGrain);
 	// clang-format off

@@ -12,10 +12,16 @@ void requireFrictionAngle(const string& parameter, Real angle)
 	softgrain::require(isFrictionAngle(angle), parameter, angle, "[0, pi/2) rad");
 }
 
-void SoftMat::postLoad(SoftMat&)
+AssembledMaterial SoftMat::assembled() const
 {
 	softgrain::require(massScaling >= 1 && math::isfinite(massScaling), "massScaling",
 			   massScaling, "[1, inf)");
+	return { constants(), damping(), law, condition };
+}
+
+void SoftMat::postLoad(SoftMat&)
+{
+	assembled();
 	constants().validate();
 	damping().validate();
 	constitutiveLaw();

@@ -20,7 +20,8 @@ void requireFrictionAngle(const string& parameter, Real angle);
 
 class SoftMat : public Material {
 public:
-	AssembledMaterial assembled() const { return { constants(), damping(), law, condition }; }
+	/// Throws std::invalid_argument on the scale of the density, which nobody sees after that.
+	AssembledMaterial assembled() const;
 	/// Whether nothing of that has changed.
 	bool isAs(const AssembledMaterial& before) const
 	{

@@ -150,6 +150,38 @@ def test_saved_wrong_value_is_refused(tmp_path):
         O.load(str(path))
 
 
+def test_refused_mass_scaling_is_not_computed_with():
+    disk = add_disk()
+    ready()
+    run(2)
+    with pytest.raises(ValueError, match="massScaling"):
+        disk.material.massScaling = 0.5
+    assert "massScaling = 0.5 is outside the admissible range [1, inf)" in message_of_step()
+
+
+def test_refused_margin_stops_the_run():
+    add_disk()
+    ready()
+    run(2)
+    functor = next(f for f in O.engines[1].boundDispatcher.functors if hasattr(f, "margin"))
+    with pytest.raises(ValueError, match="margin"):
+        functor.margin = -1
+    assert "margin = -1 is outside the admissible range (0, inf)" in message_of_step()
+
+
+@pytest.mark.parametrize("angle", (math.nan, 2.0))
+def test_refused_friction_angle_is_not_that_of_the_partner(angle):
+    """The contact is made after it."""
+    disk = add_disk((0, 1.2 * RADIUS, 0))
+    disk.state.vel = (0, -1, 0)
+    wall = utils.wall(0, axis=1, material=FrictMat(frictionAngle=1.0))
+    O.bodies.append(wall)
+    ready()
+    with pytest.raises(ValueError, match="frictionAngle"):
+        disk.material.frictionAngle = angle
+    assert "frictionAngle of SoftMat" in message_of_step(2000)
+
+
 @pytest.mark.parametrize("dt", (0, math.nan, math.inf))
 def test_senseless_time_step_of_rigid_bodies(dt):
     for x in (0, 2.1 * RADIUS):

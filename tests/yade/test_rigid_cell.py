@@ -5,7 +5,7 @@ import pytest
 from rigid_scenes import R, add_sphere, spheres, start
 from scenes import run
 from test_rigid_energy import balance
-from yade import Matrix3, O
+from yade import FrictMat, Matrix3, O, utils
 
 import softgrain as sg
 
@@ -101,3 +101,38 @@ def test_body_too_long_for_its_cell_is_refused():
     O.dt = 1e-4
     with pytest.raises(RuntimeError, match="rigid body #0 spans .* along base vector 0"):
         run(2)
+
+
+def test_floor_of_long_facets_is_refused():
+    """Without any soft grain, too: they would let spheres through."""
+    O.periodic = True
+    O.cell.setBox(10 * R, 10 * R, 20 * R)
+    corners = [(0, 0, 10 * R), (10 * R, 0, 10 * R), (10 * R, 10 * R, 10 * R)]
+    O.bodies.append(utils.facet(corners, material=FrictMat()))
+    add_sphere((5 * R, 3 * R, 11 * R))
+    start(2e-4)
+    with pytest.raises(RuntimeError, match="#0 .Facet. spans .* it might touch a sphere on two"):
+        run(2)
+
+
+def test_floor_that_comes_after_the_engines_is_refused():
+    O.periodic = True
+    O.cell.setBox(10 * R, 10 * R, 20 * R)
+    add_sphere((5 * R, 3 * R, 11 * R))
+    start(2e-4)
+    half = (8 * R, 8 * R, R)
+    O.bodies.append(utils.box((5 * R, 5 * R, 9 * R), half, fixed=True, material=FrictMat()))
+    with pytest.raises(RuntimeError, match="sortAxis = 0, but rigid body #1 is longer"):
+        run(2)
+
+
+def test_clump_that_would_meet_its_image_is_refused():
+    O.periodic = True
+    O.cell.setBox(10 * R, 10 * R, 10 * R)
+    O.bodies.clump([add_sphere(((1.9 * k + 1) * R, 5 * R, 5 * R)).id for k in range(5)])
+    start(1e-3, (0, 0, 0))
+    run(2)
+    O.cell.velGrad = Matrix3(-1, 0, 0, 0, 0, 0, 0, 0, 0)
+    with pytest.raises(RuntimeError, match="clump #5 spans .* it might meet its own image"):
+        run(100)
+    assert O.cell.size[0] > 9.6 * R

@@ -40,6 +40,17 @@ constexpr int pairsAhead = 2;
 /// (doc/decisions/0020-rigid-contact-dynamics.md).
 constexpr int separatingSweeps = 20;
 
+/// Impulses of the last step that exchange less than such a share of what they have hold each
+/// other, as under pressure: they may do so in this step.
+constexpr double leastExchange = 1e-6;
+
+/// They are made no longer than so many times what they were.
+constexpr double mostStretch = 2;
+
+/// Where they would be shorter than this, it may be for an impact of few, which the others, at
+/// rest, have no part in.
+constexpr double leastHarmless = 0.5;
+
 /// With fewer pairs a colour than this, threads would wait longer than they work.
 constexpr int pairsPerThread = 8;
 
@@ -53,14 +64,6 @@ constexpr double marginAlone = 0.95;
 /// Where pairs on their own leave more of the residual, they feel each other (as coarse grains and
 /// those with corners do): all contacts are swept twice as often before pairs are tried again.
 constexpr double fallAlone = 0.5;
-
-ResidualSum sumOf(const std::vector<ResidualSum>& pairs)
-{
-	ResidualSum sum;
-	for (const ResidualSum& pair : pairs)
-		sum += pair;
-	return sum;
-}
 
 /// The violation that pairs may keep, and the others have to come down to, for all together to have
 /// so much.
@@ -154,6 +157,9 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, double d
 	const int listed = static_cast<int>(lists_.size());
 	const int work = listed + (count_ - listed) / rigidContactsPerPair;
 	threads_ = threadsFor(work / std::max(plan_.colours(), 1), threads, pairsPerThread);
+	if (partners_)
+		for (RigidPartner<dim>& partner : *partners_)
+			partner.noteFree();
 	if (dim == 3) noteNodesInContact(bodies);
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		fetchForPrepare(k);
@@ -169,6 +175,9 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, double d
 			pairs_[index].prepare(bodies, *lists_[pair], dt, settings,
 					      &constraints_[constraintsBegin_[k]]);
 	});
+	countsExchange_ = movesRigidBodies() && !isDriven();
+	exchangedAtFirst_ = 0;
+	if (countsExchange_) adjustImpulses();
 }
 
 template <int dim>
@@ -256,7 +265,7 @@ template <int dim> void ContactSolver<dim>::fetchForPrepare(int k) const
 	fetch(next, &PairSolver<dim>::fetchVelocities);
 }
 
-template <int dim> double ContactSolver<dim>::sweep(SweepOrder order, int times)
+template <int dim> SweepChange ContactSolver<dim>::sweep(SweepOrder order, int times)
 {
 	forEachPair(
 		order,
@@ -268,7 +277,16 @@ template <int dim> double ContactSolver<dim>::sweep(SweepOrder order, int times)
 	SweepChange sum;
 	for (const SweepChange& change : change_)
 		sum += change;
-	return sum.changed > 0 ? std::sqrt(sum.changed / sum.total) : 0;
+	return sum;
+}
+
+template <int dim> void ContactSolver<dim>::extrapolate(double share)
+{
+	forEachPair(SweepOrder::forwards, [&](int k) {
+		const Slot& slot = slot_[k];
+		if (slot.kind == Kind::rigid) rigidContacts_[slot.index].extrapolate(share);
+		if (slot.kind == Kind::grainOnRigid) rigidPairs_[slot.index].extrapolate(share);
+	});
 }
 
 template <int dim>
@@ -276,7 +294,7 @@ long ContactSolver<dim>::solvePairsAlone(const std::vector<ResidualSum>& residua
 {
 	const double tolerance = marginAlone * settings_.tolerance;
 	const double level =
-		commonLevel(residuals, tolerance * tolerance * sumOf(residuals).scale());
+		commonLevel(residuals, tolerance * tolerance * sumOver(residuals).scale());
 	visits_.assign(count_, 0);
 	forEachPair(SweepOrder::forwards, [&](int k) {
 		if (slot_[k].kind != Kind::grains || residuals[k].violation() <= level) return;
@@ -305,8 +323,51 @@ template <int dim> bool ContactSolver<dim>::movesRigidBodies() const
 template <int dim> bool ContactSolver<dim>::bearsNothing() const
 {
 	if (lastActive_ > 0) return false;
-	const ResidualSum sum = sumOf(residualsOfPairs());
+	const ResidualSum sum = sumOver(residualsOfPairs());
 	return sum.violation() == 0 && sum.scale() == 0; // nan is something
+}
+
+template <int dim> bool ContactSolver<dim>::isDriven() const
+{
+	return std::any_of(slot_.begin(), slot_.begin() + count_, [this](const Slot& slot) {
+		if (slot.kind == Kind::rigid) return rigidContacts_[slot.index].isDriven();
+		return slot.kind == Kind::grainOnRigid && rigidPairs_[slot.index].isDriven();
+	});
+}
+
+template <int dim> void ContactSolver<dim>::adjustImpulses()
+{
+	Exchange sum;
+	for (const Slot& slot : slot_) {
+		if (slot.kind == Kind::rigid) sum += rigidContacts_[slot.index].exchange();
+		if (slot.kind == Kind::grainOnRigid && rigidPairs_[slot.index].movesPartner())
+			return;
+	}
+	if (!(sum.exchanged > leastExchange * sum.present)) return;
+	exchangedAtFirst_ = sum.exchanged;
+	const double share = std::clamp(sum.wanted / sum.exchanged, 0., mostStretch);
+	if (share == 1) return;
+	auto beginWith = [this](double part) {
+		forEachPair(SweepOrder::forwards, [&](int k) {
+			if (slot_[k].kind == Kind::rigid)
+				rigidContacts_[slot_[k].index].beginWith(part);
+		});
+	};
+	auto violation = [this] { return sumOver(residualsOfPairs()).violation(); };
+	const bool mayHarm = share < leastHarmless;
+	const double before = mayHarm ? violation() : 0;
+	beginWith(share);
+	if (mayHarm && !(violation() < before)) beginWith(1);
+}
+
+template <int dim>
+ResidualSum ContactSolver<dim>::sumOver(const std::vector<ResidualSum>& pairs) const
+{
+	ResidualSum sum;
+	for (const ResidualSum& pair : pairs)
+		sum += pair;
+	if (countsExchange_) sum.countExchanged(exchangedAtFirst_);
+	return sum;
 }
 
 template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& report)
@@ -315,7 +376,8 @@ template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& repor
 	const bool withGrains = hasGrains();
 	std::vector<ResidualSum> residuals;
 	int sweeps = 0;
-	double change = 0;
+	double strictness = 1;
+	SweepChange change;
 	auto sweepAll = [&](SweepOrder order, int times) {
 		change = sweep(order, times);
 		sweeps += times;
@@ -323,15 +385,25 @@ template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& repor
 	};
 	auto measure = [&] {
 		residuals = residualsOfPairs();
-		report.residual = sumOf(residuals).value();
+		const ResidualSum sum = sumOver(residuals);
+		report.residual = sum.value();
+		strictness = sum.strictness();
 	};
 	auto isPromising = [&] {
-		return sweeps == cap || change <= changePerResidual * settings_.tolerance;
+		return sweeps == cap ||
+		       change.share() <= changePerResidual * strictness * settings_.tolerance;
 	};
 	auto isDone = [&] { return !(report.residual > settings_.tolerance) || sweeps == cap; };
 	for (int k = 0; k < std::min(2 * sweepsEachWay, cap); k += inARow)
 		sweepAll(k < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards,
 			 std::min(inARow, cap - k));
+	Extrapolation extrapolation;
+	double beyond = 0;
+	auto sweepOn = [&] {
+		if (countsExchange_) extrapolate(beyond);
+		sweepAll(SweepOrder::forwards, 1);
+		beyond = extrapolation.shareAfter(change);
+	};
 	report.residual = std::numeric_limits<double>::infinity(); // until measured
 	if (withGrains || isPromising()) measure();
 	for (int between = 1; !isDone();) { // sweeps over all, until pairs are solved again
@@ -341,7 +413,7 @@ template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& repor
 		if (alone > 0) measure();
 		between = report.residual < fallAlone * before ? 1 : 2 * between;
 		for (int k = 1; k <= between && !isDone(); ++k) {
-			sweepAll(SweepOrder::forwards, 1);
+			sweepOn();
 			if (isPromising() || (withGrains && k == between)) measure();
 		}
 	}
@@ -397,7 +469,7 @@ template <int dim> std::vector<ResidualSum> ContactSolver<dim>::residualsOfPairs
 
 template <int dim> double ContactSolver<dim>::residual() const
 {
-	return sumOf(residualsOfPairs()).value();
+	return sumOver(residualsOfPairs()).value();
 }
 
 template <int dim> ContactWork ContactSolver<dim>::work() const

@@ -96,17 +96,27 @@ private:
 	void fetchForPrepare(int k) const;
 	bool hasGrains() const; ///< pairs of grains, or of a grain and a plane
 	bool movesRigidBodies() const;
+	/// Whether anything that touches rigid bodies moves as prescribed, or with a cell.
+	bool isDriven() const;
+	/// Of rigid bodies alone: scales the impulses of the last step so that all together
+	/// exchange what they should, r . (u + b n) = 0, unless that is far less and would violate
+	/// more. Those of an impact do nothing any more; those that hold a heavy body on light ones
+	/// are soon as large as it takes.
+	void adjustImpulses();
 	/// No contact has an impulse, and none needs one: sweeps would change nothing.
 	bool bearsNothing() const;
 	/// The sweeps of `solve`; adds to the report what they came to.
 	void sweepToTolerance(SolverReport& report);
 	std::vector<ResidualSum> residualsOfPairs() const;
+	ResidualSum sumOver(const std::vector<ResidualSum>& pairs) const;
 	/// Brings the violation of pairs down, each on its own, so far that that of all is within
 	/// the tolerance, if pairs do not feel each other; returns the visits of contacts.
 	long solvePairsAlone(const std::vector<ResidualSum>& residuals);
-	/// Relative change of the impulses, in the residual's norm, by the last of so many sweeps,
-	/// which each task makes in a row while it is in the caches.
-	double sweep(SweepOrder order, int times);
+	/// What the last of so many sweeps did, which each task makes in a row while it is in the
+	/// caches.
+	SweepChange sweep(SweepOrder order, int times);
+	/// Goes on beyond what the sweeps left (Extrapolation), where impulses move rigid bodies.
+	void extrapolate(double share);
 	/// Calls with each pair's solver and constraint, in the order of the sweeps.
 	template <class Visit> void forEachConstraint(Visit&& visit) const;
 	SparseRows<double> delassus() const;
@@ -167,7 +177,9 @@ private:
 	std::vector<std::size_t> constraintsBegin_;
 	int count_ = 0;
 	bool solved_ = false;
-	int lastActive_ = 0;              ///< contacts with an impulse in the last solve
+	double exchangedAtFirst_ = 0; ///< by the impulses of the last step, with rigid bodies, J
+	bool countsExchange_ = false; ///< ResidualSum::countExchanged, and extrapolated sweeps
+	int lastActive_ = 0;          ///< contacts with an impulse in the last solve
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	std::vector<long> visits_;        ///< of contacts, by pairs on their own
 	SolverSettings settings_;

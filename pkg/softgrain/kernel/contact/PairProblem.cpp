@@ -2,8 +2,6 @@
 #include "contact/CoulombCone.hpp"
 #include "lanes/Lanes.hpp"
 
-#include <limits>
-
 namespace softgrain {
 
 namespace {
@@ -69,18 +67,18 @@ template <int dim> void PairProblem<dim>::push(int contact, const Vec<dim>& J)
 		}
 }
 
-template <int dim> typename PairProblem<dim>::Progress PairProblem<dim>::sweep()
+template <int dim> SweepChange PairProblem<dim>::sweep()
 {
-	Progress progress;
+	SweepChange change;
 	for (int k = 0; k < contacts_; ++k) {
 		const Vec<dim> r = solved(k), J = r - impulse_[k];
 		if (J.isZero(0)) continue;
-		progress.changed += ownW_[k] * J.squaredNorm();
-		progress.along += ownW_[k] * J.dot(r - impulseBefore_[k]);
+		change.changed += ownW_[k] * J.squaredNorm();
+		change.along += ownW_[k] * J.dot(r - impulseBefore_[k]);
 		impulse_[k] = r;
 		push(k, J);
 	}
-	return progress;
+	return change;
 }
 
 template <int dim> double PairProblem<dim>::remaining() const
@@ -105,19 +103,16 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS int PairProblem<dim>::solve(double violation,
 	velocityBefore_ = velocity_;
 	start_ = impulse_;
 	const double first = remaining();
-	double changed = std::numeric_limits<double>::infinity();
-	for (int sweeps = 1, inARow = 0;; ++sweeps) {
-		const Progress progress = sweep();
-		const bool promising = progress.changed <= changePerViolation * violation;
+	Extrapolation extrapolation;
+	for (int sweeps = 1;; ++sweeps) {
+		const SweepChange change = sweep();
+		const bool promising = change.changed <= changePerViolation * violation;
 		if (promising && remaining() <= violation) return sweeps;
 		if (sweeps >= maxSweeps) {
 			if (!(remaining() < first)) impulse_ = start_;
 			return sweeps;
 		}
-		const bool turnsBack = progress.along < 0 || progress.changed > changed;
-		changed = progress.changed;
-		inARow = turnsBack ? 0 : inARow + 1;
-		extrapolate(inARow / (inARow + 2.));
+		extrapolate(extrapolation.shareAfter(change));
 	}
 }
 

@@ -4,17 +4,13 @@
 // each other only where they share background nodes, so this is nearly the whole problem, and small
 // enough for sweeps that cost half of those over surface nodes.
 //
-// Sweeps are extrapolated (Nesterov 1983): after the j-th in a row they go on from
-//     r + j/(j + 2) (r - r_before),
-// with r, r_before what the last two sweeps left; j starts anew when a sweep turns back, that is
-// when sum W (r - what it began with).(r - r_before) < 0 (O'Donoghue and Candes 2015), or changes
-// more than the one before: wedged contacts of large friction, whose impulses hold each other,
-// would grow without ever turning back. Velocities are linear in the impulses and are extrapolated
-// with them. What was extrapolated need not be on the cone; what a sweep leaves is.
+// Sweeps are extrapolated (Sweep.hpp). Velocities are linear in the impulses and are extrapolated
+// with them.
 #pragma once
 
 #include "Vector.hpp"
 #include "contact/Residual.hpp"
+#include "contact/Sweep.hpp"
 
 #include <array>
 #include <vector>
@@ -41,12 +37,7 @@ public:
 	const Vec<dim>& impulse(int contact) const { return impulse_[contact]; }
 
 private:
-	/// What a sweep did, in the residual's norm, kg m^2/s^2.
-	struct Progress {
-		double changed = 0; ///< sum W |dr|^2
-		double along = 0;   ///< sum W dr.(r - r_before)
-	};
-	Progress sweep();
+	SweepChange sweep();
 	double remaining() const; ///< sum W |rho|^2
 	void extrapolate(double share);
 	Vec<dim> solved(int contact) const;

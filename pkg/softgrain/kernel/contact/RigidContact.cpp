@@ -21,8 +21,8 @@ void RigidContactSolver<dim>::prepare(RigidContact<dim>& contact,
 	c_.normal = contact.normal;
 	c_.bias = biasFor(dt);
 	solvable_ = c_.setMobility(first_->mobilityAt(firstArm_) + second_->mobilityAt(secondArm_));
-	c_.impulse = onCone<dim>(contact.impulse, c_.normal, friction_);
-	if (!solvable_) c_.impulse.setZero();
+	c_.begin(solvable_ ? onCone<dim>(contact.impulse, c_.normal, friction_)
+			   : Vec<dim>(Vec<dim>::Zero()));
 	push(c_.impulse);
 }
 
@@ -40,6 +40,27 @@ template <int dim> void RigidContactSolver<dim>::push(const Vec<dim>& J)
 	if (secondMoves_) second_->push(secondArm_, J);
 }
 
+template <int dim> bool RigidContactSolver<dim>::isDriven() const
+{
+	return !drift_.isZero(0) || first_->isDriven() || second_->isDriven();
+}
+
+template <int dim> Exchange RigidContactSolver<dim>::exchange() const
+{
+	const Vec<dim>& r = c_.impulse;
+	if (r.isZero(0)) return {}; // b may be infinite
+	const Vec<dim> free = freeVelocity();
+	return { c_.energy(r), r.dot(velocity() - free), -r.dot(free + c_.bias * c_.normal) };
+}
+
+template <int dim> void RigidContactSolver<dim>::beginWith(double share)
+{
+	if (!solvable_) return;
+	const Vec<dim> r = share * onCone<dim>(contact_->impulse, c_.normal, friction_);
+	push(r - c_.impulse);
+	c_.begin(r);
+}
+
 template <int dim> SweepChange RigidContactSolver<dim>::sweep(SweepOrder)
 {
 	if (!solvable_) return {};
@@ -48,15 +69,25 @@ template <int dim> SweepChange RigidContactSolver<dim>::sweep(SweepOrder)
 	SweepChange change { 0, c_.energy(r) };
 	if (J.isZero(0)) return change;
 	change.changed = c_.energy(J);
+	change.along = c_.product(J, r - c_.impulseBefore);
 	push(J);
 	c_.impulse = r;
 	return change;
 }
 
+template <int dim> void RigidContactSolver<dim>::extrapolate(double share)
+{
+	const Vec<dim> J = c_.extrapolate(share);
+	if (!J.isZero(0)) push(J);
+}
+
 template <int dim> ResidualSum RigidContactSolver<dim>::residual() const
 {
 	ResidualSum sum;
-	if (solvable_) c_.addResidual(sum, velocity(), friction_);
+	if (!solvable_) return sum;
+	const Vec<dim> u = velocity();
+	c_.addResidual(sum, u, friction_);
+	sum.addExchange(c_.energy(c_.impulse), c_.impulse.dot(u - freeVelocity()));
 	return sum;
 }
 

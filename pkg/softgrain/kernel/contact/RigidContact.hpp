@@ -32,12 +32,34 @@ template <int dim> struct RigidContact {
 	double restitution = 0; ///< e
 };
 
+/// What impulses exchange with rigid bodies, J.
+struct Exchange {
+	double present = 0;   ///< sum W |r|^2
+	double exchanged = 0; ///< r . W r = r . (u - u_free)
+	double wanted = 0; ///< the same of impulses that solve the contacts: - r . (u_free + b n)
+
+	Exchange& operator+=(const Exchange& other)
+	{
+		present += other.present;
+		exchanged += other.exchanged;
+		wanted += other.wanted;
+		return *this;
+	}
+};
+
 /// The rigid counterpart of PairSolver for one contact of two rigid bodies.
 template <int dim> class RigidContactSolver {
 public:
 	void prepare(RigidContact<dim>& contact, std::vector<RigidPartner<dim>>& partners,
 		     double dt);
+	/// Whether prescribed motion, or that of a cell, takes part.
+	bool isDriven() const;
+	Exchange exchange() const; ///< of the present impulse
+	/// Begins with such a share of the impulse of the last step, in place of all of it.
+	void beginWith(double share);
 	SweepChange sweep(SweepOrder order);
+	/// TwoStepContact::extrapolate, and hands the change on.
+	void extrapolate(double share);
 	ResidualSum residual() const;
 	void finish();
 	/// After the velocities are solved: how far the bodies are to be moved apart. False where
@@ -63,6 +85,11 @@ private:
 	Vec<dim> velocity() const
 	{
 		return second_->velocityAt(secondArm_) + drift_ - first_->velocityAt(firstArm_);
+	}
+	Vec<dim> freeVelocity() const
+	{
+		return second_->freeVelocityAt(secondArm_) + drift_ -
+		       first_->freeVelocityAt(firstArm_);
 	}
 	void push(const Vec<dim>& J); ///< an impulse on both bodies
 

@@ -49,8 +49,8 @@ void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 {
 	c.ofNode = contact.key.side == 0;
 	c.normal = c.ofNode ? contact.normal : Vec<dim>(-contact.normal);
-	c.impulse = onCone<dim>(c.ofNode ? contact.impulse : Vec<dim>(-contact.impulse), c.normal,
-				friction_);
+	c.begin(onCone<dim>(c.ofNode ? contact.impulse : Vec<dim>(-contact.impulse), c.normal,
+			    friction_));
 	c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings, list_->account,
 			restingOverlapOf(c));
 	c.facet = contact.facet;
@@ -65,8 +65,8 @@ void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 	for (int i = 0; i < c.partners; ++i)
 		c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
 	if (!heldSpin_.isZero(0)) c.arm += halfStepAlongSurface(c, dt);
-	const double w = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
-	c.setMobility(w * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
+	c.grainMobility = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
+	c.setMobility(c.grainMobility * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
 }
 
 template <int dim> double RigidPairSolver<dim>::restingOverlapOf(const Constraint& c) const
@@ -113,19 +113,50 @@ template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, 
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange RigidPairSolver<dim>::sweep(SweepOrder order)
 {
-	return sweepOver(
+	double along = 0;
+	SweepChange change = sweepOver(
 		constraints_, order,
 		[this](const Constraint& c) { return c.solvedAt(velocity(c), friction(c)); },
 		[](const Constraint& c, const Vec<dim>& r) { return c.energy(r); },
-		[this](const Constraint& c, const Vec<dim>& J) { applyImpulse(c, J); });
+		[this, &along](const Constraint& c, const Vec<dim>& J) {
+			if (moves_) along += c.product(J, c.impulse - c.impulseBefore);
+			applyImpulse(c, J);
+		});
+	change.along = along;
+	return change;
+}
+
+template <int dim> void RigidPairSolver<dim>::extrapolate(double share)
+{
+	if (!moves_) return;
+	for (Constraint& c : constraints_) {
+		const Vec<dim> J = c.extrapolate(share);
+		if (!J.isZero(0)) applyImpulse(c, J);
+	}
 }
 
 template <int dim> ResidualSum RigidPairSolver<dim>::residual() const
 {
 	ResidualSum sum;
-	for (const Constraint& c : constraints_)
+	for (const Constraint& c : constraints_) {
 		c.addResidual(sum, velocity(c), friction(c));
+		if (moves_) addExchange(sum, c);
+	}
 	return sum;
+}
+
+/// (What goes to the grain counts in full.)
+template <int dim>
+void RigidPairSolver<dim>::addExchange(ResidualSum& sum, const Constraint& c) const
+{
+	const double toGrain = c.grainMobility * c.impulse.squaredNorm();
+	const Vec<dim> gained = partner_->velocityAt(c.arm) - partner_->freeVelocityAt(c.arm);
+	sum.addExchange(c.energy(c.impulse) - toGrain, -c.impulse.dot(gained));
+}
+
+template <int dim> bool RigidPairSolver<dim>::isDriven() const
+{
+	return !drift_.isZero(0) || partner_->isDriven();
 }
 
 template <int dim> void RigidPairSolver<dim>::finish()

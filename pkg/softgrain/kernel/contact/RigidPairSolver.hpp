@@ -22,6 +22,8 @@ public:
 		     std::vector<RigidPartner<dim>>& partners, double dt,
 		     const SolverSettings& settings);
 	SweepChange sweep(SweepOrder order);
+	/// Of a rigid body that impulses move: TwoStepContact::extrapolate for all contacts.
+	void extrapolate(double share);
 	ResidualSum residual() const;
 	void finish();
 	int active() const { return list_->impulse.active; }
@@ -29,6 +31,7 @@ public:
 
 	int contacts() const { return static_cast<int>(constraints_.size()); }
 	struct Constraint : TwoStepContact<dim> { // its impulse acts on the grain
+		double grainMobility;             ///< the grain's share of W, 1/kg
 		Vec<dim>
 			arm; ///< of the place, from the centre of mass of the rigid body's image, m
 		/// Of the grain: the impulse acts in shares on nodes that bear a place over a
@@ -55,6 +58,8 @@ public:
 	}
 	/// Whether impulses move the rigid body.
 	bool movesPartner() const { return moves_; }
+	/// Whether prescribed motion of it, or that of a cell, takes part.
+	bool isDriven() const;
 
 private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
@@ -66,6 +71,7 @@ private:
 		      Constraint& c) const;
 	double restingOverlapOf(const Constraint& c) const; ///< in dr
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
+	void addExchange(ResidualSum& sum, const Constraint& c) const;
 	double spinOfPartner(const Vec<dim>& normal) const; ///< ContactOutcome::spin
 
 	Vec<dim> imageCentre() const { return partner_->centre + list_->image.shift; }

@@ -36,6 +36,8 @@ template <int dim> struct RigidPartner {
 	Vec<dim> centre = Vec<dim>::Zero();         ///< of mass, m
 	Vec<dim> velocity = Vec<dim>::Zero();       ///< at t_n + dt/2, being solved, m/s
 	Spin<dim> spin = Spin<dim>::Zero();         ///< the same, 1/s
+	Vec<dim> freeVelocity = Vec<dim>::Zero();   ///< the velocity without impulses, m/s
+	Spin<dim> freeSpin = Spin<dim>::Zero();     ///< the same, 1/s
 	Vec<dim> velocityBefore = Vec<dim>::Zero(); ///< at t_n - dt/2, m/s
 	Spin<dim> spinBefore = Spin<dim>::Zero();   ///< 1/s
 	Vec<dim> inverseMass = Vec<dim>::Zero();    ///< along each axis of space, 1/kg
@@ -50,11 +52,27 @@ template <int dim> struct RigidPartner {
 	bool moves() const { return !inverseMass.isZero(0) || !inverseInertia.isZero(0); }
 	/// Whether it moves as it stands, impulses apart.
 	bool hasVelocity() const { return !velocity.isZero(0) || !spin.isZero(0); }
+	/// Whether any of its motion is prescribed, and not to be at rest.
+	bool isDriven() const
+	{
+		return !heldSpin().isZero(0) ||
+		       !(inverseMass.array() == 0).select(velocity, 0).isZero(0);
+	}
 	/// Of its point at `arm` from the centre.
 	Vec<dim> velocityAt(const Vec<dim>& arm) const { return velocity + turned<dim>(spin, arm); }
 	Vec<dim> velocityBeforeAt(const Vec<dim>& arm) const
 	{
 		return velocityBefore + turned<dim>(spinBefore, arm);
+	}
+	/// The velocities are those without impulses.
+	void noteFree()
+	{
+		freeVelocity = velocity;
+		freeSpin = spin;
+	}
+	Vec<dim> freeVelocityAt(const Vec<dim>& arm) const
+	{
+		return freeVelocity + turned<dim>(freeSpin, arm);
 	}
 	void push(const Vec<dim>& arm, const Vec<dim>& J)
 	{

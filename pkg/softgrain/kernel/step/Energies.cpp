@@ -58,19 +58,17 @@ template <int dim> void Energies<dim>::balanceGrains(const ContactWork& contacts
 
 template <int dim>
 void Energies<dim>::balanceRigidBodies(const ContactWork& contacts,
-				       const std::vector<RigidPartner<dim>>& free,
-				       const std::vector<RigidPartner<dim>>& solved)
+				       const std::vector<RigidPartner<dim>>& partners)
 {
 	ContactWork::Halves loads;
 	RigidBalance &now = balance_.rigid, &sums = sums_.rigid;
 	now = sums;
 	now.kinetic = 0;
-	for (std::size_t k = 0; k < solved.size(); ++k) {
-		const RigidPartner<dim>& p = solved[k];
+	for (const RigidPartner<dim>& p : partners) {
 		now.kinetic +=
 			0.5 * p.massProduct(p.velocityBefore, p.spinBefore, p.velocity, p.spin);
-		const Vec<dim> gained = free[k].velocity - p.velocityBefore;
-		const Spin<dim> spinGained = free[k].spin - p.spinBefore;
+		const Vec<dim> gained = p.freeVelocity - p.velocityBefore;
+		const Spin<dim> spinGained = p.freeSpin - p.spinBefore;
 		loads.before +=
 			0.5 * p.massProduct(gained, spinGained, p.velocityBefore, p.spinBefore);
 		loads.after += 0.5 * p.massProduct(gained, spinGained, p.velocity, p.spin);

@@ -66,8 +66,7 @@ public:
 	void balanceGrains(const ContactWork& contacts, double dropped);
 	/// Afterwards, of rigid bodies: with their velocities without and with contact.
 	void balanceRigidBodies(const ContactWork& contacts,
-				const std::vector<RigidPartner<dim>>& free,
-				const std::vector<RigidPartner<dim>>& solved);
+				const std::vector<RigidPartner<dim>>& partners);
 
 private:
 	/// Of a grain in a step, J: its energy at t_n, and what was done on it besides contact.

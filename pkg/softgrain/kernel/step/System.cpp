@@ -265,8 +265,7 @@ template <int dim>
 void System<dim>::balanceEnergy(const StepSettings& settings, const StepReport& report)
 {
 	energies_.balanceGrains(workOfContacts(), report.dropped.energy);
-	if (settings.trackRigidBodies)
-		energies_.balanceRigidBodies(solver_.rigidWork(), free_, partners_);
+	if (settings.trackRigidBodies) energies_.balanceRigidBodies(solver_.rigidWork(), partners_);
 }
 
 template <int dim> void System<dim>::endStep(double dt)
@@ -299,7 +298,6 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	predictVelocities(touched, settings);
 	interfaces_.measureBonds(lists, surfaces_.bodies(), partners_);
 	clock.end("predictVelocities");
-	if (settings.trackRigidBodies) free_ = partners_;
 	solver_.prepare(surfaces_.bodies(), settings.dt, settings.solver, settings.threads);
 	clock.end("prepare");
 	report.solver = solver_.solve();

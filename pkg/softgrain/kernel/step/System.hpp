@@ -153,7 +153,6 @@ private:
 	Energies<dim> energies_ { grains_ };
 	ContactSolver<dim> solver_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
-	std::vector<RigidPartner<dim>> free_;     ///< the same before the solve, for their balance
 	std::vector<RigidContact<dim>> rigidContacts_;
 	std::vector<char> finite_; ///< by grain, of the step at hand
 	long steps_ = 0;
