@@ -271,9 +271,8 @@ void RigidContacts::stopOnOverlap(const RigidPartners& partners, Real maxOverlap
 		message << "rigid " << namesOf(*interactions_[k].interaction) << " overlap by "
 			<< -d.gap / d.size * sizeOverRadius << " radii of the smaller, more than "
 			<< sizeOverRadius << " maxOverlap = " << sizeOverRadius * maxOverlap
-			<< ". Hint: start from less overlap, reduce O.dt or tolerance, or load "
-			   "more "
-			   "slowly";
+			<< ". Hint: start from less overlap, reduce O.dt or tolerance, or "
+			   "load more slowly";
 		throw std::runtime_error(message.str());
 	}
 }

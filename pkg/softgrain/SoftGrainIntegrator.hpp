@@ -45,7 +45,7 @@ public:
 		((int, contacts, 0, Attr::readonly, "Contact points within reach. |yupdate|"))
 		((int, activeContacts, 0, Attr::readonly, "Contact points that carry force. |yupdate|"))
 		((Real, sweeps, 0, Attr::readonly, "Sweeps of the last step: visits of contact points over their number, since a pair may be swept more often than the others. |yupdate|"))
-		((Real, residual, 0, Attr::readonly, "How far the impulses of the last step are from solving the contact conditions, measured apart from the sweeps: size of the changes that would solve each contact alone, over the size of the impulses, both in the energy norm √(Σ W r²); between 0 and 2 [-]. |yupdate|"))
+		((Real, residual, 0, Attr::readonly, "How far the impulses of the last step are from solving the contact conditions, measured apart from the sweeps: size of the changes that would solve each contact alone, over the size of the impulses, both in the energy norm √(Σ W r²); between 0 and 2 [-]. Where rigid bodies that contact moves touch nothing that moves as prescribed, nor a cell that does, over what their impulses exchange with them, √(Σ r·(u - u_free)), but no less than a tenth of the former; without a bound then. |yupdate|"))
 		((Real, largestResidual, 0, Attr::readonly, "Largest *residual* of a step so far [-]. |yupdate|"))
 		((Real, overlap, 0, Attr::readonly, "Largest overlap in the last step over the spacing of material points [-]. |yupdate|"))
 		((Real, largestOverlap, 0, Attr::readonly, "Largest overlap so far over the spacing of material points [-]. |yupdate|"))

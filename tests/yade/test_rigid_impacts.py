@@ -17,12 +17,12 @@ def largest_speed():
     return max(b.state.vel.norm() for b in O.bodies if b.state.mass > 0)
 
 
-def column(balls, **options):
+def column(balls):
     """Balls that touch each other fall on a floor; without gravity they stop there."""
     add_wall(0, 2)
     for k in range(balls):
         add_sphere((0, 0, (2 * k + 1 + 0.0099) * R), velocity=(0, 0, -1), blocked=ALONG_Z)
-    start(1e-4, (0, 0, 0), **options)
+    start(1e-4, (0, 0, 0))
 
 
 @pytest.mark.parametrize("balls, left", ((3, 1e-3), (10, 1e-3), (20, 1e-3), (40, 0.02)))

@@ -4,7 +4,9 @@
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
 
+using Catch::Matchers::WithinRel;
 using namespace softgrain;
 using namespace softgrain::testing;
 
@@ -309,4 +311,24 @@ TEMPLATE_TEST_CASE_SIG("rigid contacts: an impact without friction leaves e^2 of
 			CHECK(std::abs(before - after - lost) < 1e-12);
 		}
 	CHECK(impacts > 10);
+}
+
+TEST_CASE("Rigid contacts: where friction lifts, some passes solve one that slides")
+{
+	for (const double friction : { 0.3, 1., 2., 5. }) {
+		// friction to the left turns the place upwards: W_nt/W_nn = -1
+		TwoStepContact<2> contact;
+		contact.normal = Vec<2>::UnitY();
+		contact.bias = 0;
+		Mat<2> W;
+		W << 3, -1, -1, 1;
+		REQUIRE(contact.setMobility(W));
+		contact.begin(Vec<2>::Zero());
+		const Vec<2> free(10, -0.1);
+		for (int pass = 0; pass < 4; ++pass)
+			contact.impulse = contact.solvedAt(free + W * contact.impulse, friction);
+		const double normal = 0.1 / (1 + friction);
+		REQUIRE_THAT(contact.impulse[1], WithinRel(normal, 1e-12));
+		REQUIRE_THAT(contact.impulse[0], WithinRel(-friction * normal, 1e-12));
+	}
 }

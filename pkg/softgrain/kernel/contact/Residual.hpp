@@ -69,7 +69,8 @@ private:
 	double beyondExchange() const
 	{
 		if (!countsExchanged_) return 0;
-		constexpr double least = 1e-2; // of the sum
+		// of the sum: with less, packings of rigid bodies that settle reach it too late
+		constexpr double least = 1e-2;
 		const double counts = std::max(exchanged_, least * ofRigid_);
 		return std::max(ofRigid_ - counts, 0.);
 	}
