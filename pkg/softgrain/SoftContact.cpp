@@ -139,6 +139,17 @@ Real angleBetween(Real angle1, Real angle2)
 	return valid ? std::min(angle1, angle2) : std::numeric_limits<Real>::quiet_NaN();
 }
 
+/// Whether it gives one without the values of the materials.
+bool hasValueFor(int id1, int id2, const MatchMaker& match)
+{
+	const auto isOfPair = [&](const Vector3r& m) {
+		return std::minmax({ static_cast<int>(m[0]), static_cast<int>(m[1]) }) ==
+		       std::minmax({ id1, id2 });
+	};
+	return match.algo == "val" ||
+	       std::any_of(match.matches.begin(), match.matches.end(), isOfPair);
+}
+
 /// The step refuses what is no number.
 Real tangentOf(Real angle)
 {
@@ -159,7 +170,9 @@ void Ip2_SoftPhys::makePhys(const shared_ptr<Interaction>& I, const Material& m1
 		}
 	};
 	auto matched = [&](const shared_ptr<MatchMaker>& match, Real otherwise) {
-		return match ? found(*match, otherwise, otherwise) : otherwise;
+		return match && hasValueFor(m1.id, m2.id, *match)
+			       ? found(*match, otherwise, otherwise)
+			       : otherwise;
 	};
 	const auto phys = shared_ptr<SoftPhys>(new SoftPhys);
 	const Real angle = frictAngle ? found(*frictAngle, frictionAngle1, frictionAngle2)
@@ -212,7 +225,7 @@ bool Law2_SoftGeom_SoftPhys_Nonsmooth::go(shared_ptr<IGeom>& geom, shared_ptr<IP
 	if (!g.pair) return true; // loaded, without an assembly: SoftGrainIntegrator reports why
 	g.pair->setFriction(p.tangensOfFrictionAngle);
 	g.pair->setInterface(p.interface ? std::optional(p.interface->law()) : std::nullopt);
-	return g.pair->hasContact();
+	return g.pair->isInUse();
 }
 
 } // namespace yade

@@ -109,7 +109,7 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Ip2_SoftPhys, IPhysFunctor,
-		"Parameters by pair of materials, read when the contact is made; a number stands for all pairs. Where a pair has no match and the algorithm of the MatchMaker is not 'val', the friction angle is computed from those of the materials, and the others are as if they were not given. See :yref:`SoftInterface` for their meaning; sg.engines(interface=) sets both functors.",
+		"Parameters by pair of materials, read when the contact is made; a number stands for all pairs. Where a pair has no match and the algorithm of the MatchMaker is not 'val', the friction angle is computed from those of the materials (0 by 'zero'), and the others are as if they were not given. See :yref:`SoftInterface` for their meaning; sg.engines(interface=) sets both functors.",
 		((shared_ptr<MatchMaker>, frictAngle, , , "Angle of friction φ [rad]; None: min(φ₁, φ₂). μ = tan φ."))
 		((shared_ptr<MatchMaker>, dynamicFrictAngle, , , "Angle of dynamic friction, ≤ φ [rad]; None: φ."))
 		((shared_ptr<MatchMaker>, cohesion, , , ":yref:`SoftInterface.cohesion` [Pa]."))

@@ -104,19 +104,24 @@ void SoftGrainIntegrator::warnOfStiffSpheres()
 			      "sg.engines(rigid='nonsmooth')");
 }
 
-/// Once: where grains fold or all but invert, a step may become so short that nothing moves on.
+/// Once: where grains fold or all but invert, or bonds are stiff, a step may become so short that
+/// nothing moves on.
 void SoftGrainIntegrator::warnOfCollapsedStep(Real undeformed)
 {
 	if (warnedOfCollapse_ || criticalDt >= collapsedStep * undeformed) return;
 	warnedOfCollapse_ = true;
-	LOG_WARN(
-		"step " << scene->iter << ": the critical time step of the soft grains is "
-			<< criticalDt
-			<< " s, less than a hundredth of that of the undeformed ones, "
-			<< undeformed
-			<< " s: a grain is all but crushed or folds somewhere, and the run may not "
-			   "get on. Hint: load more slowly, or, under pressures near young and "
-			   "above, make grains with nodeSpacing = 2 (user guide, 'High pressure')");
+	// squares of frequencies add: more than half of them are the bonds'
+	const bool byBonds = 0.5 * criticalDt * criticalDt * bondRate > 1;
+	LOG_WARN("step "
+		 << scene->iter << ": the critical time step of the soft grains is " << criticalDt
+		 << " s, less than a hundredth of that of the undeformed ones, " << undeformed
+		 << " s: "
+		 << (byBonds ? "bonds are that stiff, or hold bodies that light. Hint: a lower "
+			       "bondStiffness, or heavier rigid bodies"
+			     : "a grain is all but crushed or folds somewhere, and the run may "
+			       "not get on. Hint: load more slowly, or, under pressures near "
+			       "young and above, make grains with nodeSpacing = 2 (user guide, "
+			       "'High pressure')"));
 }
 
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg

@@ -129,7 +129,7 @@ void describeByCentres(SoftGeom& geom, const Vec3& normal, Real radius1, Real ra
 /// Law2 that ends it.
 bool isToBeReal(const SoftGeom& geom, bool force, const Interaction& I)
 {
-	return geom.pair->hasContact() || I.isReal() || force;
+	return geom.pair->isInUse() || I.isReal() || force;
 }
 
 /// On which side of a wall a grain lies, along its axis.

@@ -25,6 +25,8 @@ _LAWS = (
     ("bondStrength", "bondEnergy", "bondStiffness", "bondAtTouch"),
     ("restitution",),
 )
+#: Of materials that no MatchMaker names.
+_ANY_OTHER_PAIR = (-1, -1)
 
 
 def checked(interface):
@@ -55,12 +57,26 @@ def checked(interface):
 
 def longest_range(interface):
     """Largest gap [m] across which any pair of materials can attract each other."""
-    ranges = _values(interface.get("cohesionRange"))
-    strengths = [s for s in _values(interface.get("bondStrength")) if s > 0]
-    energies = _values(interface.get("bondEnergy"))
-    if strengths and energies:
-        ranges.append(2 * max(energies) / min(strengths))
-    return max(ranges, default=0)
+    matches = [m for m in interface.values() if isinstance(m, MatchMaker)]
+    pairs = {(int(a), int(b)) for match in matches for a, b, _ in match.matches}
+    return max(_range_of(pair, interface) for pair in pairs | {_ANY_OTHER_PAIR})
+
+
+def _range_of(pair, interface):
+    """The same of one pair of materials, by their ids."""
+    cohesion, within, strength, energy = (
+        _value_of(pair, interface.get(name))
+        for name in ("cohesion", "cohesionRange", "bondStrength", "bondEnergy")
+    )
+    return max(within if cohesion > 0 else 0, 2 * energy / strength if strength > 0 else 0)
+
+
+def _value_of(pair, match):
+    """What an attribute (or None) other than an angle is for a pair of materials."""
+    if match is None:
+        return 0
+    named = [value for a, b, value in match.matches if {a, b} == set(pair)]
+    return (named + [match.val if match.algo == "val" else 0])[0]
 
 
 def _refuse_idle_attributes(interface):

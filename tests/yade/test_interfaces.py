@@ -40,6 +40,37 @@ def test_friction_by_pair_of_materials():
         assert phys.interface.tangensOfDynamicFrictionAngle == pytest.approx(math.tan(0.15))
 
 
+@pytest.mark.parametrize("algo", ("zero", "avg", "min", "max", "harmAvg"))
+def test_pairs_without_a_match_are_as_if_not_given(algo):
+    """Whatever the algorithm: nothing but the angle of friction can be computed from materials."""
+    material = damped(frictionAngle=0.4)
+    other = O.materials.append(damped(label="other"))
+    add_block(0, material)
+    add_block(-SIDE, material)
+    laws = ("dynamicFrictAngle", 0.05), ("cohesion", 1e3), ("bondStrength", 1e3)
+    law = {name: MatchMaker(matches=((other, other, v),), algo=algo) for name, v in laws}
+    ready(interface=dict(cohesionRange=1e-4, bondEnergy=0.1, **law))
+    run(2)
+    assert interaction().phys.interface is None
+    assert interaction().phys.tangensOfFrictionAngle == pytest.approx(math.tan(0.4))
+
+
+def test_range_is_that_of_one_pair_of_materials():
+    """Not the energy of one over the strength of another."""
+    weak, strong = (O.materials.append(damped(label=label)) for label in "ab")
+    add_block(0, O.materials[weak])
+    strength = MatchMaker(matches=((weak, weak, 1e3), (strong, weak, 1e5)), algo="zero")
+    energy = MatchMaker(matches=((weak, weak, 0.05), (weak, strong, 4.0)), algo="zero")
+    ready(interface=dict(bondStrength=strength, bondEnergy=energy))
+    assert sg.integrator().interfaceRange == pytest.approx(1e-4)
+    ready(interface=dict(bondStrength=strength, bondEnergy=6.0))  # of the weak pair
+    assert sg.integrator().interfaceRange == pytest.approx(1.2e-2)
+    cohesion = MatchMaker(matches=((weak, weak, 2e3),), algo="val", val=0)
+    within = MatchMaker(matches=((weak, weak, 1e-4),), algo="val", val=1e-2)
+    ready(interface=dict(cohesion=cohesion, cohesionRange=within))
+    assert sg.integrator().interfaceRange == pytest.approx(1e-4)
+
+
 def test_plain_pairs_have_no_interface():
     add_block(0, damped(frictionAngle=0.3))
     add_wall(0, 1, friction=0.1)

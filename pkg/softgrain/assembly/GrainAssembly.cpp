@@ -147,7 +147,7 @@ public:
 		}
 		report.work.pairs = searchedPairs_.exchange(0);
 		report.work.candidates = testedCandidates_.exchange(0);
-		report.work.lostBonds = lostBonds_.exchange(0);
+		report.work.lostBonds += lostBonds_.exchange(0); // less those that went on
 		return report;
 	}
 	ContactProblemArrays contactProblem() const override

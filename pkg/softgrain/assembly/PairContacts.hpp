@@ -39,8 +39,9 @@ class PairContacts {
 public:
 	virtual ~PairContacts() = default;
 	static constexpr int size2D = 448; ///< bytes of one in 2D, for those who ask for its memory
-	/// Whether there is a contact point within reach, or an overlap too deep for one.
-	virtual bool hasContact() const = 0;
+	/// Whether there is a contact point within reach, an overlap too deep for one, or a history
+	/// to hand on.
+	virtual bool isInUse() const = 0;
 	/// The pair is asleep, and its impulses in the last step were those of the step before.
 	virtual bool isKept() const = 0;
 	virtual double deepest() const = 0; ///< largest overlap, in dr

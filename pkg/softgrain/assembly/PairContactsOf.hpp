@@ -20,7 +20,11 @@ public:
 		, z_(z)
 	{
 	}
-	bool hasContact() const override { return !list.contacts.empty() || list.deepest > 0; }
+	bool isInUse() const override
+	{
+		return !list.contacts.empty() || list.deepest > 0 ||
+		       (list.interface && !list.interface->vanished.empty());
+	}
 	bool isKept() const override { return list.isAsleep() && list.rest.kept; }
 	double deepest() const override { return list.deepest; }
 	void addMemory(MemoryPieces& memory) const override
@@ -77,6 +81,7 @@ public:
 		int bonded = 0;
 		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 			const Contact<dim>& c = list.contacts[k];
+			if (list.second < 0 && c.key.side == 1) continue; // an end of a rigid body
 			const double dr =
 				system_->body(list.second >= 0 && c.key.side == 1 ? list.second
 										  : list.first)

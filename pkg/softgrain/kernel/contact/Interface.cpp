@@ -1,4 +1,5 @@
 #include "contact/Interface.hpp"
+#include "contact/Contact.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -74,6 +75,7 @@ Vec<dim> PairInterface<dim>::remember(std::size_t k, const ContactOutcome<dim>& 
 				      double friction)
 {
 	ContactHistory<dim>& h = history[k];
+	h.isNew = false;
 	const double pressed = now.reaction.dot(now.normal);
 	if (pressed > 0)
 		h.slid = across<dim>(now.reaction, now.normal).norm() >=
@@ -81,7 +83,7 @@ Vec<dim> PairInterface<dim>::remember(std::size_t k, const ContactOutcome<dim>& 
 	if (h.bond == Bond::whole)
 		h.slip = turnedAbout(h.slip, now.normal, dt_ * now.spin) +
 			 dt_ * across<dim>(now.velocity, now.normal);
-	else if (h.bond == Bond::none && law.hasBond() && law.bondAtTouch &&
+	else if (h.bond == Bond::none && now.hasArea && law.hasBond() && law.bondAtTouch &&
 		 (pressed > 0 || now.gap < touchingGap * now.pointSpacing))
 		bondNow(k, now.gap + dt_ * now.velocity.dot(now.normal));
 	return now.reaction + h.pull;
@@ -106,8 +108,17 @@ template <int dim> void PairInterface<dim>::beginSearch()
 
 template <int dim> void PairInterface<dim>::carry(std::size_t from, std::size_t to)
 {
-	history[to] = last_[from];
+	history[to] = std::exchange(last_[from], {});
 	lost_ -= history[to].bond == Bond::whole;
+}
+
+template <int dim> void PairInterface<dim>::noteVanished(const std::vector<Contact<dim>>& last)
+{
+	for (std::size_t k = 0; k < last_.size(); ++k) {
+		const ContactHistory<dim>& h = last_[k];
+		if (last[k].key.side == 0 && (h.bond != Bond::none || h.slid))
+			vanished.push_back({ last[k].key.node, last[k].normal, h });
+	}
 }
 
 namespace {
@@ -142,6 +153,7 @@ template <int dim> bool PairInterface<dim>::restore(const std::vector<double>& n
 		h.largest = from[2 * dim + 1];
 		h.bond = static_cast<Bond>(static_cast<int>(from[2 * dim + 2]));
 		h.slid = from[2 * dim + 3] != 0;
+		h.isNew = false;
 	}
 	return true;
 }

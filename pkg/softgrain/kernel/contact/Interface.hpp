@@ -32,6 +32,14 @@ template <int dim> struct ContactHistory {
 	double largest = 0;               ///< L, m
 	Bond bond = Bond::none;
 	bool slid = false; ///< in the last step in which it carried force
+	bool isNew = true; ///< no step has been made with it yet
+};
+
+/// A contact of the first body with a rigid one that a search did not find again.
+template <int dim> struct VanishedContact {
+	int node;
+	Vec<dim> normal;
+	ContactHistory<dim> history;
 };
 
 /// The part of an outline that a contact stands for.
@@ -55,6 +63,7 @@ template <int dim> struct ContactOutcome {
 	double spin;         ///< 3D: of the other body about the normal, 1/s
 	double gap;          ///< at t_n, m
 	double pointSpacing; ///< dr of the node's grain, m
+	bool hasArea;        ///< those of ends of rigid bodies have none: they do not bond
 };
 
 template <int dim> class PairInterface {
@@ -103,6 +112,10 @@ public:
 	/// number then and now.
 	void beginSearch();
 	void carry(std::size_t from, std::size_t to);
+	/// Of the contacts before the search, those that were not carried and have a history.
+	void noteVanished(const std::vector<Contact<dim>>& last);
+	/// Those noted since the last step.
+	std::vector<VanishedContact<dim>> vanished;
 	/// Sizes the history for the contacts found.
 	void resize(std::size_t contacts) { history.resize(contacts); }
 	/// Bonds that were whole when their contact vanished, since this was last asked.

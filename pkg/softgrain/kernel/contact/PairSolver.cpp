@@ -308,7 +308,7 @@ template <int dim> void PairSolver<dim>::finish()
 			interface_ ? interface_->remember(k,
 							  { c.normal, c.impulse, velocity(c),
 							    spinOfOther(c), list_->contacts[k].gap,
-							    own(c)->pointSpacing },
+							    own(c)->pointSpacing, true },
 							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;

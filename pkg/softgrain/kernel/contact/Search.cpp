@@ -162,6 +162,7 @@ template <int dim> void carryOver(const std::vector<Contact<dim>>& last, Contact
 	forEachStillThere<dim>(last, list.contacts, [&](std::size_t from, std::size_t to) {
 		list.interface->carry(from, to);
 	});
+	if (list.rigid) list.interface->noteVanished(last);
 }
 
 /// A grain inside another, or two of a size on one another: no node near an outline may tell.

@@ -37,7 +37,7 @@ struct WorkCounts {
 	long pairs = 0;      ///< pairs of bodies searched for contacts
 	long candidates = 0; ///< contact nodes tested against another body
 	long visits = 0;     ///< of contacts by sweeps: their number, summed over the sweeps
-	long lostBonds = 0;  ///< whole when searches found their contact gone
+	long lostBonds = 0;  ///< whole when searches found their contact gone, for good
 };
 
 struct StepReport {
