@@ -81,7 +81,6 @@ public:
 		int bonded = 0;
 		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 			const Contact<dim>& c = list.contacts[k];
-			if (list.second < 0 && c.key.side == 1) continue; // an end of a rigid body
 			const double dr =
 				system_->body(list.second >= 0 && c.key.side == 1 ? list.second
 										  : list.first)

@@ -87,7 +87,7 @@ TEST_CASE("a damaged bond unloads along its secant and does not form again", "[i
 	interface.law = bondLaw();
 	interface.resize(1);
 	interface.begin(1, 1);
-	const ContactOutcome<2> pressed { { 0, 1 }, { 0, 1 }, { 0, 0 }, 0, 0, 1, true };
+	const ContactOutcome<2> pressed { { 0, 1 }, { 0, 1 }, { 0, 0 }, 0, 0, 1 };
 	interface.remember(0, pressed, 0);
 	CHECK(interface.history[0].bond == Bond::whole);
 	auto traction = [&](double gap) {
@@ -120,10 +120,10 @@ TEST_CASE("a sheared bond turns with the body that it holds", "[interface]")
 	interface.bondNow(0, 0);
 	const Vec<3> up(0, 0, 1);
 	const double slip = 0.2 * interface.law.finalOpening();
-	interface.remember(0, { up, Vec<3>::Zero(), { slip / dt, 0, 0 }, 0, 0, 1, true }, 0);
+	interface.remember(0, { up, Vec<3>::Zero(), { slip / dt, 0, 0 }, 0, 0, 1 }, 0);
 	const double turns = M_PI / 2 / (spin * dt); // a quarter of one
 	for (int step = 0; step < std::lround(turns); ++step)
-		interface.remember(0, { up, Vec<3>::Zero(), Vec<3>::Zero(), spin, 0, 1, true }, 0);
+		interface.remember(0, { up, Vec<3>::Zero(), Vec<3>::Zero(), spin, 0, 1 }, 0);
 	CHECK((interface.history[0].slip - Vec<3>(0, slip, 0)).norm() < 1e-3 * slip);
 }
 
@@ -153,7 +153,7 @@ TEST_CASE("friction is dynamic after a contact slid, and static again once it st
 	interface.begin(1, 1);
 	const double friction = 0.5;
 	auto after = [&](double tangential, double normal) {
-		interface.remember(0, { { 0, 1 }, { tangential, normal }, { 0, 0 }, 0, 0, 1, true },
+		interface.remember(0, { { 0, 1 }, { tangential, normal }, { 0, 0 }, 0, 0, 1 },
 				   friction);
 		return interface.frictionOf(0, friction);
 	};

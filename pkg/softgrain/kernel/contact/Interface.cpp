@@ -83,7 +83,7 @@ Vec<dim> PairInterface<dim>::remember(std::size_t k, const ContactOutcome<dim>& 
 	if (h.bond == Bond::whole)
 		h.slip = turnedAbout(h.slip, now.normal, dt_ * now.spin) +
 			 dt_ * across<dim>(now.velocity, now.normal);
-	else if (h.bond == Bond::none && now.hasArea && law.hasBond() && law.bondAtTouch &&
+	else if (h.bond == Bond::none && law.hasBond() && law.bondAtTouch &&
 		 (pressed > 0 || now.gap < touchingGap * now.pointSpacing))
 		bondNow(k, now.gap + dt_ * now.velocity.dot(now.normal));
 	return now.reaction + h.pull;

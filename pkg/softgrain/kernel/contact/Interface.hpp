@@ -63,7 +63,6 @@ template <int dim> struct ContactOutcome {
 	double spin;         ///< 3D: of the other body about the normal, 1/s
 	double gap;          ///< at t_n, m
 	double pointSpacing; ///< dr of the node's grain, m
-	bool hasArea;        ///< those of ends of rigid bodies have none: they do not bond
 };
 
 template <int dim> class PairInterface {

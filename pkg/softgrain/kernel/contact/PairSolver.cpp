@@ -308,7 +308,7 @@ template <int dim> void PairSolver<dim>::finish()
 			interface_ ? interface_->remember(k,
 							  { c.normal, c.impulse, velocity(c),
 							    spinOfOther(c), list_->contacts[k].gap,
-							    own(c)->pointSpacing, true },
+							    own(c)->pointSpacing },
 							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;

@@ -174,15 +174,14 @@ template <int dim> void RigidPairSolver<dim>::finish()
 		if (excessOverlap(list_->contacts[k].gap, grain_->pointSpacing,
 				  restingOverlapOf(c)) > 0)
 			overlaps.add(c.impulse.dot(c.normal), velocity(c).dot(c.normal));
-		const Vec<dim> r = interface_
-					   ? interface_->remember(
-						     k,
-						     { c.normal, c.impulse, velocity(c),
-						       spinOfPartner(c.normal),
-						       list_->contacts[k].gap, grain_->pointSpacing,
-						       list_->contacts[k].key.side == 0 },
-						     friction_)
-					   : c.impulse;
+		const Vec<dim> r =
+			interface_ ? interface_->remember(k,
+							  { c.normal, c.impulse, velocity(c),
+							    spinOfPartner(c.normal),
+							    list_->contacts[k].gap,
+							    grain_->pointSpacing },
+							  friction_)
+				   : c.impulse;
 		if (r.isZero(0)) continue;
 		list_->contacts[k].setTwist(dt_ * spinOfPartner(list_->contacts[k].normal));
 		const Vec<dim> place = placeOf(c);
