@@ -116,7 +116,9 @@ template <int dim> void PairInterface<dim>::noteVanished(const std::vector<Conta
 {
 	for (std::size_t k = 0; k < last_.size(); ++k) {
 		const ContactHistory<dim>& h = last_[k];
-		if (last[k].key.side == 0 && (h.bond != Bond::none || h.slid))
+		if (last[k].key.side != 0) // an end, of no area: its bond has borne nothing
+			lost_ -= h.bond == Bond::whole;
+		else if (h.bond != Bond::none || h.slid)
 			vanished.push_back({ last[k].key.node, last[k].normal, h });
 	}
 }
