@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -78,7 +79,7 @@ public:
 	int bondTouching() override
 	{
 		if (!list.interface || !(lawUnknown_ || list.interface->law.hasBond())) return 0;
-		int bonded = 0;
+		std::set<std::size_t> places;
 		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 			const Contact<dim>& c = list.contacts[k];
 			const double dr =
@@ -86,11 +87,12 @@ public:
 										  : list.first)
 					.pointSpacing;
 			if (c.gap > touchingGap * dr && c.impulse.isZero(0)) continue;
-			list.interface->bondNow(k, c.gap);
-			++bonded;
+			if (const auto place = list.placeOfBond(k)) places.insert(*place);
 		}
-		if (bonded > 0) list.rest.changed = true;
-		return bonded;
+		for (const std::size_t k : places)
+			list.interface->bondNow(k, list.contacts[k].gap);
+		if (!places.empty()) list.rest.changed = true;
+		return static_cast<int>(places.size());
 	}
 	std::vector<double> interfaceHistory() const override
 	{

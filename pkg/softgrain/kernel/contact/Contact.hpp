@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdlib>
 #include <functional>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -193,12 +194,34 @@ template <int dim> struct ContactList {
 		if (rigid && rigid->moves) return grains + rigid->partner;
 		return std::max(second, -1);
 	}
+	/// The contact at which contact k is bonded: itself, or, since an end of a rigid body
+	/// stands for no area, that of the node that the end leans on most, of those within reach.
+	std::optional<std::size_t> placeOfBond(std::size_t k) const;
 	/// By first body; its planes and rigid bodies in the order of their names, then its grains.
 	std::tuple<int, bool, int> sweepOrder() const
 	{
 		return { first, second >= 0, std::abs(second) };
 	}
 };
+
+template <int dim> std::optional<std::size_t> ContactList<dim>::placeOfBond(std::size_t k) const
+{
+	const Contact<dim>& c = contacts[k];
+	if (!rigid || c.key.side == 0) return k;
+	std::optional<std::size_t> place;
+	double most = 0;
+	for (int i = 0; i < c.partners; ++i) {
+		const ContactKey key { 0, c.partner[i], -1 };
+		const auto found = std::lower_bound(
+			contacts.begin(), contacts.end(), key,
+			[](const Contact<dim>& a, const ContactKey& b) { return a.key < b; });
+		if (c.weight[i] <= most || found == contacts.end() || !(found->key == key))
+			continue;
+		most = c.weight[i];
+		place = found - contacts.begin();
+	}
+	return place;
+}
 
 template <int dim> std::vector<double> ContactList<dim>::placeOfSecond() const
 {

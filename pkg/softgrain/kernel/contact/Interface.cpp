@@ -83,10 +83,20 @@ Vec<dim> PairInterface<dim>::remember(std::size_t k, const ContactOutcome<dim>& 
 	if (h.bond == Bond::whole)
 		h.slip = turnedAbout(h.slip, now.normal, dt_ * now.spin) +
 			 dt_ * across<dim>(now.velocity, now.normal);
-	else if (h.bond == Bond::none && law.hasBond() && law.bondAtTouch &&
-		 (pressed > 0 || now.gap < touchingGap * now.pointSpacing))
-		bondNow(k, now.gap + dt_ * now.velocity.dot(now.normal));
+	else if (!now.ofEnd && bondsAtTouch(now))
+		bondOnce(k, now);
 	return now.reaction + h.pull;
+}
+
+template <int dim> bool PairInterface<dim>::bondsAtTouch(const ContactOutcome<dim>& now) const
+{
+	return law.hasBond() && law.bondAtTouch &&
+	       (now.reaction.dot(now.normal) > 0 || now.gap < touchingGap * now.pointSpacing);
+}
+
+template <int dim> void PairInterface<dim>::bondOnce(std::size_t k, const ContactOutcome<dim>& now)
+{
+	if (history[k].bond == Bond::none) bondNow(k, now.gap + dt_ * now.velocity.dot(now.normal));
 }
 
 template <int dim> void PairInterface<dim>::bondNow(std::size_t k, double gap)
@@ -116,9 +126,7 @@ template <int dim> void PairInterface<dim>::noteVanished(const std::vector<Conta
 {
 	for (std::size_t k = 0; k < last_.size(); ++k) {
 		const ContactHistory<dim>& h = last_[k];
-		if (last[k].key.side != 0) // an end, of no area: its bond has borne nothing
-			lost_ -= h.bond == Bond::whole;
-		else if (h.bond != Bond::none || h.slid)
+		if (last[k].key.side == 0 && (h.bond != Bond::none || h.slid))
 			vanished.push_back({ last[k].key.node, last[k].normal, h });
 	}
 }

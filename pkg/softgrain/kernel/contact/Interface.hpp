@@ -63,6 +63,7 @@ template <int dim> struct ContactOutcome {
 	double spin;         ///< 3D: of the other body about the normal, 1/s
 	double gap;          ///< at t_n, m
 	double pointSpacing; ///< dr of the node's grain, m
+	bool ofEnd = false;  ///< of a rigid body, which stands for no area: no bond acts there
 };
 
 template <int dim> class PairInterface {
@@ -98,6 +99,10 @@ public:
 	/// Keeps what became of contact k, with mu_s = `friction`; returns its whole impulse, r' +
 	/// p.
 	Vec<dim> remember(std::size_t k, const ContactOutcome<dim>& outcome, double friction);
+	/// Whether a contact that is nowhere bonded bonds as it touches.
+	bool bondsAtTouch(const ContactOutcome<dim>& outcome) const;
+	/// Bonds contact k if it never was; `outcome` is its own.
+	void bondOnce(std::size_t k, const ContactOutcome<dim>& outcome);
 	/// Whether a bond holds.
 	bool isBonded() const
 	{

@@ -174,14 +174,7 @@ template <int dim> void RigidPairSolver<dim>::finish()
 		if (excessOverlap(list_->contacts[k].gap, grain_->pointSpacing,
 				  restingOverlapOf(c)) > 0)
 			overlaps.add(c.impulse.dot(c.normal), velocity(c).dot(c.normal));
-		const Vec<dim> r =
-			interface_ ? interface_->remember(k,
-							  { c.normal, c.impulse, velocity(c),
-							    spinOfPartner(c.normal),
-							    list_->contacts[k].gap,
-							    grain_->pointSpacing },
-							  friction_)
-				   : c.impulse;
+		const Vec<dim> r = interface_ ? remember(k) : c.impulse;
 		if (r.isZero(0)) continue;
 		list_->contacts[k].setTwist(dt_ * spinOfPartner(list_->contacts[k].normal));
 		const Vec<dim> place = placeOf(c);
@@ -193,6 +186,27 @@ template <int dim> void RigidPairSolver<dim>::finish()
 	list_->impulse = sum.total(constraints_, placeOf);
 	list_->impulse.moment = turning;
 	list_->account.enter(overlaps);
+}
+
+template <int dim> ContactOutcome<dim> RigidPairSolver<dim>::outcomeOf(std::size_t k) const
+{
+	const Constraint& c = constraints_[k];
+	return { c.normal,
+		 c.impulse,
+		 velocity(c),
+		 spinOfPartner(c.normal),
+		 list_->contacts[k].gap,
+		 grain_->pointSpacing,
+		 !c.ofNode };
+}
+
+template <int dim> Vec<dim> RigidPairSolver<dim>::remember(std::size_t k)
+{
+	const ContactOutcome<dim> now = outcomeOf(k);
+	if (now.ofEnd && interface_->bondsAtTouch(now))
+		if (const auto beside = list_->placeOfBond(k))
+			interface_->bondOnce(*beside, outcomeOf(*beside));
+	return interface_->remember(k, now, friction_);
 }
 
 template <> double RigidPairSolver<3>::spinOfPartner(const Vec<3>& normal) const

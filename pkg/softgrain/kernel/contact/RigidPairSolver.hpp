@@ -73,6 +73,9 @@ private:
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	void addExchange(ResidualSum& sum, const Constraint& c) const;
 	double spinOfPartner(const Vec<dim>& normal) const; ///< ContactOutcome::spin
+	ContactOutcome<dim> outcomeOf(std::size_t k) const;
+	/// Keeps what became of contact k, for the interface; returns its whole impulse.
+	Vec<dim> remember(std::size_t k);
 
 	Vec<dim> imageCentre() const { return partner_->centre + list_->image.shift; }
 
