@@ -12,7 +12,7 @@ from softgrain.checks import finite_vector, index, number
 from softgrain.label_outlines import label_outlines
 
 NAMED_LABELS = 5  #: unusable ones that a message names
-MANY_LABELS = 1000  #: unusable ones, seldom meant as such
+MANY_LABELS = 50  #: unusable ones, seldom meant as such
 
 
 @dataclass
@@ -117,7 +117,11 @@ def _named(left_out):
     if more:
         names.append(f"and {more} more")
     if len(left_out) > MANY_LABELS:
-        names.append("so many come of lossy compression (JPEG), dithering or smoothed edges")
+        names.append(
+            "so many may come of lossy compression (JPEG), dithering, smoothed edges or shades of "
+            "grey: labels are whole numbers, one for each grain (scipy.ndimage.label makes them of "
+            "a mask)"
+        )
     return "; ".join(names)
 
 

@@ -158,10 +158,11 @@ def normalized(vertices, corners=None):
         raise ValueError(
             f"vertices has shape {x.shape}; admissible: (n, 2) with n >= 3, finite numbers"
         )
-    if not (np.linalg.norm(x - np.roll(x, 1, axis=0), axis=1) > 0).all():
+    repeated = np.flatnonzero(~(np.linalg.norm(np.roll(x, -1, axis=0) - x, axis=1) > 0))
+    if len(repeated):
         raise ValueError(
-            "vertices: two that follow each other are the same (the last one joins "
-            "the first by itself)"
+            f"vertices: {repeated[0]} and the one after it are the same (the last one joins the "
+            "first by itself)"
         )
     sharp = np.abs(turns(x)) > CORNER_TURN
     if corners is not None:

@@ -78,7 +78,8 @@ def contact_halfwidth(position, force):
             0)``.
 
     Returns:
-        float: a [m]; 0 without force.
+        float: a [m]; 0 without force and of one node. It takes three or more nodes to be near
+            that of Hertz.
 
     Raises:
         ValueError: a force is negative or no number, a position no finite one, or there are not as

@@ -74,7 +74,7 @@ def test_corners_are_where_it_turns():
     [
         ([(0, 0), (1, 0)], None, "vertices has shape (2, 2)"),
         ([(0, 0), (1, 0), (0, float("nan"))], None, "finite numbers"),
-        ([(0, 0), (1, 0), (1, 0), (0, 1)], None, "two that follow each other are the same"),
+        ([(0, 0), (1, 0), (1, 0), (0, 1)], None, "vertices: 1 and the one after it are the same"),
         ([(0, 0), (1, 0), (2, 0)], None, "the area of the polygon is 0 m^2"),
         ([(0, 0), (1, 0), (0, 1)], [3], "corners = [3]: indices are in [0, 2]"),
     ],

@@ -346,3 +346,11 @@ def test_a_pressed_corner_does_not_stop_a_run(zeta):
     while x.max() - wall.state.pos[0] < 0.9 * RADIUS and O.iter < 1500:
         run(20)
     assert O.iter < 800
+
+
+def test_a_hair_too_thin_for_the_grid_is_refused():
+    """Nodes along it took mass from those that they were tied to."""
+    spike = [(0, 0), (1, 0), (3, 0.0005), (1, 0.001), (1, 1), (0, 1)]
+    polygon(np.array(spike) * RADIUS, zeta=0.3)
+    with pytest.raises(ValueError, match="zeta = 0.3 is outside .*, or thicken the th"):
+        ready()

@@ -3,6 +3,7 @@
 #include "contact/Gaps.hpp"
 #include "contact/PlaceOnOutline.hpp"
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -102,6 +103,16 @@ bool isBeforeFold(const Vec<2>& x, const ContactOutline<2>& other, double gap)
 	return gap < -trustedOverlap * other.pointSpacing && !other.encloses(x);
 }
 
+/// Whether a node outside is farther from its facet than the gap says: beside the end of the curve
+/// over it, where an outline turns sharply.
+bool isBesideFold(const Vec<2>& x, const ContactOutline<2>& other, int facet, double gap)
+{
+	if (!other.folded && !other.bent) return false;
+	const double distance = std::sqrt(placeOnFacet(x, other, facet).squaredDistance);
+	const double most = gap + 2 * trustedOverlap * other.pointSpacing;
+	return most < distance - OutlineCurve(other, facet).bulge() && !other.encloses(x);
+}
+
 void measureCandidates(const ContactOutline<2>& first, const ContactOutline<2>& second,
 		       double reach, ContactList<2>& list)
 {
@@ -112,7 +123,10 @@ void measureCandidates(const ContactOutline<2>& first, const ContactOutline<2>& 
 		const double gap = measured.gap();
 		++list.tested;
 		node->clearance = gap + list.candidates.approached;
-		if (gap >= reach || isBeforeFold(own.position[node->node], other, gap)) return;
+		const Vec<2>& x = own.position[node->node];
+		if (gap >= reach || isBeforeFold(x, other, gap) ||
+		    isBesideFold(x, other, node->facet, gap))
+			return;
 		if (auto* contact = append({ node->side, node->node, -1 }, gap, own, other, list))
 			measured.write(*contact);
 	};

@@ -57,6 +57,18 @@ double outwardTurn(const Vec<2>& normal, const Vec<2>& next)
 	return cross(normal, next) + tangent * normal.dot(next);
 }
 
+/// Between its sides a corner faces all directions by this much at least, as that of an equilateral
+/// triangle does by itself.
+constexpr double leastBetween = 0.5;
+
+/// Of two facets of a ring: positive where the outline turns between them, either way, by more than
+/// 60 degrees.
+double bendBetween(const Vec<2>& normal, const Vec<2>& next)
+{
+	const double tangent = std::numbers::sqrt3;
+	return std::abs(cross(normal, next)) - tangent * normal.dot(next);
+}
+
 } // namespace
 
 template <int dim> void ContactOutline<dim>::updateGeometry()
@@ -66,11 +78,17 @@ template <int dim> void ContactOutline<dim>::updateGeometry()
 	if (!hasFacets()) return;
 	normal.assign(position.size(), Vec<dim>::Zero());
 	double squaredEdge = 0;
-	double leastTurn = 0; // without a branch: it is asked of all facets in every step
+	// asked of all facets in every step, without a branch in outlines without corners
+	double leastTurn = 0, mostBend = 0;
+	const bool hasCorners = mesh->hasCorners();
 	Vec<dim> last = normalOf(position, mesh->facet.back());
 	for (const auto& facet : mesh->facet) {
 		const Vec<dim> n = normalOf(position, facet);
-		if constexpr (dim == 2) leastTurn = std::min(leastTurn, outwardTurn(last, n));
+		if constexpr (dim == 2) {
+			leastTurn = std::min(leastTurn, outwardTurn(last, n));
+			if (!hasCorners || !isSharp(facet[0]))
+				mostBend = std::max(mostBend, bendBetween(last, n));
+		}
 		last = n;
 		for (int node : facet)
 			normal[node] += n;
@@ -78,11 +96,49 @@ template <int dim> void ContactOutline<dim>::updateGeometry()
 	}
 	longestEdge = std::sqrt(squaredEdge);
 	folded = leastTurn < 0;
+	bent = mostBend > 0;
 	normalizeAll(normal);
 	facetNormal.clear();
-	if (!mesh->hasCorners()) return;
+	if (!hasCorners) return;
 	for (std::size_t f = 0; f < mesh->facet.size(); ++f)
 		facetNormal.push_back(areaOfFacet(static_cast<int>(f)).normalized());
+}
+
+template <> bool ContactOutline<2>::isBent(int node) const
+{
+	if (!bent || isSharp(node)) return false;
+	const auto& sides = mesh->facetsAbout[node];
+	return bendBetween(areaOfFacet(sides[0]), areaOfFacet(sides[1])) > 0;
+}
+
+template <> bool ContactOutline<3>::isBent(int) const { return false; }
+
+template <> bool NodeFacing<2>::isBetweenSides(const Vec<2>& direction) const
+{
+	const int a = (*sides_)[0], b = (*sides_)[1];
+	const bool inOrder = body_.mesh->facet[a][1] == body_.mesh->facet[b][0];
+	const Vec<2> before = body_.areaOfFacet(inOrder ? a : b),
+		     after = body_.areaOfFacet(inOrder ? b : a);
+	return cross(before, after) > 0 && cross(before, direction) <= 0 &&
+	       cross(direction, after) <= 0;
+}
+
+/// Corners of cuboids are nowhere so sharp that it matters.
+template <> bool NodeFacing<3>::isBetweenSides(const Vec<3>&) const { return false; }
+
+template <int dim> double NodeFacing<dim>::mostOfSides(const Vec<dim>& direction) const
+{
+	double most = isBetweenSides(direction) ? leastBetween : -1;
+	for (int facet : *sides_)
+		most = std::max(most, -body_.normalOfFacet(facet).dot(direction));
+	return most;
+}
+
+template <int dim> double NodeFacing<dim>::ofCorner(const Vec<dim>& direction) const
+{
+	if (isSharp_) return mostOfSides(direction);
+	const double ofNormal = -normal_.dot(direction);
+	return isBetweenSides(direction) ? std::max(ofNormal, leastBetween) : ofNormal;
 }
 
 template <int dim> std::vector<int> ContactOutline<dim>::nodesIn(const Box<dim>& region) const
@@ -172,5 +228,7 @@ void ContactOutline<dim>::becomeImage(const ContactOutline& of, const Vec<dim>& 
 
 template struct ContactOutline<2>;
 template struct ContactOutline<3>;
+template class NodeFacing<2>;
+template class NodeFacing<3>;
 
 } // namespace softgrain

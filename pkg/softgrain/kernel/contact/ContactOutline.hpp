@@ -26,6 +26,9 @@ template <int dim> struct ContactOutline {
 	/// 2D: the outline turns inwards so sharply somewhere that to a node close by two places on
 	/// it may be nearest, each of those around.
 	bool folded = false;
+	/// 2D: at some node that is not sharp it turns by so much that its normal there says little
+	/// of either side.
+	bool bent = false;
 	double circumradius = 0;     ///< of the positions about the centre of the box, m
 	VectorRange<dim> velocities; ///< of the nodes, m/s
 	/// Way of the nodes together since the start, m, and the most that one may have come
@@ -49,6 +52,8 @@ template <int dim> struct ContactOutline {
 		return isOnGrid() ? gridNode[node].centre : position[node];
 	}
 	bool isSharp(int node) const { return mesh->isSharp(node); }
+	/// Whether it is `bent` at this node.
+	bool isBent(int node) const;
 
 	/// Nodes in a region, in their order.
 	std::vector<int> nodesIn(const Box<dim>& region) const;
@@ -95,36 +100,45 @@ template <int dim> struct ContactOutline {
 	void becomeImage(const ContactOutline& of, const Vec<dim>& shift);
 };
 
-/// How an outline faces at one of its nodes: to be asked for many directions.
+/// How an outline faces at one of its nodes, to be asked for many directions: cosines of the angle
+/// by which it faces against a direction (unit), 1 where it faces it head-on, below 0 where it
+/// turns away.
 template <int dim> class NodeFacing {
 public:
 	NodeFacing(const ContactOutline<dim>& body, int node)
 		: body_(body)
 		, normal_(body.normal[node])
+		, isSharp_(body.isSharp(node))
 	{
-		if (body.isSharp(node)) sides_ = &body.mesh->facetsAbout[node];
+		if (isSharp_ || body.isBent(node)) sides_ = &body.mesh->facetsAbout[node];
 	}
-	/// Cosine of the angle by which it faces against `direction` (unit): 1 where it faces it
-	/// head-on, below 0 where it turns away. At a corner of the facet that faces it most.
+	/// By its normal, at a corner by the side that faces it most. In the plane 1/2 at least
+	/// between the sides: those of a needle face nothing that is before its tip.
 	double operator()(const Vec<dim>& direction) const
 	{
-		if (!sides_) return -normal_.dot(direction);
-		double most = -1;
-		for (int facet : *sides_)
-			most = std::max(most, -body_.normalOfFacet(facet).dot(direction));
-		return most;
+		return sides_ ? ofCorner(direction) : -normal_.dot(direction);
 	}
-	/// Whether it does, within 84 degrees.
+	/// The same, but where the outline is bent by the side that faces it most, too.
+	double ofSides(const Vec<dim>& direction) const
+	{
+		return sides_ ? mostOfSides(direction) : -normal_.dot(direction);
+	}
+	/// Whether one of its sides does, within 84 degrees.
 	bool isAgainst(const Vec<dim>& direction) const
 	{
 		constexpr double leastCosine = 0.1;
-		return (*this)(direction) > leastCosine;
+		return ofSides(direction) > leastCosine;
 	}
 
 private:
+	double ofCorner(const Vec<dim>& direction) const;
+	double mostOfSides(const Vec<dim>& direction) const;
+	bool isBetweenSides(const Vec<dim>& direction) const;
+
 	const ContactOutline<dim>& body_;
 	const Vec<dim>& normal_;
-	const std::vector<int>* sides_ = nullptr; ///< facets that meet at a corner
+	bool isSharp_;
+	const std::vector<int>* sides_ = nullptr; ///< facets that meet at a corner or a bend
 };
 
 } // namespace softgrain

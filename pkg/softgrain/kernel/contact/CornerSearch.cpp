@@ -224,8 +224,7 @@ public:
 			return false;
 		if (!isBeyond && isAside(x, other_, found.place(), contact, reach_)) return false;
 		if (contact.gap >= (found.faces ? reach_ : -deep_)) return false;
-		if (isFarther(contact.gap, found.place()) && isOutside(x, other_, found.nearest))
-			return false;
+		if (isFarther(contact.gap, found.place()) && isNotInside(x, found)) return false;
 		// behind the line of a side that has been bent, and outside all the same
 		const bool doubtful = contact.gap < -trustedDepth * other_.pointSpacing;
 		return !doubtful || other_.mesh->irregular || other_.encloses(x);
@@ -254,10 +253,31 @@ private:
 		};
 		found.isNearest = isNear(found.nearest) && bears(found.nearest.facet);
 		found.faces = found.isNearest || findBeside(bears, found);
+		if (found.faces && !found.isNearest && hasComeInHere(found)) found.isNearest = true;
 		if (found.faces) return true;
 		// None near: the node lies against no side of the grain, but it may be inside.
 		found.isNearest = true;
 		return found.nearest.squaredDistance >= shallow_ * shallow_ && mayBeInside();
+	}
+	/// Whether a node that faces a place farther away has come in at the nearest all the same,
+	/// as one of a fold may: it is inside, and the other place round a corner. (In 3D outlines
+	/// do not fold.)
+	bool hasComeInHere(const NodeAtPlace<dim>& found) const
+	{
+		return dim == 2 &&
+		       std::sqrt(found.beside.squaredDistance) >
+			       std::sqrt(found.nearest.squaredDistance) +
+				       trustedDepth * other_.pointSpacing &&
+		       other_.encloses(positionOf(*found.node));
+	}
+	/// (In the plane the nearest facet does not tell where the outline has crossed itself in a
+	/// fold; but a node on it is in no polygon.)
+	bool isNotInside(const Vec<dim>& x, const NodeAtPlace<dim>& found) const
+	{
+		if (isOutside(x, other_, found.nearest)) return true;
+		const double onOutline = edgeWidth * other_.pointSpacing;
+		return dim == 2 && found.nearest.squaredDistance > onOutline * onOutline &&
+		       !other_.encloses(x);
 	}
 	/// No deeper than contacts are.
 	bool isNear(const PlaceOnOutline<dim>& place) const

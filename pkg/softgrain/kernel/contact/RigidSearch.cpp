@@ -16,12 +16,15 @@ namespace softgrain {
 namespace {
 
 /// Facing of a contact node; disks have no normal of their own, and face whatever is not on the
-/// side of the middle of their grain.
+/// side of the middle of their grain. Where an outline is bent, either of its sides may be on that
+/// of a body; which side of a flat surface it is on, as a whole, only both can tell.
 template <int dim>
-double facingOf(const ContactOutline<dim>& body, int node, const Vec<dim>& direction)
+double facingOf(const ContactOutline<dim>& body, int node, const Vec<dim>& direction, bool isFlat)
 {
-	if (body.hasFacets()) return NodeFacing<dim>(body, node)(direction);
-	return (body.position[node] - body.box.centre()).dot(direction) < 0 ? 1 : -1;
+	if (!body.hasFacets())
+		return (body.position[node] - body.box.centre()).dot(direction) < 0 ? 1 : -1;
+	const NodeFacing<dim> facing(body, node);
+	return isFlat ? facing(direction) : facing.ofSides(direction);
 }
 
 template <int dim> struct Flat { ///< a plane
@@ -118,7 +121,9 @@ placeOfNode(const ContactOutline<dim>& body, int s, double reach, const RigidSur
 	const Vec<dim>& x = body.position[s];
 	const Flat<dim>* flat = thin && body.isSharp(s) ? &*thin : nullptr;
 	const Facing<dim> facing = [&](const Vec<dim>& n) {
-		return liesBefore<dim>(body, s, flat, -n) ? -1. : facingOf<dim>(body, s, n);
+		return liesBefore<dim>(body, s, flat, -n)
+			       ? -1.
+			       : facingOf<dim>(body, s, n, thin.has_value());
 	};
 	const auto goesOn = [&](const auto& edge, const auto& way) {
 		return seams.goesOnFrom(edge, way);

@@ -1,5 +1,6 @@
 #include "contact/Search.hpp"
 #include "contact/OutlineSearch.hpp"
+#include "contact/PlaceOnOutline.hpp"
 #include "contact/RigidSearch.hpp"
 
 #include <Eigen/Geometry>
@@ -172,13 +173,22 @@ template <int dim> bool nested(const ContactOutline<dim>& first, const ContactOu
 	       second.holds(first.box.centre(), first.innerRadius());
 }
 
+/// Whether a place is in the polygon of the nodes, and deeper than the outline may be dented over a
+/// facet.
+template <int dim> bool enclosesDeep(const ContactOutline<dim>& body, const Vec<dim>& x)
+{
+	if (!body.encloses(x)) return false;
+	const auto place = nearestPlace(x, body, facetsIn(body, body.box), anyFacet);
+	return place.squaredDistance > body.bulge() * body.bulge();
+}
+
 /// The same where the centre of a box may lie outside its grain, known that no node is near an
 /// outline; two on one another share their box.
 template <int dim>
 bool nestedIrregular(const ContactOutline<dim>& first, const ContactOutline<dim>& second)
 {
 	const double near = 0.2 * std::min(first.inradius, second.inradius);
-	return first.encloses(second.position[0]) || second.encloses(first.position[0]) ||
+	return enclosesDeep(first, second.position[0]) || enclosesDeep(second, first.position[0]) ||
 	       ((first.box.low - second.box.low).norm() < near &&
 		(first.box.high - second.box.high).norm() < near);
 }

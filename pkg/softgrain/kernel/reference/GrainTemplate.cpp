@@ -8,6 +8,7 @@
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
 namespace softgrain {
 
@@ -119,6 +120,23 @@ void requirePointsForNodes(const TemplateRecipe& recipe, std::size_t points, std
 	throw std::invalid_argument(message.str());
 }
 
+template <int dim> void requireResolved(bool isResolved, const GrainTemplate<dim>& grain)
+{
+	if (isResolved) return;
+	const bool isCut = grain.recipe.quadrature == QuadratureRule::cutCell;
+	refuse("zeta", grain.recipe.zeta,
+	       std::string("that resolves all parts of the outline: give a smaller one, or ") +
+		       (isCut ? "thicken the thinnest" : "quadrature = 'cutCell'"));
+}
+
+/// Along hairs far thinner than a point, nodes are tied to the rest from so far that they take mass
+/// from it.
+template <int dim> void requirePositiveMasses(const GrainTemplate<dim>& grain)
+{
+	for (double mass : grain.nodeMass)
+		requireResolved(mass > 0, grain);
+}
+
 /// At rest a contact node is where its background nodes carry it.
 template <int dim> void requireCarriedOutline(const GrainTemplate<dim>& grain)
 {
@@ -128,10 +146,7 @@ template <int dim> void requireCarriedOutline(const GrainTemplate<dim>& grain)
 		const auto& shapes = grain.contactShapes;
 		for (int k = shapes.begin(s); k < shapes.end(s); ++k)
 			X += shapes.value[k] * grain.nodePosition[shapes.column[k]];
-		require((X - grain.contactMesh.vertex[s]).norm() < rounding, "zeta",
-			grain.recipe.zeta,
-			"that resolves all parts of the outline: give a smaller one, or quadrature "
-			"= 'cutCell'");
+		requireResolved((X - grain.contactMesh.vertex[s]).norm() < rounding, grain);
 	}
 }
 
@@ -156,6 +171,7 @@ template <int dim> void layGrid(const Outline<dim>& outline, GrainTemplate<dim>&
 				 ? balancedNodeMass<dim>(grid.position(), grid.mass(), quadrature,
 							 grain.pointShapes)
 				 : grid.mass();
+	requirePositiveMasses(grain);
 	const bool isProjected = recipe.volumetric == VolumetricStrain::projected;
 	grain.hourglass = hourglassStencils<dim>(grid, grain.pointLines, grain.nodeMass,
 						 hourglassStiffness<dim>(isProjected));

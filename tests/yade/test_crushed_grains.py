@@ -1,0 +1,106 @@
+"""Soft grains crushed fast by stiff ones: corners bend, outlines fold, and a node bears where it
+lies against the other outline all the same."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import RADIUS, soft_material
+from yade import FrictMat, O, Quaternion, utils
+
+import softgrain as sg
+
+SPACING = 2.2 * RADIUS
+MANY = 4  # grains along each side
+FRICTION = math.atan(0.3)
+
+
+def add_block(place, radius, random, **look):
+    sides = 1.4 * radius, 1.4 * radius * random.uniform(0.3, 1)
+    block = sg.soft_block(place, sides, **look)
+    block.state.ori = Quaternion((0, 0, 1), random.uniform(0, 2 * math.pi))
+    return block
+
+
+def add_disk(place, radius, random, **look):
+    return sg.soft_disk(place, radius, **look)
+
+
+def add_superdisk(place, radius, random, **look):
+    half_axes = radius, radius * random.uniform(0.5, 1)
+    exponent, angle = random.choice([1.3, 3, 6]), random.uniform(0, 2 * math.pi)
+    return sg.soft_superdisk(place, half_axes, exponent, angle, **look)
+
+
+def add_grains(add, random):
+    materials = [
+        soft_material(young=young, poisson=0.4, frictionAngle=FRICTION) for young in (1e5, 1e7)
+    ]
+    O.materials.append(materials)
+    for k in range(MANY**2):
+        x, y = (k // MANY + 0.5) * SPACING, (k % MANY + 0.5) * SPACING
+        look = dict(material=materials[random.integers(2)], zeta=random.choice([0.2, 0.3]))
+        body = add((x, y, 0), RADIUS * random.uniform(0.75, 1), random, **look)
+        body.state.vel = (*random.uniform(-1, 1, 2), 0)
+        O.bodies.append(body)
+
+
+def add_closing_walls(speed):
+    material = FrictMat(frictionAngle=FRICTION)
+    for axis in (0, 1):
+        low = utils.wall(0, axis=axis, sense=1, material=material)
+        high = utils.wall(MANY * SPACING, axis=axis, sense=-1, material=material)
+        high.state.vel = -speed * np.eye(3)[axis]
+        O.bodies.append([low, high])
+
+
+def signed_distance(x, polygon):
+    """From a polygon, negative inside [m]."""
+    start, end = polygon, np.roll(polygon, -1, axis=0)
+    way = end - start
+    share = np.clip(((x - start) * way).sum(axis=1) / (way**2).sum(axis=1), 0, 1)
+    distance = np.linalg.norm(x - start - share[:, None] * way, axis=1).min()
+    crossed = (start[:, 1] > x[1]) != (end[:, 1] > x[1])
+    to_right = start[crossed, 0] + (x[1] - start[crossed, 1]) * (way[:, 0] / way[:, 1])[crossed]
+    return distance if (to_right > x[0]).sum() % 2 == 0 else -distance
+
+
+def farthest_that_bears(outlines):
+    """Distance of a contact node that bore force in this step from the other grain, in dr."""
+    farthest = 0
+    for i in O.interactions:
+        if not i.isReal or not {i.id1, i.id2} <= set(outlines):
+            continue
+        contacts = i.geom.contacts()
+        grains = i.geom.first, i.id1 + i.id2 - i.geom.first
+        dr = np.mean([O.bodies[k].shape.zeta * O.bodies[k].shape.radius for k in grains])
+        for k in np.flatnonzero(np.linalg.norm(contacts["force"], axis=1)):
+            side = contacts["side"][k]
+            x = outlines[grains[side]][contacts["node"][k]]
+            farthest = max(farthest, signed_distance(x, outlines[grains[1 - side]]) / dr)
+    return farthest
+
+
+def crush(add, seed, steps=1300):
+    """The farthest node that bore in one of the sampled steps, in dr."""
+    O.reset()
+    add_grains(add, np.random.default_rng(seed))
+    add_closing_walls(speed=6)
+    O.engines = sg.engines()
+    farthest = 0
+    for step in range(steps):
+        before = {b.id: b.shape.outline() for b in sg.soft_bodies()} if step % 10 == 0 else {}
+        O.step()
+        farthest = max(farthest, farthest_that_bears(before))
+    return farthest
+
+
+@pytest.mark.parametrize(
+    "add, seeds",
+    ((add_block, (3, 6, 7, 8, 16)), (add_disk, (5,)), (add_superdisk, (13, 16))),
+    ids=("blocks", "disks", "superdisks"),
+)
+def test_nodes_bear_where_they_are(add, seeds):
+    for seed in seeds:
+        assert crush(add, seed) < 0.25, seed
+        assert sg.integrator().largestOverlap < 0.3
