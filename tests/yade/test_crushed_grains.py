@@ -15,24 +15,24 @@ MANY = 4  # grains along each side
 FRICTION = math.atan(0.3)
 
 
-def add_block(place, radius, random, **look):
+def make_block(place, radius, random, **look):
     sides = 1.4 * radius, 1.4 * radius * random.uniform(0.3, 1)
     block = sg.soft_block(place, sides, **look)
     block.state.ori = Quaternion((0, 0, 1), random.uniform(0, 2 * math.pi))
     return block
 
 
-def add_disk(place, radius, random, **look):
+def make_disk(place, radius, random, **look):
     return sg.soft_disk(place, radius, **look)
 
 
-def add_superdisk(place, radius, random, **look):
+def make_superdisk(place, radius, random, **look):
     half_axes = radius, radius * random.uniform(0.5, 1)
     exponent, angle = random.choice([1.3, 3, 6]), random.uniform(0, 2 * math.pi)
     return sg.soft_superdisk(place, half_axes, exponent, angle, **look)
 
 
-def add_grains(add, random):
+def add_grains(make, random):
     materials = [
         soft_material(young=young, poisson=0.4, frictionAngle=FRICTION) for young in (1e5, 1e7)
     ]
@@ -40,7 +40,7 @@ def add_grains(add, random):
     for k in range(MANY**2):
         x, y = (k // MANY + 0.5) * SPACING, (k % MANY + 0.5) * SPACING
         look = dict(material=materials[random.integers(2)], zeta=random.choice([0.2, 0.3]))
-        body = add((x, y, 0), RADIUS * random.uniform(0.75, 1), random, **look)
+        body = make((x, y, 0), RADIUS * random.uniform(0.75, 1), random, **look)
         body.state.vel = (*random.uniform(-1, 1, 2), 0)
         O.bodies.append(body)
 
@@ -81,10 +81,11 @@ def farthest_that_bears(outlines):
     return farthest
 
 
-def crush(add, seed, steps=1300):
-    """The farthest node that bore in one of the sampled steps, in dr."""
+def crush(make, seed, steps=1300):
+    """The farthest node that bore in one of the sampled steps, in dr. (Without the rules for bends
+    and folds three of the runs with blocks stop; nodes bore at 0.4 to 0.9 dr.)"""
     O.reset()
-    add_grains(add, np.random.default_rng(seed))
+    add_grains(make, np.random.default_rng(seed))
     add_closing_walls(speed=6)
     O.engines = sg.engines()
     farthest = 0
@@ -96,11 +97,11 @@ def crush(add, seed, steps=1300):
 
 
 @pytest.mark.parametrize(
-    "add, seeds",
-    ((add_block, (3, 6, 7, 8, 16)), (add_disk, (5,)), (add_superdisk, (13, 16))),
+    "make, seeds",
+    ((make_block, (3, 6, 7, 8, 16)), (make_disk, (5,)), (make_superdisk, (13, 16))),
     ids=("blocks", "disks", "superdisks"),
 )
-def test_nodes_bear_where_they_are(add, seeds):
+def test_nodes_bear_where_they_are(make, seeds):
     for seed in seeds:
-        assert crush(add, seed) < 0.25, seed
+        assert crush(make, seed) < 0.25, seed
         assert sg.integrator().largestOverlap < 0.3

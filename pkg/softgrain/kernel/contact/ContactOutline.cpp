@@ -62,7 +62,8 @@ double outwardTurn(const Vec<2>& normal, const Vec<2>& next)
 constexpr double leastBetween = 0.5;
 
 /// Of two facets of a ring: positive where the outline turns between them, either way, by more than
-/// 60 degrees.
+/// 60 degrees. (Its normal there is more than 30 degrees off either side; what is bent by more
+/// fails to face what one of them lies on: doc/decisions/0028-search.md, Folds.)
 double bendBetween(const Vec<2>& normal, const Vec<2>& next)
 {
 	const double tangent = std::numbers::sqrt3;
