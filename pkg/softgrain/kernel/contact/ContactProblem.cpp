@@ -46,8 +46,8 @@ template <int dim>
 template <class Visit>
 void ContactSolver<dim>::forEachConstraint(Visit&& visit) const
 {
-	for (int k = 0; k < count_; ++k)
-		withGrainPair(k, [&](const auto& pair) {
+	for (int k = 0; k < pairs_.count(); ++k)
+		pairs_.withGrainPair(k, [&](const auto& pair) {
 			for (const auto& c : pair.constraints())
 				visit(pair, c);
 		});
@@ -87,14 +87,14 @@ template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
 {
 	ContactProblem<dim> problem;
 	if (!solved_) return problem;
-	if (movesRigidBodies())
+	if (pairs_.moveRigidBodies())
 		throw std::logic_error(
 			"the contact problem cannot be given as data: a rigid body that "
 			"contact moves takes part, whose blocks of W are no multiples of "
 			"the identity");
 	problem.delassus = delassus();
-	for (int k = 0; k < count_; ++k)
-		withGrainPair(k, [&](const auto& pair) {
+	for (int k = 0; k < pairs_.count(); ++k)
+		pairs_.withGrainPair(k, [&](const auto& pair) {
 			problem.start.insert(problem.start.end(), pair.start().begin(),
 					     pair.start().end());
 		});

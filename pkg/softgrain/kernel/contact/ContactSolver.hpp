@@ -11,15 +11,11 @@
 // same problem, with blocks of their own (TwoStepContact.hpp): against grains (RigidPairSolver.hpp)
 // and against each other (RigidContact.hpp).
 //
-// A sweep goes through the pairs of bodies as SweepPlan.hpp says: threads share the tasks of a
-// colour, none of which have a body in common, and the result is that of one thread.
+// What is swept, in which order and by which thread: PlannedPairs.hpp.
 #pragma once
 
 #include "contact/ContactProblem.hpp"
-#include "contact/PairSolver.hpp"
-#include "contact/RigidContact.hpp"
-#include "contact/RigidPairSolver.hpp"
-#include "contact/SweepPlan.hpp"
+#include "contact/PlannedPairs.hpp"
 
 #include <vector>
 
@@ -76,28 +72,6 @@ public:
 	ContactProblem<dim> problem() const;
 
 private:
-	void makeRoom();
-	/// ContactBody::noteContactAt; before any impulse is applied, since what it moves other
-	/// pairs ask for.
-	void noteNodesInContact(std::vector<ContactBody<dim>>& bodies);
-	/// Calls with the numbers of all pairs, colour by colour, those of a task so many times in
-	/// a row; `visit` may not throw.
-	template <class Visit>
-	void forEachPair(SweepOrder order, Visit&& visit, int times = 1) const;
-	template <class Visit> void forEachPairOf(int task, SweepOrder order, Visit&& visit) const;
-	/// Whether what sweeps work on is still there from the sweep before.
-	bool staysInCache() const;
-	/// Of pair k, if there is one.
-	void fetch(int k, void (PairSolver<dim>::*what)() const) const;
-	/// What a pass over the velocities will need after pair k.
-	void fetchAfter(int k, SweepOrder order) const;
-	/// What `prepare` will need after pair k. What is not yet known of a pair goes by what the
-	/// pair of this number was in the last step: mostly it is the same one.
-	void fetchForPrepare(int k) const;
-	bool hasGrains() const; ///< pairs of grains, or of a grain and a plane
-	bool movesRigidBodies() const;
-	/// Whether anything that touches rigid bodies moves as prescribed, or with a cell.
-	bool isDriven() const;
 	/// Of rigid bodies alone: scales the impulses of the last step so that all together
 	/// exchange what they should, r . (u + b n) = 0, unless that is far less and would violate
 	/// more. Those of an impact do nothing any more; those that hold a heavy body on light ones
@@ -121,61 +95,7 @@ private:
 	template <class Visit> void forEachConstraint(Visit&& visit) const;
 	SparseRows<double> delassus() const;
 
-	enum class Kind : char { grains, grainOnRigid, rigid };
-	/// Calls with the solver of pair k, of whichever kind.
-	template <class Visit> decltype(auto) withPair(int k, Visit&& visit)
-	{
-		return visitPair(*this, k, visit);
-	}
-	template <class Visit> decltype(auto) withPair(int k, Visit&& visit) const
-	{
-		return visitPair(*this, k, visit);
-	}
-	template <class Self, class Visit>
-	static decltype(auto) visitPair(Self& self, int k, Visit& visit)
-	{
-		const Slot& slot = self.slot_[k];
-		if (slot.kind == Kind::rigid) return visit(self.rigidContacts_[slot.index]);
-		if (slot.kind == Kind::grainOnRigid) return visit(self.rigidPairs_[slot.index]);
-		return visit(self.pairs_[slot.index]);
-	}
-	/// The same unless pair k is one of two rigid bodies.
-	template <class Visit> void withGrainPair(int k, Visit&& visit) const
-	{
-		const Slot& slot = slot_[k];
-		if (slot.kind == Kind::grainOnRigid) visit(rigidPairs_[slot.index]);
-		if (slot.kind == Kind::grains) visit(pairs_[slot.index]);
-	}
-
-	/// A pair as it comes, before the plan.
-	struct Listed {
-		Kind kind;
-		std::size_t contacts;
-	};
-	/// Where a pair is kept.
-	struct Slot {
-		Kind kind;
-		int index;
-		int task; ///< of the plan
-	};
-	SweepPlan plan_;
-	std::vector<ContactList<dim>*> lists_; ///< lists with contacts
-	std::vector<BodiesOfPair> bodiesOf_;   ///< of these, then of the rigid contacts
-	std::vector<Listed> listed_;           ///< the same
-	std::vector<RigidPartner<dim>>* partners_ = nullptr;
-	std::vector<RigidContact<dim>>* contactsOfRigid_ = nullptr;
-	std::vector<BodiesOfPair> planned_; ///< those that `plan_` is for
-	int plannedBodies_ = 0;
-	std::vector<Slot> slot_;                       ///< task by task
-	std::vector<PairSolver<dim>> pairs_;           ///< in this order; further ones are spare
-	std::vector<RigidPairSolver<dim>> rigidPairs_; ///< the same with rigid bodies
-	std::vector<RigidContactSolver<dim>> rigidContacts_; ///< the same of rigid bodies alone
-	/// Of the pairs of grains, pair after pair in the order of the sweeps, so that memory is
-	/// gone through as it lies; and where those of each pair of `slot_` begin, at last their
-	/// end.
-	std::vector<typename PairSolver<dim>::Constraint> constraints_;
-	std::vector<std::size_t> constraintsBegin_;
-	int count_ = 0;
+	PlannedPairs<dim> pairs_;
 	bool solved_ = false;
 	double exchangedAtFirst_ = 0; ///< by the impulses of the last step, with rigid bodies, J
 	bool countsExchange_ = false; ///< ResidualSum::countExchanged, and extrapolated sweeps
@@ -183,7 +103,6 @@ private:
 	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
 	std::vector<long> visits_;        ///< of contacts, by pairs on their own
 	SolverSettings settings_;
-	int threads_ = 1;
 };
 
 } // namespace softgrain
