@@ -13,7 +13,7 @@ STOPS = {
     "time_step": {1.1: "(0, 1]", 1.2: "(0, 1]"},
     "own_step": dict.fromkeys((0.9, 1.0, 1.1, 1.2), "sg.set_time_step()"),
     "poisson_plane_strain": {-0.7: "smaller zeta", 0.5: "poisson = 0.5"},
-    "poisson_plane_stress": dict.fromkeys((-0.5, -0.4, -0.3), "no thickness"),
+    "poisson_plane_stress": dict.fromkeys((-0.5, -0.4), "no thickness"),
     "distance": dict.fromkeys((1e9, 1e12), "radii from the origin"),
 }
 FAST = ("ripples", "trembling", "poisson_plane_stress", "friction", "distance")

@@ -60,9 +60,9 @@ class OverlapAccount:
     taken: float = 0.0  #: less what was given, J
     grace: int = STEPS_OF_ACCOUNT  #: steps left while overlaps that the pair began with are there
 
-    def is_good(self):
-        """Whether overlaps are to be worked off at full speed."""
-        return self.grace > 0 or self.taken > 0
+    def is_good(self, credit):
+        """Whether overlaps are to be worked off at full speed; so much may be owed [J]."""
+        return self.grace > 0 or self.taken > -credit
 
     def enter(self, given):
         """Enter what each overlap that is to be worked off gave in a step [J]."""
@@ -77,7 +77,7 @@ def excess_overlap(gap, point_spacing):
     return max(-gap - RESTING_OVERLAP * point_spacing, 0.0)
 
 
-def closing_bias(gap, point_spacing, dt, settings, account):
+def closing_bias(gap, point_spacing, dt, settings, at_full_speed):
     """b [m/s]: a gap may close within the step; an overlap opens at a capped speed, and slower if
     it is small and came about against no force, so that the account of the pair is not good."""
     if gap >= 0:
@@ -85,7 +85,7 @@ def closing_bias(gap, point_spacing, dt, settings, account):
     excess = excess_overlap(gap, point_spacing)
     if excess == 0:
         return 0.0
-    share = 1.0 if account.is_good() else min(excess / (URGENT_OVERLAP * point_spacing), 1.0) ** 3
+    share = 1.0 if at_full_speed else min(excess / (URGENT_OVERLAP * point_spacing), 1.0) ** 3
     return -min(settings.overlap_relaxation * excess / dt, share * settings.overlap_speed)
 
 

@@ -8,6 +8,7 @@ from .cell import Cell
 from .interface import Interface, has_slid, node_areas
 from .search import contacts_of_grains, contacts_with_plane, turned_with
 from .solver import (
+    RESTING_OVERLAP,
     OverlapAccount,
     SolverSettings,
     closing_bias,
@@ -158,7 +159,7 @@ class System:
             delassus=H / mass @ H.T,
             free_velocity=H @ v - drift,
             normal=np.array([contact.normal for contact in contacts]),
-            bias=np.array([self.bias(pair, contact, dt) for pair, contact in self.contacts]),
+            bias=np.array(self.biases(dt)),
             friction=np.array(friction),
             impulse=impulse,
             pair=[pair for pair, _ in self.contacts],
@@ -200,10 +201,22 @@ class System:
             overlaps.append(-contact.gap / np.mean(spacings))
         return max(overlaps)
 
-    def bias(self, pair, contact, dt):
-        """b of a contact [m/s], with the dr of the node's grain."""
-        spacing = self.grains[pair[contact.side]].point_spacing
-        return closing_bias(contact.gap, spacing, dt, self.settings, self.account[pair])
+    def spacing(self, pair, contact):
+        """dr of the grain of the node [m]."""
+        return self.grains[pair[contact.side]].point_spacing
+
+    def biases(self, dt):
+        """b of all contacts [m/s]. A pair may owe the forces of the last step over what may
+        rest."""
+        credit = dict.fromkeys(self.account, 0.0)
+        for pair, contact in self.contacts:
+            force = contact.impulse @ contact.normal / dt
+            credit[pair] += force * RESTING_OVERLAP * self.spacing(pair, contact)
+        good = {pair: account.is_good(credit[pair]) for pair, account in self.account.items()}
+        return [
+            closing_bias(contact.gap, self.spacing(pair, contact), dt, self.settings, good[pair])
+            for pair, contact in self.contacts
+        ]
 
     def keep_accounts(self, velocity):
         """Enter what overlaps give in this step.
@@ -213,8 +226,7 @@ class System:
         """
         given = {pair: [] for pair in self.account}
         for (pair, contact), u in zip(self.contacts, velocity):
-            spacing = self.grains[pair[contact.side]].point_spacing
-            if excess_overlap(contact.gap, spacing) > 0:
+            if excess_overlap(contact.gap, self.spacing(pair, contact)) > 0:
                 given[pair].append((contact.impulse @ contact.normal) * (u @ contact.normal))
         for pair, account in self.account.items():
             account.enter(given[pair])

@@ -377,6 +377,20 @@ TEST_CASE("Solver: one ball on a plane, by hand", "[contact]")
 		const double kept = (1 - 1. / stepsOfAccount) * account;
 		CHECK(std::abs(ball.list.account.taken - (kept - r * speed)) < 1e-14);
 	}
+	SECTION("what bears may owe its force over what may rest")
+	{
+		SolverSettings settings;
+		settings.overlapRelaxation = 1;
+		settings.overlapSpeed = 0.08;
+		const double owed = GENERATE(0.0199, 0.0201); // J; the force is 20 N
+		Ball ball({ 0, -2 }, -0.026, 0);
+		ball.body[0].pointSpacing = 1;
+		ball.list.contacts[0].impulse = Vec<2>(0, 2);
+		ball.list.account = { -owed, 0 };
+		ball.solve(0.1, settings);
+		const double speed = owed < 0.02 ? 0.08 : 0.01;
+		CHECK((ball.body[0].velocity[0] - Vec<2>(0, speed)).norm() < 1e-14);
+	}
 	SECTION("an overlap that was there from the start is worked off at full speed")
 	{
 		SolverSettings settings;

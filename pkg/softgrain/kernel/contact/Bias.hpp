@@ -1,7 +1,6 @@
 // What a contact asks of its normal velocity.
 #pragma once
 
-#include "contact/OverlapAccount.hpp"
 #include "contact/SolverSettings.hpp"
 
 #include <algorithm>
@@ -27,19 +26,37 @@ inline double excessOverlap(double gap, double pointSpacing, double resting = re
 	return std::max(-gap - resting * pointSpacing, 0.);
 }
 
-/// b: the speed at which a gap may close, or minus that at which an overlap is worked off. Where it
-/// came about against no force, so that the account of the pair is not good, as where contacts
-/// wander over the outline, the speed falls with its cube: the work would make grains tremble for
-/// ever.
-inline double biasOf(double gap, double pointSpacing, double dt, const SolverSettings& settings,
-		     const OverlapAccount& account, double resting = restingOverlap)
+/// What the contacts of a pair may owe (OverlapAccount): the work of the forces of the last step
+/// over what may rest, J. `spacingOf(contact)` is dr of its node's grain, m.
+template <class Contacts, class Spacing>
+double creditOf(const Contacts& contacts, double dt, Spacing&& spacingOf)
 {
-	if (gap >= 0) return gap / dt;
-	const double excess = excessOverlap(gap, pointSpacing, resting);
-	if (excess == 0) return 0;
-	const double urgency = std::min(excess / (urgentOverlap * pointSpacing), 1.);
-	const double share = account.isGood() ? 1 : urgency * urgency * urgency;
-	return -std::min(settings.overlapRelaxation * excess / dt, share * settings.overlapSpeed);
+	double sum = 0; // N m s
+	for (const auto& contact : contacts)
+		sum += contact.impulse.dot(contact.normal) * spacingOf(contact);
+	return restingOverlap * sum / dt;
 }
+
+/// What the contacts of a pair ask for in a step.
+struct Bias {
+	double dt; ///< s
+	const SolverSettings& settings;
+	bool atFullSpeed; ///< OverlapAccount::isGood
+
+	/// b: the speed at which a gap may close, or minus that at which an overlap is worked off.
+	/// Where it came about against no force, so that the account of the pair is not good, as
+	/// where contacts wander over the outline, the speed falls with its cube: the work would
+	/// make grains tremble for ever.
+	double of(double gap, double pointSpacing, double resting = restingOverlap) const
+	{
+		if (gap >= 0) return gap / dt;
+		const double excess = excessOverlap(gap, pointSpacing, resting);
+		if (excess == 0) return 0;
+		const double urgency = std::min(excess / (urgentOverlap * pointSpacing), 1.);
+		const double share = atFullSpeed ? 1 : urgency * urgency * urgency;
+		return -std::min(settings.overlapRelaxation * excess / dt,
+				 share * settings.overlapSpeed);
+	}
+};
 
 } // namespace softgrain

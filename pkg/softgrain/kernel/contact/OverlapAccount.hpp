@@ -26,8 +26,10 @@ struct OverlapAccount {
 	int grace =
 		stepsOfAccount; ///< steps left while overlaps that the pair began with are there
 
-	/// Whether overlaps are to be worked off at full speed.
-	bool isGood() const { return grace > 0 || taken > 0; }
+	/// Whether overlaps are to be worked off at full speed. So much may be owed (`creditOf`),
+	/// J: without it overlaps of a first load, which come about at low forces, would rest under
+	/// high ones.
+	bool isGood(double credit) const { return grace > 0 || taken > -credit; }
 	void enter(const WorkOfOverlaps& work)
 	{
 		if (grace > 0)

@@ -1,6 +1,5 @@
 #include "contact/PairSolver.hpp"
 #include "Fetch.hpp"
-#include "contact/Bias.hpp"
 #include "contact/CoulombCone.hpp"
 #include "contact/PairSum.hpp"
 #include "contact/Pressure.hpp"
@@ -44,12 +43,17 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	interface_ = list.interface ? &*list.interface : nullptr;
 	firstSide_ = BodySide<dim>(*first_);
 	secondSide_ = second_ ? BodySide<dim>(*second_) : BodySide<dim>();
+	const auto spacingOf = [this](const Contact<dim>& c) {
+		return (c.key.side == 0 ? first_ : second_)->pointSpacing;
+	};
+	const Bias bias { dt, settings,
+			  list.account.isGood(creditOf(list.contacts, dt, spacingOf)) };
 	constraints_ = { room, list.contacts.size() };
 	start_.resize(list.contacts.size());
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 		const Contact<dim>& contact = list.contacts[k];
 		Constraint& c = constraints_[k];
-		describe(contact, dt, settings, c);
+		describe(contact, bias, c);
 		if (k > 0) constraints_[k - 1].coupling = couplingOf(constraints_[k - 1], c);
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
@@ -61,8 +65,7 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 }
 
 template <int dim>
-void PairSolver<dim>::describe(const Contact<dim>& contact, double dt,
-			       const SolverSettings& settings, Constraint& c) const
+void PairSolver<dim>::describe(const Contact<dim>& contact, const Bias& bias, Constraint& c) const
 {
 	c.normal = contact.normal;
 	c.impulse = onCone<dim>(contact.impulse, contact.normal, friction_);
@@ -72,7 +75,7 @@ void PairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 	c.partners = static_cast<signed char>(contact.partners);
 	c.partner = contact.partner;
 	c.weight = contact.weight;
-	c.bias = biasOf(contact.gap, own(c)->pointSpacing, dt, settings, list_->account);
+	c.bias = bias.of(contact.gap, own(c)->pointSpacing);
 	c.W = ownSide(c).mobilityOf(c.node);
 	if (c.partners > 0) c.W += otherSide(c).mobilityOf(c);
 	c.inverseW = 1 / c.W;

@@ -3,6 +3,7 @@
 // be worked on at the same time.
 #pragma once
 
+#include "contact/Bias.hpp"
 #include "contact/BodySide.hpp"
 #include "contact/ContactWork.hpp"
 #include "contact/PairProblem.hpp"
@@ -110,8 +111,7 @@ private:
 	ContactBody<dim>* own(const Constraint& c) const { return c.onFirst ? first_ : second_; }
 	ContactBody<dim>* other(const Constraint& c) const { return c.onFirst ? second_ : first_; }
 	/// All of a constraint but its coupling.
-	void describe(const Contact<dim>& contact, double dt, const SolverSettings& settings,
-		      Constraint& c) const;
+	void describe(const Contact<dim>& contact, const Bias& bias, Constraint& c) const;
 	void engageInterface();
 	/// W between two contacts.
 	double couplingOf(const Constraint& c, const Constraint& d) const;

@@ -1,5 +1,4 @@
 #include "contact/RigidPairSolver.hpp"
-#include "contact/Bias.hpp"
 #include "contact/PairSum.hpp"
 #include "contact/Pressure.hpp"
 #include "lanes/Lanes.hpp"
@@ -23,11 +22,14 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 	friction_ = list.friction;
 	interface_ = list.interface ? &*list.interface : nullptr;
 	frictions_ = interface_ ? interface_->frictions(friction_) : std::vector<double>();
+	const double credit = creditOf(
+		list.contacts, dt, [this](const Contact<dim>&) { return grain_->pointSpacing; });
+	const Bias bias { dt, settings, list.account.isGood(credit) };
 	constraints_.resize(list.contacts.size());
 	start_.resize(list.contacts.size());
 	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 		Constraint& c = constraints_[k];
-		describe(list.contacts[k], dt, settings, c);
+		describe(list.contacts[k], bias, c);
 		start_[k] = c.impulse;
 		if (!c.impulse.isZero(0)) applyImpulse(c, c.impulse);
 	}
@@ -44,15 +46,14 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 }
 
 template <int dim>
-void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
-				    const SolverSettings& settings, Constraint& c) const
+void RigidPairSolver<dim>::describe(const Contact<dim>& contact, const Bias& bias,
+				    Constraint& c) const
 {
 	c.ofNode = contact.key.side == 0;
 	c.normal = c.ofNode ? contact.normal : Vec<dim>(-contact.normal);
 	c.begin(onCone<dim>(c.ofNode ? contact.impulse : Vec<dim>(-contact.impulse), c.normal,
 			    friction_));
-	c.bias = biasOf(contact.gap, grain_->pointSpacing, dt, settings, list_->account,
-			restingOverlapOf(c));
+	c.bias = bias.of(contact.gap, grain_->pointSpacing, restingOverlapOf(c));
 	c.facet = contact.facet;
 	c.partners = c.ofNode ? 1 : contact.partners;
 	c.partner = contact.partner;
@@ -64,7 +65,7 @@ void RigidPairSolver<dim>::describe(const Contact<dim>& contact, double dt,
 	c.arm = -imageCentre();
 	for (int i = 0; i < c.partners; ++i)
 		c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
-	if (!heldSpin_.isZero(0)) c.arm += halfStepAlongSurface(c, dt);
+	if (!heldSpin_.isZero(0)) c.arm += halfStepAlongSurface(c);
 	c.grainMobility = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
 	c.setMobility(c.grainMobility * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
 }
@@ -79,10 +80,10 @@ template <int dim> double RigidPairSolver<dim>::restingOverlapOf(const Constrain
 /// of a place leads to where it will be, not outwards along the tangent. Across the surface it is
 /// no place of the body that matters: a roller turns under its contacts.
 template <int dim>
-Vec<dim> RigidPairSolver<dim>::halfStepAlongSurface(const Constraint& c, double dt) const
+Vec<dim> RigidPairSolver<dim>::halfStepAlongSurface(const Constraint& c) const
 {
 	const Vec<dim> along = c.arm - c.arm.dot(c.normal) * c.normal;
-	return 0.5 * dt * turned<dim>(heldSpin_, along);
+	return 0.5 * dt_ * turned<dim>(heldSpin_, along);
 }
 
 template <int dim>

@@ -2,6 +2,7 @@
 // PairSolver. Its contacts are solved in two steps (TwoStepContact.hpp).
 #pragma once
 
+#include "contact/Bias.hpp"
 #include "contact/BodySide.hpp"
 #include "contact/ContactWork.hpp"
 #include "contact/Residual.hpp"
@@ -64,11 +65,10 @@ public:
 private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
 	/// Of the place of a contact that turns as prescribed, m.
-	Vec<dim> halfStepAlongSurface(const Constraint& c, double dt) const;
+	Vec<dim> halfStepAlongSurface(const Constraint& c) const;
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
-	void describe(const Contact<dim>& contact, double dt, const SolverSettings& settings,
-		      Constraint& c) const;
+	void describe(const Contact<dim>& contact, const Bias& bias, Constraint& c) const;
 	double restingOverlapOf(const Constraint& c) const; ///< in dr
 	void applyImpulse(const Constraint& c, const Vec<dim>& J);
 	void addExchange(ResidualSum& sum, const Constraint& c) const;
