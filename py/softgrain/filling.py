@@ -107,13 +107,40 @@ def distance(place, corners):
     return min(nearest, heights[above].min(initial=np.inf))
 
 
+def encloses(corners, place):
+    """Whether facets that close around a space enclose a place: all together turn about it once
+    (in 3D: are seen at a solid angle of 4 pi). Where a facet lies folded onto its neighbour, with
+    its outer side inwards, what it seems to enclose is outside.
+
+    Args:
+        corners (array): of segments or triangles, shape (m, dim, dim) [m].
+        place (array): shape (dim,) [m].
+
+    Returns:
+        bool:
+    """
+    way = corners - place
+    if len(place) == 2:
+        a, b = way[:, 0], way[:, 1]
+        angles = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], np.sum(a * b, axis=1))
+        return angles.sum() > np.pi
+    a, b, c = way[:, 0], way[:, 1], way[:, 2]
+    la, lb, lc = np.linalg.norm(way, axis=2).T
+    upper = np.sum(a * np.cross(b, c), axis=1)  # van Oosterom and Strackee 1983
+    lower = la * lb * lc + sum(
+        np.sum(x * y, axis=1) * z for x, y, z in ((a, b, lc), (b, c, la), (c, a, lb))
+    )
+    return 2 * np.arctan2(upper, lower).sum() > 2 * np.pi
+
+
 def fill(vertices, facets, gap, depth):
     """Few discs (balls) whose union has nearly a given outline.
 
     Greedy: of the largest balls inside that touch the outline at its samples, the one that
     covers most of what is not covered yet, until all is. A sample is covered by a ball if it is
     not further than `gap` from it. No ball leaves the outline, between samples either, by more than
-    `depth` and a twentieth of its radius, whichever is less.
+    `depth` and a twentieth of its radius, whichever is less. Samples at which only balls outside
+    touch, on facets that are folded over, are left out.
 
     Args:
         vertices, facets: the outline, as for :func:`samples_of`.
@@ -136,8 +163,9 @@ def fill(vertices, facets, gap, depth):
         candidates = np.flatnonzero(bare)
         candidates = candidates[:: -(-len(candidates) * len(places) // BATCH)]
         radius = largest_balls(places, normals, candidates, depth)
-        if not (np.isfinite(radius) & (radius > 0)).all():
-            raise ValueError("vertices: no ball fits inside the outline; is it closed?")
+        fits = np.isfinite(radius) & (radius > 0)
+        bare[candidates[~fits]] = 0
+        candidates, radius = candidates[fits], radius[fits]
         largest_first = np.argsort(-radius, kind="stable")  # of those that cover as much
         candidates, radius = candidates[largest_first], radius[largest_first]
         centre = places[candidates] - radius[:, None] * normals[candidates]
@@ -145,6 +173,9 @@ def fill(vertices, facets, gap, depth):
         covered = (squares <= (radius + gap)[:, None] ** 2).astype(float)
         while (gains := covered @ bare).any():
             best = int(np.argmax(gains))
+            if not encloses(corners, centre[best]):
+                covered[best] = bare[candidates[best]] = 0
+                continue
             room = distance(centre[best], corners)
             fitting = min(room + depth, room / (1 - DEEPEST))
             if radius[best] > fitting:  # smaller, it may not be the best one
@@ -155,4 +186,6 @@ def fill(vertices, facets, gap, depth):
             centres.append(origin + centre[best])
             radii.append(radius[best])
             bare[covered[best] > 0] = 0
+    if not centres:
+        raise ValueError("vertices: no ball fits inside the outline; is it closed?")
     return np.array(centres), np.array(radii)

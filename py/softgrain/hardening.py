@@ -10,10 +10,10 @@ from softgrain import _softgrain
 from softgrain.checks import number
 from softgrain.filling import fill
 from softgrain.materials import found_material
-from softgrain.observe import bodies_of, soft_bodies
+from softgrain.observe import bodies_of, soft_bodies, unscaled_mass
 from softgrain.overlaps import Ball, overlap_factor
 from softgrain.softening import drop_interactions, look_anew
-from softgrain.time_loop import refuse_background_run
+from softgrain.time_loop import critical_time_step, refuse_background_run
 
 #: Outlines of clumps are off by that much of the size of the grain, if nothing else is said, by
 #: dimension: some ten or twenty spheres in either.
@@ -124,6 +124,7 @@ def _grains(ids):
             )
     if not bodies:
         raise ValueError("ids: there is no soft grain to harden")
+    critical_time_step()  # grains whose material has changed are made anew, as in the next step
     return bodies
 
 
@@ -154,7 +155,7 @@ class _Motion:
     def of(cls, body):
         state, inertia = body.state, np.array(body.shape.inertia())
         spin = inertia @ np.array(state.angVel)
-        return cls(state.mass, Vector3(state.pos), Vector3(state.vel), inertia, spin)
+        return cls(unscaled_mass(body), Vector3(state.pos), Vector3(state.vel), inertia, spin)
 
     def momenta(self):
         """Momentum [kg m/s] and angular momentum about the origin [kg m^2/s], of shape (3,)."""
@@ -206,11 +207,11 @@ def _refuse(given, name, value, into):
 
 def _become_sphere(body, material, radius):
     state, grain, motion = body.state, body.shape, _Motion.of(body)
-    inertia = (0.5 if grain.dim == 2 else 0.4) * state.mass * radius**2
+    inertia = (0.5 if grain.dim == 2 else 0.4) * motion.mass * radius**2
     body.shape = Sphere(radius=radius, color=grain.color)
     body.material = material
     state.blockedDOFs = _blocked(grain)
-    state.inertia = (inertia,) * 3
+    state.mass, state.inertia = motion.mass, (inertia,) * 3
     state.vel, state.angVel = motion.velocity, Vector3(*(motion.spin / inertia))
 
 

@@ -38,6 +38,12 @@ def some_soft_bodies(asker):
     return bodies
 
 
+def unscaled_mass(body):
+    """Of a soft grain without mass scaling, of which State.mass tells from the next step on [kg, 2D
+    kg/m]."""
+    return body.material.density * body.shape.undeformedVolume()
+
+
 def bodies_of(ids):
     """The bodies with these ids.
 
@@ -313,11 +319,14 @@ class Balance:
         "cohesion",
     )
     _WORKS = ("walls", "cell", "loads")
+    #: Of Young's modulus times volume: energies below are rounding, which balances nothing.
+    _ROUNDING = 1e-15
 
     def __init__(self):
         self._check()
         self._start = self._stored_and_lost(integrator().energy())
-        self._scale = 0.0
+        stiffness = sum(b.material.young * b.shape.undeformedVolume() for b in soft_bodies())
+        self._scale = self._ROUNDING * stiffness
 
     @staticmethod
     def _check():
@@ -336,7 +345,8 @@ class Balance:
 
     def error(self):
         """|work - change of energy - dissipation| over the largest of these so far, as far as it
-        was asked: ask at every record where energies come and go [-]."""
+        was asked: ask at every record where energies come and go. Over 1e-15 of Young's modulus
+        times volume at least, so that it tells of no rounding [-]."""
         self._check()
         energy = integrator().energy()
         terms = self._STORED_AND_LOST + self._WORKS  # not what rigid bodies have by themselves

@@ -13,7 +13,7 @@ from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 from softgrain import _softgrain, time_loop
 from softgrain.checks import number
 from softgrain.materials import found_material
-from softgrain.observe import has_own_motion, some_soft_bodies
+from softgrain.observe import has_own_motion, some_soft_bodies, unscaled_mass
 
 #: Grains whose kinetic energy is below this share of the elastic one count as at rest.
 AT_REST = 1e-3
@@ -96,7 +96,7 @@ def _free_part(body, force):
 def _weighed_mass(body):
     """Without mass scaling, of which State.mass tells from the next step on."""
     if isinstance(body.shape, wrapper.SoftGrain):
-        return body.material.density * body.shape.undeformedVolume()
+        return unscaled_mass(body)
     return body.state.mass
 
 
@@ -167,11 +167,13 @@ def scale_mass(factor, materials=None):
     Raises:
         ValueError: the factor is out of its range, there is no material or one that is no
             ``SoftMat``, or the scene has no soft grain. Nothing has been changed then.
+        RuntimeError: a run is going on in the background. Nothing has been changed then.
 
     Warns:
         UserWarning: the grains move: their velocities stay, so that their momentum and kinetic
             energy jump with their mass.
     """
+    time_loop.refuse_background_run("scale_mass")
     bodies = some_soft_bodies("scale_mass")
     factor = number("factor", factor, "[1, inf)")
     if materials is None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from softgrain.filling import distance, fill, samples_of
+from softgrain.filling import distance, encloses, fill, samples_of
 
 
 def ring(x):
@@ -41,6 +41,22 @@ def cube():
     ):
         faces += [(quad[0], quad[1], quad[2]), (quad[0], quad[2], quad[3])]
     return x, np.array(faces)
+
+
+def folded_circle():
+    """Two neighbouring vertices have passed each other: a segment has its outer side inwards."""
+    x, facets = circle()
+    x[[10, 11]] = x[[11, 10]]
+    return x, facets
+
+
+def folded_cube():
+    """A vertex of the upper face hangs over an edge, and a facet lies on the side below."""
+    x, facets = cube()
+    top = (1, 5, 7, 3)
+    others = [f for f in facets if not set(f) <= set(top)]
+    around = [(top[k], top[(k + 1) % 4], 8) for k in range(4)]
+    return np.vstack([x, [1.1, 0, 0.9]]), np.array(others + around)
 
 
 def gaps(outline, centres, radii, spacing):
@@ -109,3 +125,27 @@ def test_inside_out():
     vertices, facets = SQUARE
     with pytest.raises(ValueError, match="is it closed"):
         fill(vertices, facets[:, ::-1], 0.05, 0.005)
+
+
+@pytest.mark.parametrize("outline", (folded_circle(), folded_cube()), ids=("circle", "cube"))
+def test_facets_that_are_folded_over(outline):
+    """Balls that would touch them lie outside, with nothing to bound them."""
+    gap, depth = 0.1, 0.01
+    centres, radii = fill(*outline, gap, depth)
+    assert np.isfinite(radii).all()
+    assert (np.abs(centres).max(axis=1) + radii).max() < 1.1 + depth
+    places, normals, _ = samples_of(*outline, 0.1)
+    upright = np.array([encloses(outline[0][outline[1]], x) for x in places - 1e-3 * normals])
+    assert 0 < (~upright).sum() < 0.2 * len(places)
+    uncovered = np.linalg.norm(places[:, None] - centres[None], axis=2) - radii
+    assert uncovered.min(axis=1)[upright].max() < 1.6 * gap
+
+
+def test_enclosed_places():
+    for outline in (SQUARE, bean(), cube()):
+        corners = outline[0][outline[1]]
+        dim = corners.shape[2]
+        inside, beyond = np.full(dim, 0.3), np.full(dim, 1.01)
+        assert encloses(corners, inside)
+        assert not encloses(corners, beyond)
+        assert not encloses(corners[:, ::-1], inside)

@@ -59,6 +59,28 @@ def test_scaled_mass_is_refused(into):
     assert isinstance(disk.shape, Sphere)
 
 
+@pytest.mark.parametrize("into", ("spheres", "clumps"))
+@pytest.mark.parametrize("change", ("scaling", "density"))
+def test_mass_is_that_of_the_material(into, change):
+    """As it is now: State.mass follows it in the next step only."""
+    disk = add_disk()
+    ready()
+    grain, mass, inertia = disk.id, disk.state.mass, np.array(disk.shape.inertia())[2, 2]
+    if change == "scaling":
+        sg.scale_mass(16)
+        run(2)
+        sg.scale_mass(1)
+    else:
+        disk.material.density /= 4
+        mass, inertia = mass / 4, inertia / 4
+    hardened = sg.harden(material=rigid_material(), into=into)
+    body = O.bodies[hardened.bodies[grain][0]]
+    if into == "spheres":  # theirs is that of the radius
+        inertia = 0.5 * mass * body.shape.radius**2
+    assert body.state.mass == pytest.approx(mass, rel=1e-12)
+    assert body.state.inertia[2] == pytest.approx(inertia, rel=1e-12)
+
+
 @pytest.mark.parametrize("into", ("spheres", "clumps", "fixed"))
 def test_look_and_mask_are_kept(into):
     disk = add_disk()
