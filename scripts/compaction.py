@@ -259,7 +259,7 @@ def compact(options, box):
     drawing = 0.0
     begin = phi = sg.packing_fraction(box.area)
     with command_line.progress_bar(total=options.until_phi - begin) as bar:
-        while phi < options.until_phi:
+        while phi < options.until_phi or not recorder.records["phi"]:
             next_height = solid / (solid / box.height + box.width / RECORDS_PER_UNIT_PHI)
             while box.height > next_height:
                 O.step()

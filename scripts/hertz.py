@@ -16,6 +16,8 @@ from softgrain import cases, command_line, finite_elements
 
 #: Pressure profiles are kept at the windows nearest to these approaches over D.
 PROFILES_AT = (0.03, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
+#: Of the way of the plates that the script is to stop at: wider windows of its records miss it.
+WIDEST_WINDOW = 0.5
 
 
 def parse_options(arguments=None):
@@ -42,6 +44,12 @@ def parse_options(arguments=None):
     command_line.check_method(parser, options)
     if options.condition == "plane_stress" and options.volumetric == "projected":
         parser.error("argument --volumetric: projected needs --condition plane_strain")
+    window = options.speed * cases.window_of(options) / options.diameter
+    if window > WIDEST_WINDOW * options.until:
+        parser.error(
+            f"argument --speed: the plates approach by {window:.2g} D within a window of the "
+            f"records, more than {WIDEST_WINDOW} of --until"
+        )
     return options
 
 

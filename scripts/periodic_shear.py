@@ -24,6 +24,7 @@ CLOUD_PHI = 0.55  # of the generated cloud
 DENSE_PHI = 0.80  # at which the controller of the stresses takes over
 RATE = 2.0  # 1/s, of the compression before, and at most under the controller
 CALM, CALM_STEPS = 0.01, 500  # error of the stresses, and steps for which it is not passed, at rest
+STILL, STILL_STEPS = 1e-6, 5000  # share of RATE below which the cell stands still, and for how long
 
 
 def parse_options(arguments=None):
@@ -98,12 +99,21 @@ def hold_stress(stress, mass):
 
 
 def rest(stress):
-    """Until the stresses are near the target for a while."""
-    calm, stride = 0, 50
+    """Until the stresses are near the target for a while; ends the script where the cell stands
+    still before."""
+    calm, still, stride = 0, 0, 50
     while calm < CALM_STEPS:
         sg.advance(stride)
         present = np.diag(sg.cell_stress())[:2]
         calm = calm + stride if np.all(np.abs(present + stress) < CALM * stress) else 0
+        stands = np.abs(np.array(O.cell.velGrad)).max() < STILL * RATE
+        still = still + stride if stands and not calm else 0
+        if still > STILL_STEPS:
+            raise SystemExit(
+                f"periodic_shear: the cell stands still at stresses of {-present[0] / stress:.2f} "
+                f"and {-present[1] / stress:.2f} of the target: PeriTriaxController shrinks no "
+                "cell below 2.1 times its largest grain. Take more --grains or less --stress"
+            )
 
 
 def shear(options, stress):

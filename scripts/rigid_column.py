@@ -14,6 +14,7 @@ import time
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from yade import (
     Ip2_ViscElMat_ViscElMat_ViscElPhys,
     Law2_ScGeom_ViscElPhys_Basic,
@@ -325,6 +326,9 @@ def draw(result, path):
             left.errorbar(at, at * over_a, at * scatter, fmt=mark, ms=5, capsize=3, label=name)
     left.set_xlabel("$a = H_0/L_0$")
     left.set_ylabel("$(L - L_0)/L_0$")
+    nominal = sorted({c["nominal"] for c in cases})
+    left.set_xticks(nominal, labels=[f"{x:g}" for x in nominal])
+    left.xaxis.set_minor_formatter(NullFormatter())
     left.set_xlim(a[0], a[-1])
     left.set_ylim(0.5 * a[0], 4 * a[-1])
     figure.legend(loc="lower right", frameon=False, fontsize=8)

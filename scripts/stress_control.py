@@ -116,7 +116,8 @@ def make_walls(sides, boxes):
 
 def press_by_controller(walls, stress, drag):
     """Softgrain's own controller."""
-    controller = sg.WallStressController(walls=walls, goal=(stress,) * 3, drag=drag)
+    goal = [stress] * (len(walls) // 2) + [0] * (3 - len(walls) // 2)
+    controller = sg.WallStressController(walls=walls, goal=goal, drag=drag)
     sg.insert_before_solve(controller)
 
 

@@ -74,13 +74,20 @@ bool isFree(const Scene& scene, const Push& push)
 	return isWall && body.state->blockedDOFs == freeAlong(push.axis);
 }
 
+/// Since the push, s. Where the clock has been put back (`O.resetTime()`) this is the step after
+/// it.
+Real timeSince(const Push& push, const Scene& scene)
+{
+	return scene.time > push.time ? scene.time - push.time : scene.dt;
+}
+
 /// Whether the velocity is that by which NewtonIntegrator has moved it.
-bool isAsMoved(const State& state, const Push& push, Real time)
+bool isAsMoved(const State& state, const Push& push, Real elapsed)
 {
 	// of a difference of places, many times over; one that is given by hand is another one by
 	// far, or as good as the one it has
 	constexpr Real alike = 1e-6, rounding = 1e-12;
-	const Real way = state.vel[push.axis] * (time - push.time);
+	const Real way = state.vel[push.axis] * elapsed;
 	const Real moved = state.pos[push.axis] - push.place;
 	return std::abs(way - moved) <= alike * std::abs(moved) + rounding * std::abs(push.place);
 }
@@ -127,7 +134,8 @@ std::vector<Body::id_t> holdUnpushedWalls(Scene& scene)
 			continue;
 		}
 		Body& wall = *(*scene.bodies)[push.id];
-		if (isAsMoved(*wall.state, push, scene.time)) wall.state->vel = Vector3r::Zero();
+		if (isAsMoved(*wall.state, push, timeSince(push, scene)))
+			wall.state->vel = Vector3r::Zero();
 		holdWall(scene, wall);
 		held.push_back(push.id);
 	}

@@ -34,7 +34,7 @@ template <class Soft, class Base> bool isA(const shared_ptr<Base>& object)
 }
 
 /// (Of soft grains the state is checked where it was changed.)
-void checkRigidState(const Body& body)
+void checkRigidBody(const Body& body)
 {
 	const State& state = *body.state;
 	const std::pair<const char*, Real> sums[] { { "pos", state.pos.sum() },
@@ -45,6 +45,12 @@ void checkRigidState(const Body& body)
 		if (!math::isfinite(sum))
 			throw std::invalid_argument(name(body) + ": state." + which +
 						    " is not finite; admissible: finite numbers");
+	if (!isA<Box>(body.shape)) return;
+	const Vector3r& extents = static_cast<const Box&>(*body.shape).extents;
+	if (!(extents.minCoeff() >= 0))
+		throw std::invalid_argument(name(body) + ": shape.extents has " +
+					    std::to_string(extents.minCoeff()) +
+					    " m; admissible: half sides in [0, inf)");
 }
 
 void checkBody(const Body& body)
@@ -52,7 +58,7 @@ void checkBody(const Body& body)
 	checkSubdomain(body);
 	const bool softShape = isA<SoftGrain>(body.shape);
 	const bool softMaterial = isA<SoftMat>(body.material);
-	if (!softShape) checkRigidState(body);
+	if (!softShape) checkRigidBody(body);
 	if (softShape && !softMaterial)
 		throw std::invalid_argument(
 			name(body) + " has the soft shape SoftGrain but the material " +

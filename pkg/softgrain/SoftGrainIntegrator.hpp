@@ -96,7 +96,7 @@ private:
 	Real longestBesideSpheres() const;
 	void measureCriticalStep(Real enough);
 	void warnOfStiffSpheres();
-	void warnOfCollapsedStep(Real undeformed);
+	void checkCollapsedStep(Real undeformed);
 	void warnOfPressure();
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();

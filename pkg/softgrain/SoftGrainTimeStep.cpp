@@ -42,9 +42,40 @@ constexpr double leftTimeStep = 0.98, dearMeasuring = 0.25, dearPoints = 1e7;
 /// that goes on so hardly ends. A disk under twice its young has a tenth, without folds.
 constexpr double collapsedStep = 0.01;
 
+/// Below this share a run does not end at all: the steps of a point that collapses shorten faster
+/// than it does.
+constexpr double lostStep = 1e-6;
+
 /// Relative difference up to which O.dt is the value that sg set before the first step, which is
 /// computed anew here.
 constexpr double sameTimeStep = 1e-9;
+
+/// Names the point that is crushed most.
+string messageOfLostStep(const softgrain::GrainAssembly& grains, Real criticalDt)
+{
+	Real smallest = std::numeric_limits<Real>::infinity();
+	int crushed = -1;
+	std::size_t point = 0;
+	for (int g = 0; g < grains.grains(); ++g) {
+		const auto F = grains.points(g).F;
+		for (std::size_t p = 0; p < F.size(); ++p) {
+			const Real J = F[p].determinant();
+			if (!(J < smallest)) continue;
+			smallest = J;
+			crushed = g;
+			point = p;
+		}
+	}
+	std::ostringstream message;
+	message << "soft grain #" << grains.idOf(crushed) << ", material point " << point
+		<< ": its volume has collapsed to " << smallest
+		<< " of what it was, and the critical time step with it, to " << criticalDt
+		<< " s, so that the run does not get on. Hint: load more slowly, or less, refine "
+		   "the grain (smaller zeta), or make it with nodeSpacing = 2; a grain that "
+		   "several walls close in on with friction locks between them (user guide, "
+		   "'Friction')";
+	return message.str();
+}
 
 } // namespace
 
@@ -104,14 +135,17 @@ void SoftGrainIntegrator::warnOfStiffSpheres()
 			      "sg.engines(rigid='nonsmooth')");
 }
 
-/// Once: where grains fold or all but invert, or bonds are stiff, a step may become so short that
-/// nothing moves on.
-void SoftGrainIntegrator::warnOfCollapsedStep(Real undeformed)
+/// Where grains fold or all but invert, or bonds are stiff, a step may become so short that nothing
+/// moves on: warned of once, and stopped where it is the grains and cannot be survived.
+void SoftGrainIntegrator::checkCollapsedStep(Real undeformed)
 {
-	if (warnedOfCollapse_ || criticalDt >= collapsedStep * undeformed) return;
-	warnedOfCollapse_ = true;
+	if (criticalDt >= collapsedStep * undeformed) return;
 	// squares of frequencies add: more than half of them are the bonds'
 	const bool byBonds = 0.5 * criticalDt * criticalDt * bondRate > 1;
+	if (criticalDt < lostStep * undeformed && !byBonds)
+		throw std::runtime_error(messageOfLostStep(*assembly_, criticalDt));
+	if (warnedOfCollapse_) return;
+	warnedOfCollapse_ = true;
 	LOG_WARN("step "
 		 << scene->iter << ": the critical time step of the soft grains is " << criticalDt
 		 << " s, less than a hundredth of that of the undeformed ones, " << undeformed
@@ -144,7 +178,7 @@ void SoftGrainIntegrator::chooseTimeStep()
 			       std::abs(scene->dt - own) <= sameTimeStep * own;
 	const bool hasStepper = hasTimeStepper(*scene);
 	measureCriticalStep(automatic || hasStepper ? own / timeStepFraction : scene->dt);
-	warnOfCollapsedStep(undeformed);
+	checkCollapsedStep(undeformed);
 	if (hasStepper) {
 		const Real ofRigidBodies = scene->dt;
 		followDeformation(undeformed, hasStepper);

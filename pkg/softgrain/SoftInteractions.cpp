@@ -279,6 +279,19 @@ string hintAtSide(const Interaction& I, const Scene& scene)
 	return "";
 }
 
+/// What no loading is slow enough for; empty where friction is too small for it.
+string hintOfLocking(const Interaction& I, const Scene& scene)
+{
+	constexpr Real ofThreeWalls = 0.7; // 1/sqrt(2), rounded down
+	const auto* phys = dynamic_cast<const SoftPhys*>(I.phys.get());
+	if (!phys || !(phys->tangensOfFrictionAngle >= ofThreeWalls)) return "";
+	for (const Body::id_t id : { I.getId1(), I.getId2() })
+		if (dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get()))
+			return "do several walls close in on the grain? With such friction it "
+			       "locks between them (user guide, 'Friction'). Else ";
+	return "";
+}
+
 } // namespace
 
 void SoftInteractions::stopOnOverlap(Real maxOverlap) const
@@ -294,6 +307,7 @@ void SoftInteractions::stopOnOverlap(Real maxOverlap) const
 			message << " overlap by " << deepest << " point spacings, more";
 		message << " than maxOverlap = " << maxOverlap
 			<< ". Hint: " << hintAtSide(*interactions_[k], scene_)
+			<< hintOfLocking(*interactions_[k], scene_)
 			<< "start from less overlap (sg.soften(overlap='shrink')), load more "
 			   "slowly, reduce tolerance, or, under pressures near young "
 			   "and above, make grains with nodeSpacing = 2";

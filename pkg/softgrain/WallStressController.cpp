@@ -149,6 +149,9 @@ void WallStressController::action()
 			 // vector
 	checkWalls();
 	checkAlone();
+	if (axes() == 2)
+		require(goal[2] == 0, "WallStressController.goal[2]", goal[2],
+			"0 with four walls, none of which is along z");
 	if (ownScene_.isGone()) initialLengths.clear();
 	ownScene_.enter();
 	if (static_cast<int>(initialLengths.size()) != axes()) {

@@ -21,6 +21,8 @@ from softgrain.time_loop import (
 
 #: Spheres lie in one plane where their centres differ by less than this share of a radius.
 ONE_PLANE = 1e-6
+#: Force over E D (3D: E D^2) that turns a sphere with ``when='loaded'``, if nothing else is said.
+USUAL_LOAD = 1e-3
 
 
 def soften(
@@ -31,7 +33,7 @@ def soften(
     overlap="relax",
     time_step_fraction=0.85,
     when="now",
-    load=1e-3,
+    load=None,
     **shape,
 ):
     """Turn spheres of the scene, and in 2D clumps of them, into soft grains in place, keeping
@@ -73,8 +75,8 @@ def soften(
         overlap (str): 'relax', 'shrink' or 'refuse'.
         time_step_fraction (float): O.dt over the critical step, in (0, 1] [-].
         when (str): 'now' or, spheres only, 'loaded'.
-        load (float): with 'loaded', force of a contact over E D (3D: E D^2) above which a sphere is
-            turned, E of the material, D its diameter, >= 0 [-].
+        load (float | None): with 'loaded', force of a contact over E D (3D: E D^2) above which a
+            sphere is turned, E of the material, D its diameter, >= 0 [-]; None: 1e-3.
         **shape: further attributes of ``SoftGrain``.
 
     Returns:
@@ -90,7 +92,8 @@ def soften(
     """
     refuse_background_run("soften")
     time_step_fraction = checked_fraction("time_step_fraction", time_step_fraction)
-    load = number("load", load, "[0, inf)")
+    load_given = load is not None
+    load = number("load", load if load_given else USUAL_LOAD, "[0, inf)")
     _refuse_kept(shape)
     bodies = _rigid_grains(ids)
     dim = _dimension(bodies) if dim is None else dim
@@ -103,6 +106,8 @@ def soften(
         return [b.id for b in bodies]
     if when != "now":
         raise ValueError(f"when = {when!r} is unknown; known: 'now', 'loaded'")
+    if load_given:
+        raise ValueError(f"load = {load}: it has no meaning with when='now'")
     spheres = [part for body in bodies for part in spheres_of(body)]
     factor = overlap_factor([Ball.of(sphere) for sphere in spheres], overlap, dim)
     shape.update(dim=dim, zeta=zeta)

@@ -287,7 +287,9 @@ def critical_time_step():
 
     Raises:
         ValueError: the scene has no soft grain, or a body is wrong (see the message).
+        RuntimeError: a run is going on in the background: grains that have changed are made anew.
     """
+    refuse_background_run("critical_time_step")
     step = _softgrain.criticalTimeStep()
     if not step > 0:
         raise ValueError("critical_time_step: the scene has no soft grain")
@@ -327,7 +329,9 @@ def set_time_step(fraction=0.85):
 
     Raises:
         ValueError: the fraction is out of its range, or the scene has no soft grain.
+        RuntimeError: a run is going on in the background.
     """
+    refuse_background_run("set_time_step")
     fraction = checked_fraction("fraction", fraction)
     O.dt = fraction * critical_time_step()
     O.tags[_OWN_STEP] = f"{O.dt!r} {fraction!r}"

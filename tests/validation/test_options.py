@@ -97,6 +97,7 @@ REFUSED = {
     },
     hertz: {
         "--until 1.5": "--until: '1.5' is not a number in (0, 1)",
+        "--until 0.05 --speed 0.5": "--speed: the plates approach by 0.07",
         "--young 0": "--young: '0' is not a number in (0, inf)",
         "--zeta 3": "--zeta: ",
         "--poisson 0.5": "--poisson: ",
@@ -177,6 +178,21 @@ def test_stress_that_walls_do_not_bear_in_time(tmp_path):
     process = yade_script("harden_packing", "--stress", "1", "--out", str(tmp_path))
     assert process.returncode == 1, process.stdout + process.stderr
     assert "--stress: after 0.25 s under 1.0 Pa a wall bears 0 of it" in process.stderr
+
+
+def test_packing_that_begins_where_it_ends(tmp_path):
+    """It has a record all the same."""
+    options = ("--grains", "6", "--zeta", "0.3", "--until-phi", "0.701", "--speed", "50")
+    result = run_case("compaction", tmp_path, *options)
+    assert len(result["phi"]) >= 1 and result["phi"][-1] > 0.701
+
+
+def test_cell_that_the_controller_does_not_shrink(tmp_path):
+    options = ("--grains", "10", "--stress", "0.2", "--mu", "0", "--zeta", "0.3")
+    process = yade_script("periodic_shear", *options, "--rate", "2", "--out", str(tmp_path))
+    assert process.returncode == 1, process.stdout + process.stderr
+    assert "the cell stands still at stresses of 0.4" in process.stderr
+    assert "Take more --grains or less --stress" in process.stderr
 
 
 def test_good_options(tmp_path):

@@ -176,7 +176,10 @@ def test_a_refused_value_is_refused_in_the_step_too():
         O.step()
 
 
-@pytest.mark.parametrize("change", [sg.soften, sg.harden])
+@pytest.mark.parametrize(
+    "change",
+    [sg.soften, sg.harden, lambda: sg.scale_mass(2), sg.critical_time_step, sg.set_time_step],
+)
 def test_bodies_are_not_changed_under_a_run(change):
     """Which another thread is at."""
     O.materials.append(FrictMat())

@@ -219,3 +219,14 @@ def test_state_of_a_rigid_body_that_is_no_number(make, attribute):
     setattr(rigid.state, attribute, value)
     assert f"body #1: state.{attribute} is not finite" in message_of_step()
     assert disk.state.pos == place
+
+
+def test_box_inside_out():
+    """It would bear nothing."""
+    add_disk((-0.5 * RADIUS, 0, 0))
+    box = rigid_box()
+    O.bodies.append(box)
+    ready()
+    run(1)
+    box.shape.extents = (RADIUS, -RADIUS, RADIUS)
+    assert f"body #1: shape.extents has {-RADIUS:f} m; admissible: " in message_of_step()

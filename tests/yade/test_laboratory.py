@@ -132,6 +132,14 @@ def test_walls_in_a_wrong_order(order, message):
         run(1)
 
 
+def test_goal_along_an_axis_without_walls():
+    walls = four_disks()
+    ready()
+    insert_controller(walls, goal=(STRESS, STRESS, STRESS))
+    with pytest.raises(ValueError, match=r"goal\[2\] = .* 0 with four walls"):
+        run(1)
+
+
 @pytest.mark.parametrize("times", ("one twice", "two"))
 def test_walls_that_are_pushed_twice_are_refused(times):
     """Their stresses would add up; one that is dead does not count."""

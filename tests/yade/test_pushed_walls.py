@@ -35,7 +35,15 @@ def save_and_leave(controller):
     leave(controller)
 
 
-@pytest.mark.parametrize("end", (die, leave, make_engines_anew, save_and_leave))
+def die_and_begin_time_anew(controller):
+    die(controller)
+    O.resetTime()
+
+
+ENDS = (die, leave, make_engines_anew, save_and_leave, die_and_begin_time_anew)
+
+
+@pytest.mark.parametrize("end", ENDS)
 def test_walls_stay_where_they_were_once_nothing_pushes_them(end):
     walls, controller = consolidated()
     places = [O.bodies[w].state.pos for w in walls]
@@ -53,7 +61,7 @@ def test_walls_stay_where_they_were_once_nothing_pushes_them(end):
     assert lid.pos[1] == pytest.approx(places[3][1] - 0.01 * (O.time - before), abs=1e-12)
 
 
-@pytest.mark.parametrize("end", (die, leave, make_engines_anew, save_and_leave))
+@pytest.mark.parametrize("end", ENDS)
 def test_wall_that_is_given_a_velocity_when_its_controller_goes(end):
     walls, controller = consolidated()
     end(controller)

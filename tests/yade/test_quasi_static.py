@@ -67,6 +67,19 @@ def test_damping_is_booked(damping):
     assert sg.quasi_static()["kinetic_over_elastic"] < 1e-3
 
 
+def test_balance_of_roundings():
+    """Before anything happens energies are some, too."""
+    for k in range(4):
+        add_disk((2.5 * k * RADIUS, 0, 0), (1 - 0.07 * k) * RADIUS)
+    O.trackEnergy = True
+    ready()
+    run(1)
+    balance = sg.Balance()
+    for _ in range(5):
+        run(20)
+        assert balance.error() < 0.02
+
+
 def test_without_damping_vibrations_stay():
     _, wall = squeezed_disk(steps=60)
     wall.state.vel = (0, 0, 0)

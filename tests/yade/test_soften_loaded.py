@@ -16,7 +16,7 @@ from scenes import (
     run_python,
     soft_material,
 )
-from yade import O, utils
+from yade import O, Sphere, utils
 
 import softgrain as sg
 
@@ -113,6 +113,13 @@ def test_soften_when_loaded_needs_an_integrator():
     for load in (-1, math.inf):
         with pytest.raises(ValueError, match=f"load = {load}"):
             sg.soften(when="loaded", load=load)
+
+
+def test_load_without_meaning():
+    add_rigid_disk((0, 0, 0), RADIUS)
+    with pytest.raises(ValueError, match="load = 0.01: .* when='now'"):
+        sg.soften(load=0.01)
+    assert isinstance(O.bodies[0].shape, Sphere)
 
 
 def test_ids_that_are_no_bodies():

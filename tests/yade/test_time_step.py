@@ -5,7 +5,17 @@ import re
 import numpy as np
 import pytest
 from partner_scenes import add_rigid_disk
-from scenes import RADIUS, YOUNG, ZETA, add_disk, add_wall, ready, run, soft_material
+from scenes import (
+    RADIUS,
+    YOUNG,
+    ZETA,
+    add_disk,
+    add_wall,
+    message_of_step,
+    ready,
+    run,
+    soft_material,
+)
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -341,6 +351,17 @@ def test_warning_of_a_step_that_has_collapsed(capfd):
         assert O.iter < 3000
     logged = capfd.readouterr().err
     assert logged.count("less than a hundredth of that of the undeformed ones") == 1
+
+
+def test_a_run_whose_step_is_lost_stops():
+    """A point that collapses shortens the step faster than time goes on."""
+    disk, _ = disk_between_closing_walls(volumetric="projected")
+    message = message_of_step(20_000)
+    found = re.search(r"soft grain #0, material point (\d+): its volume has collapsed", message)
+    assert found, message
+    J = np.linalg.det(disk.shape.points()["F"])
+    assert np.argmin(J) == int(found[1]) and J.min() < 1e-4
+    assert 1e-12 < O.dt < 1e-9
 
 
 @pytest.mark.parametrize("partner", ("grain", "rigid body"))
