@@ -79,8 +79,7 @@ template <int dim> double RigidPairSolver<dim>::restingOverlapOf(const Constrain
 /// What turns as prescribed carries what sticks to it along circles: half a step later the velocity
 /// of a place leads to where it will be, not outwards along the tangent. Across the surface it is
 /// no place of the body that matters: a roller turns under its contacts.
-template <int dim>
-Vec<dim> RigidPairSolver<dim>::halfStepAlongSurface(const Constraint& c) const
+template <int dim> Vec<dim> RigidPairSolver<dim>::halfStepAlongSurface(const Constraint& c) const
 {
 	const Vec<dim> along = c.arm - c.arm.dot(c.normal) * c.normal;
 	return 0.5 * dt_ * turned<dim>(heldSpin_, along);
