@@ -54,7 +54,7 @@ constexpr double sameTimeStep = 1e-9;
 string messageOfLostStep(const softgrain::GrainAssembly& grains, Real criticalDt)
 {
 	Real smallest = std::numeric_limits<Real>::infinity();
-	int crushed = -1;
+	int crushed = 0;
 	std::size_t point = 0;
 	for (int g = 0; g < grains.grains(); ++g) {
 		const auto F = grains.points(g).F;
