@@ -3,6 +3,7 @@
 #include "Fetch.hpp"
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
+#include "Require.hpp"
 #include "SoftContact.hpp"
 #include "SoftGrain.hpp"
 #include "SoftGrainIntegrator.hpp"
@@ -48,9 +49,8 @@ void checkRigidBody(const Body& body)
 	if (!isA<Box>(body.shape)) return;
 	const Vector3r& extents = static_cast<const Box&>(*body.shape).extents;
 	if (!(extents.minCoeff() >= 0))
-		throw std::invalid_argument(name(body) + ": shape.extents has " +
-					    std::to_string(extents.minCoeff()) +
-					    " m; admissible: half sides in [0, inf)");
+		softgrain::refuse(name(body) + ": half a side in shape.extents", extents.minCoeff(),
+				  "[0, inf) m");
 }
 
 void checkBody(const Body& body)

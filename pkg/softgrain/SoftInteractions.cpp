@@ -1,4 +1,5 @@
 #include "SoftInteractions.hpp"
+#include "DeepOverlap.hpp"
 #include "PeriodicCell.hpp"
 #include "RigidPartners.hpp"
 #include "SceneAssembly.hpp"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace yade {
 
@@ -263,55 +263,13 @@ void SoftInteractions::checkInterfaces() const
 		}
 }
 
-namespace {
-
-/// The commonest cause of a deep overlap with a Wall; empty for other bodies.
-string hintAtSide(const Interaction& I, const Scene& scene)
-{
-	for (const Body::id_t id : { I.getId1(), I.getId2() }) {
-		const auto* wall = dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get());
-		if (wall && wall->sense != 0)
-			return "is the grain on the " +
-			       string(wall->sense > 0 ? "positive" : "negative") +
-			       " side of the wall, as its sense = " + std::to_string(wall->sense) +
-			       " says? Else ";
-	}
-	return "";
-}
-
-/// What no loading is slow enough for; empty where friction is too small for it.
-string hintOfLocking(const Interaction& I, const Scene& scene)
-{
-	constexpr Real ofThreeWalls = 0.7; // 1/sqrt(2), rounded down
-	const auto* phys = dynamic_cast<const SoftPhys*>(I.phys.get());
-	if (!phys || !(phys->tangensOfFrictionAngle >= ofThreeWalls)) return "";
-	for (const Body::id_t id : { I.getId1(), I.getId2() })
-		if (dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get()))
-			return "do several walls close in on the grain? With such friction it "
-			       "locks between them (user guide, 'Friction'). Else ";
-	return "";
-}
-
-} // namespace
-
 void SoftInteractions::stopOnOverlap(Real maxOverlap) const
 {
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
 		const Real deepest = pairs_[k]->deepest();
 		if (deepest <= maxOverlap) continue;
-		std::ostringstream message;
-		message << namesOf(*interactions_[k]);
-		if (std::isinf(deepest))
-			message << ": one lies inside the other, an overlap of more";
-		else
-			message << " overlap by " << deepest << " point spacings, more";
-		message << " than maxOverlap = " << maxOverlap
-			<< ". Hint: " << hintAtSide(*interactions_[k], scene_)
-			<< hintOfLocking(*interactions_[k], scene_)
-			<< "start from less overlap (sg.soften(overlap='shrink')), load more "
-			   "slowly, reduce tolerance, or, under pressures near young "
-			   "and above, make grains with nodeSpacing = 2";
-		throw std::runtime_error(message.str());
+		throw std::runtime_error(
+			messageOfOverlap(*interactions_[k], scene_, deepest, maxOverlap));
 	}
 }
 

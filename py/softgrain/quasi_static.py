@@ -94,7 +94,7 @@ def _free_part(body, force):
 
 
 def _weighed_mass(body):
-    """Without mass scaling, of which State.mass tells from the next step on."""
+    """As gravity has it: mass scaling makes no weight."""
     if isinstance(body.shape, wrapper.SoftGrain):
         return unscaled_mass(body)
     return body.state.mass

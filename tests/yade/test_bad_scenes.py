@@ -229,4 +229,4 @@ def test_box_inside_out():
     ready()
     run(1)
     box.shape.extents = (RADIUS, -RADIUS, RADIUS)
-    assert f"body #1: shape.extents has {-RADIUS:f} m; admissible: " in message_of_step()
+    assert f"body #1: half a side in shape.extents = {-RADIUS} is " in message_of_step()

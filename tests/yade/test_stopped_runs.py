@@ -1,6 +1,7 @@
 """Runs that go wrong stop with what, where and a hint; all can be read, saved and resumed."""
 
 import contextlib
+import math
 
 import numpy as np
 import pytest
@@ -159,6 +160,24 @@ def test_body_removed_and_added_in_the_run():
     run(5)
     assert second.state.pos[0] == pytest.approx(3 * RADIUS + O.time, rel=1e-10)
     assert isinstance(O.engines[-1], NewtonIntegrator)
+
+
+@pytest.mark.parametrize("mu, locks", ((0.95, False), (1.05, True)))
+def test_grain_that_walls_lock_by_friction(mu, locks):
+    """A block in the corner of two that close in slides out of it up to mu = 1; the law has no
+    other solution beyond than to crush it."""
+    material = soft_material(poisson=0.3, frictionAngle=math.atan(mu), massDamping=2000)
+    O.bodies.append(sg.soft_block((0, 0, 0), (2 * RADIUS, 2 * RADIUS), material=material, zeta=0.4))
+    for axis in (0, 1):
+        velocity = [-0.2 if a == axis else 0 for a in range(3)]
+        add_wall(RADIUS, axis, friction=mu, velocity=velocity, sense=-1)
+    ready()
+    if locks:
+        message = message_of_step(3000)
+        assert "do several walls close in on the grain? With such friction it locks" in message
+        return
+    run(800)
+    assert sg.integrator().largestOverlap < 0.1
 
 
 @pytest.mark.parametrize("sense, side", ((1, "positive"), (-1, "negative")))
