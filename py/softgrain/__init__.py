@@ -62,6 +62,7 @@ from softgrain.time_loop import (  # noqa: E402
     set_time_step,
 )
 from softgrain.timing import phase_times, reset_times  # noqa: E402
+from softgrain.vtk_files import write_vtk  # noqa: E402
 
 yade_utils.replace()
 
@@ -108,4 +109,5 @@ __all__ = sorted(_classes) + [
     "unbalanced_force",
     "von_mises",
     "wall_force",
+    "write_vtk",
 ]

@@ -5,12 +5,11 @@ import os
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection, TriMesh
 from matplotlib.figure import Figure
-from matplotlib.path import Path
 from matplotlib.tri import Triangulation
-from scipy import spatial
 from yade import O, wrapper
 
 from softgrain.checks import finite_vector, number
+from softgrain.grain_mesh import filled, outline_polygon
 from softgrain.observe import nearest_images, soft_bodies, von_mises
 
 #: Size of a picture, without its colour bar, and the room for the title [inches].
@@ -62,8 +61,8 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
     disks = soft_bodies()
     if any(b.shape.dim == 3 for b in disks):
         raise ValueError("draw_packing draws scenes in 2D; this one has soft grains in 3D")
-    images = [(b, shift) for b in disks for shift in _shifts(b.state.pos, _outline(b))]
-    outlines = [_outline(b) + shift for b, shift in images]
+    images = [(b, shift) for b in disks for shift in _shifts(b.state.pos, outline_polygon(b))]
+    outlines = [outline_polygon(b) + shift for b, shift in images]
     rigid = [polygon + shift for polygon in rigid_polygons() for shift in _shifts_of(polygon)]
     if not (outlines or rigid):
         raise ValueError("draw_packing draws soft disks and rigid bodies; the scene has none")
@@ -111,16 +110,6 @@ def _reaches_into_cell(polygon):
 def _shifts_of(polygon):
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     return _shifts(0.5 * (low + high), polygon)
-
-
-def _outline(body):
-    """Polygon of the outline; for 'points' geometry the boundary points by their angle about their
-    mean, as far as that goes for outlines with notches."""
-    outline = body.shape.outline()[:, :2]
-    if body.shape.contact == "points":
-        centre = outline.mean(axis=0)
-        outline = outline[np.argsort(np.arctan2(*(outline - centre).T[::-1]))]
-    return outline
 
 
 def rigid_polygons():
@@ -234,22 +223,12 @@ def _shaded(fields, outlines):
     (m, 3), values at the places."""
     places, triangles, shades, count = [], [], [], 0
     for (points, stress), outline in zip(fields, outlines):
-        vertices, mesh, values = _shaded_grain(points, stress, outline)
+        vertices, mesh, values = filled(points, stress, outline)
         places.append(vertices)
         triangles.append(mesh + count)
         shades.append(values)
         count += len(vertices)
     return np.vstack(places), np.vstack(triangles), np.concatenate(shades)
-
-
-def _shaded_grain(points, stress, outline):
-    """Triangles between material points, and up to the outline, which has the value of the nearest
-    one."""
-    nearest = spatial.cKDTree(points).query(outline)[1]
-    vertices = np.vstack([points, outline])
-    mesh = spatial.Delaunay(vertices).simplices
-    inside = Path(outline).contains_points(vertices[mesh].mean(axis=1))
-    return vertices, mesh[inside], np.concatenate([stress, stress[nearest]])
 
 
 def wall_box():
