@@ -93,10 +93,11 @@ def error_in_cell(cell, exact):
 
 
 def jamming(packing):
-    """Nominal packing fraction from which rigid grains bear more than soft ones could, E; None if
-    they do not."""
-    jammed = np.flatnonzero(np.array(packing["stress"]) > 1)
-    return packing["phi0"][jammed[0]] if len(jammed) else None
+    """Nominal packing fraction from which on rigid grains bear more than soft ones could, E; None
+    if they do not at the end (a packing may give way once more)."""
+    loose = np.flatnonzero(np.array(packing["stress"]) <= 1)
+    first = loose[-1] + 1 if len(loose) else 0
+    return packing["phi0"][first] if first < len(packing["phi0"]) else None
 
 
 def table(cells, packings, exact):

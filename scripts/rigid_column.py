@@ -330,8 +330,9 @@ def draw(result, path):
     left.set_xticks(nominal, labels=[f"{x:g}" for x in nominal])
     left.xaxis.set_minor_formatter(NullFormatter())
     left.set_xlim(a[0], a[-1])
-    left.set_ylim(0.5 * a[0], 4 * a[-1])
-    figure.legend(loc="lower right", frameon=False, fontsize=8)
+    least = min(r["aspect"] * r["run_out_over_a"] for r in result["summary"])
+    left.set_ylim(min(0.5 * a[0], 0.8 * least) if least > 0 else 0.5 * a[0], 4 * a[-1])
+    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=8)
     last = np.array(cases[-1]["profile"])
     width = result["width"] * DIAMETER
     right.scatter(last[:, 0] / width, last[:, 1] / width, s=2, color="0.3")

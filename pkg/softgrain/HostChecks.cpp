@@ -100,6 +100,9 @@ void checkTriaxial(const TriaxialStressController& controller)
 
 void checkPeriodic(const PeriTriaxController& controller)
 {
+	if (controller.mass <= 0) // not given it is nan
+		refuse(controller.getClassName() + ".mass = " + std::to_string(controller.mass),
+		       "YADE would end the process; admissible: (0, inf), or leave it out");
 	if (!controller.doneHook.empty())
 		refuse(controller.getClassName() + ".doneHook = '" + controller.doneHook + "'",
 		       "it waits for an unbalanced force that YADE takes of rigid bodies alone; "

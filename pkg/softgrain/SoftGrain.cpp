@@ -1,4 +1,5 @@
 #include "SoftGrain.hpp"
+#include "DrawnOutline.hpp"
 #include "Engines.hpp"
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
@@ -119,6 +120,7 @@ shared_ptr<SoftGrain> SoftGrain::undeformed() const
 	grain->assembly.reset();
 	grain->assembledMaterial.reset();
 	grain->index = -1;
+	grain->drawn.reset();
 	for (auto* saved : { &grain->savedPositions, &grain->savedVelocities,
 			     &grain->savedGradients, &grain->savedRigidMotion, &grain->savedForces,
 			     &grain->savedStiffening, &grain->savedRest, &grain->savedSleep })
@@ -176,6 +178,16 @@ StateChange SoftGrain::shownChange()
 	const int id = grains.idOf(index);
 	if (!scene.bodies->exists(id) || (*scene.bodies)[id]->shape.get() != this) return {};
 	return shownChangeOf(*(*scene.bodies)[id], grains.continuation().lastStep);
+}
+
+std::shared_ptr<const DrawnOutline> SoftGrain::outlineAbout(const State& state)
+{
+	DrawnOutline drawn;
+	drawn.facets = assembled().facets(index);
+	const Quaternionr back = state.ori.conjugate();
+	for (const Vec3& x : shownChange().positionsOf(assembled().outline(index)))
+		drawn.places.push_back(back * (x - state.pos));
+	return std::make_shared<const DrawnOutline>(std::move(drawn));
 }
 
 py::object SoftGrain::outlineArray()

@@ -10,6 +10,7 @@ namespace yade {
 
 class SoftMat;
 struct AssembledMaterial;
+struct DrawnOutline;
 
 class SoftGrain : public Shape {
 public:
@@ -23,6 +24,8 @@ public:
 	/// Motion of the whole grain as last written to State, to notice what the user changes.
 	softgrain::GrainMotion written;
 	Vector3r boundCell = Vector3r::Zero(); ///< Cell.size when the bound was made, m
+	/// What a step left for a renderer, atomically: outlineToDraw.
+	std::shared_ptr<const DrawnOutline> drawn;
 
 	softgrain::TemplateRecipe recipe() const;
 	softgrain::Scheme scheme() const;
@@ -34,6 +37,9 @@ public:
 
 	void postLoad(SoftGrain&); ///< checks all attributes, throws std::invalid_argument
 	void preSave(SoftGrain&) { fetchState(); }
+
+	/// As it is now, about the State of its body.
+	std::shared_ptr<const DrawnOutline> outlineAbout(const State& state);
 
 	py::object outlineArray();
 	py::object facetsArray();

@@ -1,4 +1,5 @@
 #include "SoftGrainIntegrator.hpp"
+#include "DrawnOutline.hpp"
 #include "Engines.hpp"
 #include "HighPressure.hpp"
 #include "HostChecks.hpp"
@@ -49,9 +50,11 @@ void SoftGrainIntegrator::action()
 		SoftGrainIntegrator& integrator;
 		~AtEnd() { integrator.letAssemblyGo(); }
 	} atEnd { *this };
+	const StepBesideRenderers besideRenderers;
 	try {
 		lastError = "";
 		advance();
+		besideRenderers.leaveOutlines(*scene);
 		publishedIn_ = scene->iter;
 	} catch (const softgrain::StepError& e) {
 		std::ostringstream message;

@@ -95,6 +95,7 @@ private:
 	void followDeformation(Real undeformed, bool hasStepper);
 	Real longestBesideSpheres() const;
 	void measureCriticalStep(Real enough);
+	void limitKick();
 	void warnOfStiffSpheres();
 	void checkCollapsedStep(Real undeformed);
 	void warnOfPressure();

@@ -158,6 +158,17 @@ void SoftGrainIntegrator::checkCollapsedStep(Real undeformed)
 			       "'High pressure')"));
 }
 
+/// Where a material was made stiffer the last step may have been much longer than is critical now;
+/// half of it would count in the kick.
+void SoftGrainIntegrator::limitKick()
+{
+	assembly_->limitKick(std::numeric_limits<double>::infinity());
+	const Real kick = assembly_->kickTime(scene->dt);
+	if (kick <= criticalDt) return;
+	measureCriticalStep(kick);
+	if (kick > criticalDt) assembly_->limitKick(scene->dt);
+}
+
 /// O.dt follows the deformation as long as it is the value set here (or YADE's default, or what sg
 /// set for the undeformed scene before the first step); a value of the user's is only checked.
 void SoftGrainIntegrator::chooseTimeStep()
@@ -197,6 +208,7 @@ void SoftGrainIntegrator::chooseTimeStep()
 			   "sg.set_time_step()";
 		throw std::runtime_error(message.str());
 	}
+	limitKick();
 }
 
 Real criticalTimeStep(Scene& scene)

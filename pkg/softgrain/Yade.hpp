@@ -32,6 +32,7 @@
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/ForceResetter.hpp>
+#include <pkg/common/GLDrawFunctors.hpp>
 #include <pkg/common/InsertionSortCollider.hpp>
 #include <pkg/common/MatchMaker.hpp>
 #include <pkg/common/NormShearPhys.hpp>

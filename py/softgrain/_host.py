@@ -60,6 +60,7 @@ def replace_in_utils(name, function):
 
 _OWN_CLASSES = (
     "Bo1_SoftGrain_Aabb",
+    "Gl1_SoftGrain",
     "Ig2_Box_SoftGrain_SoftGeom",
     "Ig2_Box_Sphere_ScGeom_Ahead",
     "Ig2_Facet_SoftGrain_SoftGeom",

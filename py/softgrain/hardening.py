@@ -23,6 +23,8 @@ DEFAULT_ERROR = {2: 0.01, 3: 0.05}
 DEPTH_OVER_ERROR = 0.1
 #: Below there would be hundreds of spheres, above nothing of the outline is left.
 ERROR_RANGE = "[0.002, 0.3]"
+#: Of grains whose boundary points are all that is known of a form which is no ball.
+_LOST_FORM = "it cannot be turned rigid"
 
 
 @dataclass
@@ -176,9 +178,9 @@ def _energy(body):
 def _into_spheres(bodies, material, overlap, error):
     for body in bodies:
         if body.shape.form != "ball":
-            raise ValueError(
-                f"ids: body #{body.id} is no soft disk or ball; use into='clumps' or 'fixed'"
-            )
+            has_outline = body.shape.contact != "points"
+            instead = "use into='clumps' or 'fixed'" if has_outline else _LOST_FORM
+            raise ValueError(f"ids: body #{body.id} is no soft disk or ball; {instead}")
     if overlap not in ("keep", "shrink"):
         raise ValueError(f"overlap = {overlap!r} is unknown; known: 'keep', 'shrink'")
     _refuse(error is not None, "error", error, "spheres")
@@ -230,9 +232,10 @@ def _outline(body):
     """Present places of the contact nodes (n, 3), and the facets between them (m, dim)."""
     facets = body.shape.facets()
     if not len(facets):
+        instead = "use into='spheres'" if body.shape.form == "ball" else _LOST_FORM
         raise ValueError(
             f"ids: soft grain #{body.id} has contact = {body.shape.contact!r}, and so no outline; "
-            "use into='spheres'"
+            f"{instead}"
         )
     return body.shape.outline(), facets
 

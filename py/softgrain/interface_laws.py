@@ -62,6 +62,18 @@ def longest_range(interface):
     return max(_range_of(pair, interface) for pair in pairs | {_ANY_OTHER_PAIR})
 
 
+def longest_range_in_use():
+    """The same of the pairs that are in contact, which keep their laws [m]."""
+    laws = [getattr(i.phys, "interface", None) for i in O.interactions if i.isReal]
+    return max((_reach(law) for law in laws if law), default=0)
+
+
+def _reach(law):
+    """Gap up to which a ``SoftInterface`` may attract [m]."""
+    bond = 2 * law.bondEnergy / law.bondStrength if law.bondStrength > 0 else 0
+    return max(law.cohesionRange if law.cohesion > 0 else 0, bond)
+
+
 def _range_of(pair, interface):
     """The same of one pair of materials, by their ids."""
     cohesion, within, strength, energy = (

@@ -26,7 +26,8 @@ CORNERS_OF_A_CIRCLE = 72
 
 def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, title=None, dpi=200):
     """Draw all soft disks with their outlines and a stress field inside, rigid spheres, boxes and
-    facets in grey, which may be all there is. In a periodic cell, which is outlined by dashes, all
+    facets in grey, which may be all there is. Grains with contact 'points' are drawn as their
+    boundary points by angle, without notches. In a periodic cell, which is outlined by dashes, all
     of them where they reach into it, those at its borders with their images.
 
     Args:
@@ -104,7 +105,8 @@ def _shifts(centre, polygon):
 
 def _reaches_into_cell(polygon):
     shares = np.linalg.solve(np.array(O.cell.hSize)[:2, :2], polygon.T)
-    return np.all((shares.max(axis=1) > 0) & (shares.min(axis=1) < 1))
+    rounding = 1e-9
+    return np.all((shares.max(axis=1) > rounding) & (shares.min(axis=1) < 1 - rounding))
 
 
 def _shifts_of(polygon):

@@ -1,6 +1,7 @@
 """Engines and time step of scenes with soft grains."""
 
 import threading
+import warnings
 
 import numpy as np
 from yade import (
@@ -115,7 +116,9 @@ def engines(
     _refuse_walls_in_a_cell()
     _refuse_soft_materials_of_rigid_bodies()
     interface = interface_laws.checked({} if interface is None else interface)
-    integrator.setdefault("interfaceRange", interface_laws.longest_range(interface))
+    _warn_of_pairs_without_contact()
+    longest = max(interface_laws.longest_range(interface), interface_laws.longest_range_in_use())
+    integrator.setdefault("interfaceRange", longest)
     if label:
         integrator["label"] = label
     _let_collider_find_all_bodies()
@@ -190,6 +193,26 @@ def _refuse_soft_materials_of_rigid_bodies():
                     f"{type(body.shape).__name__}; use sg.soften() or give it a rigid material "
                     "such as FrictMat"
                 )
+
+
+def _warn_of_pairs_without_contact():
+    """Boxes and facets that may fall through each other, and through walls: YADE has no contact for
+    them."""
+    flat = [b for b in O.bodies if b and isinstance(b.shape, (Box, wrapper.Facet, wrapper.Wall))]
+    wholes = [O.bodies[b.clumpId] if b.isClumpMember else b for b in flat]
+    free = [
+        b
+        for b, whole in zip(flat, wholes)
+        if not isinstance(b.shape, wrapper.Wall)
+        and whole.dynamic
+        and whole.state.blockedDOFs != "xyzXYZ"
+    ]
+    if free and len(flat) > 1:
+        warnings.warn(
+            f"body #{free[0].id} is a {type(free[0].shape).__name__} that is free: no contact of "
+            "it with other boxes, facets and walls is computed, through which it passes",
+            stacklevel=3,
+        )
 
 
 def _refuse_walls_in_a_cell():

@@ -1,20 +1,17 @@
 """YADE's Gl1_NormPhys draws force chains of soft grains: a rendered picture."""
 
 import os
-import subprocess
 
 import numpy as np
+from draw_scene import without_display
 from matplotlib.image import imread
 from scenes import assert_done, run_python
-
-#: freeglut would end the process where there is no display; the renderer uses nothing of it here.
-NO_GLUT = "void glutInit(int* count, char** words) { (void)count; (void)words; }"
 
 DRAWN = """
 import sys
 sys.path.insert(0, {folder!r})
 from matplotlib.image import imsave
-from draw_force_chains import draw
+from draw_scene import Canvas
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 import numpy as np
 import softgrain as sg
@@ -31,7 +28,7 @@ walls[3].state.vel = (0, 0, 0)
 O.run(2000, True)
 Gl1_NormPhys.maxRadius = RADIUS / 4
 Gl1_NormPhys.slices = 64  # round: its default is a hexagon, as wide as it is turned
-imsave("chains.png", draw((0, 4 * RADIUS, 0, 4 * RADIUS)))
+imsave("chains.png", Canvas((0, 4 * RADIUS, 0, 4 * RADIUS)).draw(intrPhys=True))
 np.savez(
     "scene.npz",
     place=[O.bodies[k].state.pos for k in range(4)],
@@ -52,12 +49,8 @@ def thickness(drawn, middle, along, size):
 
 def test_chains_are_drawn(tmp_path):
     """Cylinders from centre to centre, the thicker the larger the force, and nothing elsewhere."""
-    source, library = tmp_path / "glut.c", tmp_path / "glut.so"
-    source.write_text(NO_GLUT)
-    subprocess.run(["gcc", "-shared", "-fPIC", source, "-o", library], check=True)
-    environment = {**os.environ, "LD_PRELOAD": str(library), "LIBGL_ALWAYS_SOFTWARE": "1"}
     code = DRAWN.format(folder=os.path.dirname(__file__))
-    assert_done(run_python(code, tmp_path, environment))
+    assert_done(run_python(code, tmp_path, without_display(tmp_path)))
     picture = imread(tmp_path / "chains.png")[:, :, :3]
     scene = np.load(tmp_path / "scene.npz")
     drawn, size = picture.min(axis=2) < 0.99, len(picture)

@@ -71,6 +71,22 @@ def test_range_is_that_of_one_pair_of_materials():
     assert sg.integrator().interfaceRange == pytest.approx(1e-4)
 
 
+@pytest.mark.parametrize("later", (None, {"cohesion": 1e3, "cohesionRange": 1e-4}))
+def test_old_pairs_are_searched_as_far_as_their_law_reaches(later):
+    """New engines do not know it: contacts keep their laws, and the run goes on."""
+    law = {"cohesion": 1e3, "cohesionRange": 2e-4}
+    for y in (RADIUS, 3 * RADIUS):
+        size = (2 * RADIUS, 2 * RADIUS)
+        O.bodies.append(sg.soft_block((0, y, 0), size, soft_material(), zeta=0.5))
+    O.engines = sg.engines(interface=law)
+    run(10)
+    O.engines = sg.engines(interface=later)
+    run(10)
+    assert sg.integrator().interfaceRange == law["cohesionRange"]
+    (pair,) = [i for i in O.interactions if i.isReal]
+    assert pair.phys.interface.cohesion == law["cohesion"]
+
+
 def test_plain_pairs_have_no_interface():
     add_block(0, damped(frictionAngle=0.3))
     add_wall(0, 1, friction=0.1)

@@ -203,6 +203,7 @@ REFUSED = [
     (wall_in_the_plane, "#0: a Wall of axis = 2 lies in the plane"),
     (other_collider, "SpatialQuickSortCollider: .*InsertionSortCollider"),
     (lambda: add_engine(TriaxialStressController(), 4), "internalCompaction = True: soft grains"),
+    (lambda: add_engine(PeriTriaxController(dynCell=True, mass=0), 4), r"mass = 0.0+: YADE would"),
     (lambda: add_engine(PeriTriaxController(doneHook="stop()"), 4), r"doneHook = 'stop\(\)': it"),
     (
         lambda: add_engine(PeriTriaxController(stressMask=3), 4),

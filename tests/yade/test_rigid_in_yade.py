@@ -1,5 +1,6 @@
 """Contact dynamics of rigid bodies as a part of YADE: its tools, engines, saves and refusals."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,31 @@ def test_tools_of_yade_see_the_forces():
     contact = O.interactions[low.id, high.id]
     assert contact.phys.shearForce.norm() < 1e-9 * weight
     assert utils.unbalancedForce() < 1e-6
+
+
+def add_free_box(place):
+    body = utils.box(place, (R, R, R), material=material())
+    body.state.blockedDOFs = ""
+    O.bodies.append(body)
+    return body
+
+
+def test_warning_of_boxes_that_fall_through_each_other():
+    """Once there is something to fall through, members of clumps too; not of what is held."""
+    sphere = add_sphere((0, 0, 9 * R))
+    box = add_free_box((0, 0, 3 * R))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sg.engines()
+        add_wall(0, 2)
+        box.state.blockedDOFs = "xyzXYZ"
+        sg.engines()
+    box.state.blockedDOFs = ""
+    with pytest.warns(UserWarning, match=f"#{box.id} is a Box that is free: no contact"):
+        sg.engines()
+    O.bodies.clump([sphere.id, box.id])
+    with pytest.warns(UserWarning, match=f"#{box.id} is a Box that is free: no contact"):
+        sg.engines(rigid="nonsmooth")
 
 
 def test_in_a_list_of_engines_of_ones_own():

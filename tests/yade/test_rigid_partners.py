@@ -278,6 +278,48 @@ def test_carried_round_by_a_turntable():
     assert distance_from_axis(block) == pytest.approx(distance, rel=2e-5)
 
 
+@pytest.mark.parametrize("dim", (2, 3))
+def test_bonds_to_a_free_body_that_turns_with_the_grain(dim):
+    """They bear next to nothing, and do no work; the tangents of what turns would have opened them
+    by pi omega dt of the radius in each turn. Momenta are kept."""
+    O.trackEnergy = True
+    spin, side = 30.0, 2 * RADIUS
+    size = (side,) * dim
+    block = sg.soft_block((0, RADIUS, 0), size, soft_material(poisson=0.3), zeta=0.5)
+    plate = utils.box((0, -RADIUS, 0), (2 * RADIUS, RADIUS, 2 * RADIUS), material=rigid_material(0))
+    O.bodies.append([block, plate])
+    state = plate.state
+    state.blockedDOFs = "zXY" if dim == 2 else ""
+    state.mass = 2000 * (4 * RADIUS) * side * (1 if dim == 2 else 4 * RADIUS)
+    halves = np.array((2 * RADIUS, RADIUS, 2 * RADIUS if dim == 3 else 0))
+    state.inertia = state.mass / 3 * ((halves**2).sum() - halves**2)
+    ready(interface={"bondStrength": 1e4, "bondEnergy": 1.0}, tolerance=1e-6)
+    run(3)
+    axis = np.array((0, 0, 1) if dim == 2 else (0, 1, 0))
+    bodies = (block, plate)
+    masses = np.array([body.state.mass for body in bodies])
+    centre = masses @ np.array([body.state.pos for body in bodies]) / masses.sum()
+    for body in bodies:
+        body.state.vel = np.cross(spin * axis, np.array(body.state.pos) - centre)
+        body.state.angVel = spin * axis
+        body.state.angMom = spin * axis * body.state.inertia
+    run(2)
+    momentum = masses @ np.array([body.state.vel for body in bodies])
+    before, start = sg.integrator().energy(), O.time
+    while O.time < start + 2 * 2 * math.pi / spin:
+        run(50)
+    (pair,) = [i for i in O.interactions if i.isReal]
+    contacts = pair.geom.contacts()
+    assert contacts["damage"].max() < 0.01 and (contacts["bond"] == 1).all()
+    now = sg.integrator().energy()
+    scale = before["kinetic"]
+    assert abs(now["cohesion"] - before["cohesion"]) < 1e-3 * scale
+    assert now["elastic"] < 0.01 * scale
+    assert now["kinetic"] == pytest.approx(scale, rel=0.01)
+    after = masses @ np.array([body.state.vel for body in bodies])
+    np.testing.assert_allclose(after, momentum, atol=1e-9 * masses.sum() * spin * RADIUS)
+
+
 @pytest.mark.parametrize("side", (0, 1))
 def test_impulses_turn_about_normals_with_a_body_that_spins(side):
     """In 3D; at contact points of the grain, on a box, as well as at that of a small ball, whose

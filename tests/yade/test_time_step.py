@@ -1,5 +1,6 @@
 """O.dt: set by the package, kept by the integrator, or the user's."""
 
+import math
 import re
 
 import numpy as np
@@ -287,6 +288,37 @@ def test_vibrations_are_not_fed():
     assert min(steps) < 0.6 * max(steps)
     assert np.count_nonzero(np.diff(steps) > 0) <= 4000 / 1000
     assert total_energy() == pytest.approx(before, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "before, after",
+    (
+        ({}, {"poisson": 0.499}),
+        ({}, {"young": 100 * YOUNG}),
+        ({"massScaling": 100}, {"massScaling": 1}),
+    ),
+    ids=("poisson", "young", "massScaling"),
+)
+def test_materials_made_stiffer_put_in_no_more_than_their_law(before, after):
+    """In the middle of an impact: half of the last step, many times the critical one by now, must
+    not count in the kick of the new forces."""
+    O.trackEnergy = True
+    material = soft_material(poisson=0.3, **before)
+    disk = add_disk((0, RADIUS, 0), material=material, zeta=0.2)
+    add_wall(0, axis=1, sense=1)
+    disk.state.vel = (0, -1, 0)
+    O.engines = sg.engines()
+    sg.set_time_step()
+    while O.time < 6.6e-4 * math.sqrt(before.get("massScaling", 1)):
+        run(1)
+    for name, value in after.items():
+        setattr(material, name, value)
+    run(1)  # with the energy of the new law, before its first kick
+    start, largest = total_energy(), 0
+    for _ in range(60):
+        run(1)
+        largest = max(largest, total_energy())
+    assert start < largest < 1.1 * start
 
 
 def test_short_waves_do_not_resonate_with_the_step():

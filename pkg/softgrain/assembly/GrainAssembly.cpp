@@ -49,6 +49,7 @@ public:
 		return parameters(g).radius * system_.setOf(g).reference().pointSpacing();
 	}
 	double kickTime(double dt) const override { return system_.kickTime(dt); }
+	void limitKick(double longest) override { system_.limitKick(longest); }
 	bool setInterfaceRange(double range) override
 	{
 		if (range == system_.surfaces().interfaceRange()) return false;

@@ -84,7 +84,9 @@ public:
 	/// TimeSteps::setMultirate and TimeSteps::rate.
 	virtual void setMultirate(bool on) = 0;
 	virtual int rate(int g) const = 0;
-	virtual double kickTime(double dt) const = 0; ///< System::kickTime
+	/// System::kickTime, System::limitKick.
+	virtual double kickTime(double dt) const = 0;
+	virtual void limitKick(double longest) = 0;
 	/// Surfaces::setInterfaceRange; false if it was that. Whatever sleeps is looked at once
 	/// more.
 	virtual bool setInterfaceRange(double range) = 0;

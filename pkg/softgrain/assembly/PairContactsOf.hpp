@@ -303,10 +303,11 @@ private:
 	{
 		const bool onFirst = c.key.side == 0;
 		if (onFirst && system_->body(list.first).isOnGrid()) return pointOnGrid(c);
-		if (onFirst) return system_->body(list.first).contactPoint(c.key.node);
-		if (!list.rigid)
-			return system_->body(list.second).contactPoint(c.key.node) +
-			       list.image.shift;
+		const auto touched = [&](int body) {
+			return system_->body(body).touchedPoint(c.key.node, c.normal, c.gap);
+		};
+		if (onFirst) return touched(list.first);
+		if (!list.rigid) return touched(list.second) + list.image.shift;
 		Vec<dim> place = Vec<dim>::Zero();
 		for (int i = 0; i < c.partners; ++i)
 			place += c.weight[i] * system_->body(list.first).position[c.partner[i]];

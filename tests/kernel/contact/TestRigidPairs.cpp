@@ -18,6 +18,7 @@ template <int dim> struct Mixture {
 	OutlineMesh<dim> mesh;
 	std::vector<ContactBody<dim>> body;
 	std::vector<RigidPartner<dim>> partner;
+	std::vector<Spin<dim>> freeSpin; ///< of each, without impulses
 	std::deque<ContactList<dim>> lists;
 	ContactSolver<dim> solver;
 	SolverSettings settings;
@@ -41,6 +42,7 @@ template <int dim> struct Mixture {
 		for (RigidPartner<dim>& p : partner) {
 			p.velocity = p.velocityBefore = random.vector<dim>();
 			p.spin = random.vector<RigidPartner<dim>::spins>();
+			freeSpin.push_back(p.spin);
 			p.inverseMass.setConstant(random.uniform(0.5, 2));
 			p.inverseInertia.setIdentity();
 			p.inverseInertia *= random.uniform(1, 5);
@@ -83,21 +85,20 @@ template <int dim> struct Mixture {
 		solver.prepare(body, 1, settings);
 		return solver.solve();
 	}
-	/// From the centre of the rigid body; of one that is held, half a step later along the
-	/// surface.
+	/// From the centre of the rigid body.
 	Vec<dim> armOf(const ContactList<dim>& list) const
 	{
-		const RigidPartner<dim>& p = partner[list.rigid->partner];
-		const Vec<dim> arm = body[list.first].position[0] - p.centre;
-		if (p.moves()) return arm;
-		const Vec<dim>& n = list.contacts[0].normal;
-		return arm + 0.5 * turned<dim>(p.spin, arm - arm.dot(n) * n);
+		return body[list.first].position[0] - partner[list.rigid->partner].centre;
 	}
-	/// Relative velocity at the contact of a list.
+	/// Relative velocity at the contact of a list, at the place on the rigid body half a step
+	/// later, as far as that turns along the surface.
 	Vec<dim> velocityAt(const ContactList<dim>& list) const
 	{
-		return body[list.first].velocity[0] -
-		       partner[list.rigid->partner].velocityAt(armOf(list));
+		const int p = list.rigid->partner;
+		const Vec<dim> arm = armOf(list), &n = list.contacts[0].normal;
+		const Vec<dim> turn = 0.5 * turned<dim>(freeSpin[p], arm - arm.dot(n) * n);
+		return body[list.first].velocity[0] - partner[p].velocityAt(arm) -
+		       turned<dim>(freeSpin[p], turn);
 	}
 };
 

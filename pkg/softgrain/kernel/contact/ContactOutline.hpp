@@ -51,6 +51,13 @@ template <int dim> struct ContactOutline {
 	{
 		return isOnGrid() ? gridNode[node].centre : position[node];
 	}
+	/// Where it touches what lies across this gap along this normal (unit, towards the node):
+	/// of a disk about the node half-way to that.
+	Vec<dim> touchedPoint(int node, const Vec<dim>& normal, double gap) const
+	{
+		if (nodeRadius == 0) return contactPoint(node);
+		return contactPoint(node) - (nodeRadius + 0.5 * gap) * normal;
+	}
 	bool isSharp(int node) const { return mesh->isSharp(node); }
 	/// Whether it is `bent` at this node.
 	bool isBent(int node) const;

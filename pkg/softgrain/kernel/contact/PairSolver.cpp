@@ -327,7 +327,8 @@ template <int dim> void PairSolver<dim>::finish()
 
 template <int dim> Vec<dim> PairSolver<dim>::placeOf(const Constraint& c) const
 {
-	const Vec<dim>& place = own(c)->contactPoint(c.node);
+	const Vec<dim> place =
+		own(c)->touchedPoint(c.node, c.normal, list_->contacts[numberOf(c)].gap);
 	return c.onFirst ? place : Vec<dim>(place + list_->image.shift);
 }
 

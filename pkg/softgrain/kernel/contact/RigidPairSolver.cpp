@@ -17,7 +17,6 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 	side_ = BodySide<dim>(*grain_);
 	partner_ = &partners[list.rigid->partner];
 	moves_ = partner_->moves();
-	heldSpin_ = partner_->heldSpin();
 	drift_ = list.image.velocity;
 	friction_ = list.friction;
 	interface_ = list.interface ? &*list.interface : nullptr;
@@ -41,7 +40,7 @@ RigidPairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList
 			[this](const Constraint& c) {
 				return Vec<dim>(
 					grainVelocity(c, &ContactBody<dim>::velocityBefore) -
-					partner_->velocityBeforeAt(c.arm) - drift_);
+					rigidVelocityBefore(c) - drift_);
 			});
 }
 
@@ -65,7 +64,7 @@ void RigidPairSolver<dim>::describe(const Contact<dim>& contact, const Bias& bia
 	c.arm = -imageCentre();
 	for (int i = 0; i < c.partners; ++i)
 		c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
-	if (!heldSpin_.isZero(0)) c.arm += halfStepAlongSurface(c);
+	c.turning = turningOf(c);
 	c.grainMobility = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
 	c.setMobility(c.grainMobility * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
 }
@@ -76,13 +75,16 @@ template <int dim> double RigidPairSolver<dim>::restingOverlapOf(const Constrain
 	return isBall && !c.ofNode ? restingOverlapOfBall : restingOverlap;
 }
 
-/// What turns as prescribed carries what sticks to it along circles: half a step later the velocity
-/// of a place leads to where it will be, not outwards along the tangent. Across the surface it is
-/// no place of the body that matters: a roller turns under its contacts.
-template <int dim> Vec<dim> RigidPairSolver<dim>::halfStepAlongSurface(const Constraint& c) const
+/// What turns carries what sticks to it along circles: half a step later the velocity of a place
+/// leads to where it will be, not outwards along the tangent. Across the surface it is no place of
+/// the body that matters: a roller turns under its contacts. (Of the spin without impulses: known
+/// in the sweeps, so impulses act at one place on both.)
+template <int dim> Vec<dim> RigidPairSolver<dim>::turningOf(const Constraint& c) const
 {
+	const Spin<dim>& spin = partner_->freeSpin;
+	if (spin.isZero(0)) return Vec<dim>::Zero();
 	const Vec<dim> along = c.arm - c.arm.dot(c.normal) * c.normal;
-	return 0.5 * dt_ * turned<dim>(heldSpin_, along);
+	return turned<dim>(spin, 0.5 * dt_ * turned<dim>(spin, along));
 }
 
 template <int dim>
@@ -98,7 +100,7 @@ RigidPairSolver<dim>::grainVelocity(const Constraint& c,
 
 template <int dim> Vec<dim> RigidPairSolver<dim>::velocity(const Constraint& c) const
 {
-	return grainVelocity(c, &ContactBody<dim>::velocity) - partner_->velocityAt(c.arm) - drift_;
+	return grainVelocity(c, &ContactBody<dim>::velocity) - rigidVelocity(c) - drift_;
 }
 
 template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, const Vec<dim>& J)
@@ -165,7 +167,9 @@ template <int dim> void RigidPairSolver<dim>::finish()
 	Spin<dim> turning = Spin<dim>::Zero();
 	WorkOfOverlaps overlaps;
 	const auto placeOf = [this](const Constraint& c) -> Vec<dim> {
-		return imageCentre() + c.arm;
+		if (!c.ofNode) return imageCentre() + c.arm;
+		const double gap = list_->contacts[numberOf(c)].gap;
+		return grain_->touchedPoint(c.partner[0], c.normal, gap);
 	};
 	for (std::size_t k = 0; k < constraints_.size(); ++k) {
 		const Constraint& c = constraints_[k];
@@ -177,9 +181,8 @@ template <int dim> void RigidPairSolver<dim>::finish()
 		const Vec<dim> r = interface_ ? remember(k) : c.impulse;
 		if (r.isZero(0)) continue;
 		list_->contacts[k].setTwist(dt_ * spinOfPartner(list_->contacts[k].normal));
-		const Vec<dim> place = placeOf(c);
-		sum.add(r, c.normal, 1, place);
-		turning -= moment<dim>(place - list_->rigid->pivot, r);
+		sum.add(r, c.normal, 1, placeOf(c));
+		turning -= moment<dim>(imageCentre() + c.arm - list_->rigid->pivot, r);
 		for (int i = 0; i < c.partners; ++i)
 			grain_->impulse[c.partner[i]] += c.weight[i] * r;
 	}
@@ -236,9 +239,9 @@ template <int dim> ContactWork RigidPairSolver<dim>::work() const
 	};
 	for (const Constraint& c : constraints_) {
 		if (c.impulse.isZero(0) && pull(c).isZero(0)) continue;
-		book(c, grainVelocity(c, &ContactBody<dim>::velocityBefore),
-		     partner_->velocityBeforeAt(c.arm), &ContactWork::Halves::before);
-		book(c, grainVelocity(c, &ContactBody<dim>::velocity), partner_->velocityAt(c.arm),
+		book(c, grainVelocity(c, &ContactBody<dim>::velocityBefore), rigidVelocityBefore(c),
+		     &ContactWork::Halves::before);
+		book(c, grainVelocity(c, &ContactBody<dim>::velocity), rigidVelocity(c),
 		     &ContactWork::Halves::after);
 	}
 	return work;

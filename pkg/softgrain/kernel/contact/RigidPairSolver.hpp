@@ -35,6 +35,9 @@ public:
 		double grainMobility;             ///< the grain's share of W, 1/kg
 		Vec<dim>
 			arm; ///< of the place, from the centre of mass of the rigid body's image, m
+		/// By how much the velocity of the place half a step later, when it has turned with
+		/// the body, differs from that at `arm`, m/s.
+		Vec<dim> turning;
 		/// Of the grain: the impulse acts in shares on nodes that bear a place over a
 		/// facet, or else (`ofNode`) on one contact node, the only "partner".
 		bool ofNode;
@@ -64,8 +67,16 @@ public:
 
 private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
-	/// Of the place of a contact that turns as prescribed, m.
-	Vec<dim> halfStepAlongSurface(const Constraint& c) const;
+	Vec<dim> turningOf(const Constraint& c) const; ///< Constraint::turning
+	/// Of the place of a contact on the rigid body, m/s.
+	Vec<dim> rigidVelocity(const Constraint& c) const
+	{
+		return partner_->velocityAt(c.arm) + c.turning;
+	}
+	Vec<dim> rigidVelocityBefore(const Constraint& c) const
+	{
+		return partner_->velocityBeforeAt(c.arm) - c.turning;
+	}
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
 	void describe(const Contact<dim>& contact, const Bias& bias, Constraint& c) const;
@@ -86,7 +97,6 @@ private:
 	PairInterface<dim>* interface_ = nullptr; ///< of the list; null if there is none
 	double dt_ = 0;                           ///< of the step, s
 	bool moves_ = false;                      ///< the rigid body
-	Spin<dim> heldSpin_;                      ///< of it, as prescribed, 1/s
 	Vec<dim> drift_; ///< of the image of the rigid body beyond its own velocity, m/s
 	double friction_ = 0;
 	std::vector<double> frictions_; ///< contact by contact, where there is an interface

@@ -102,10 +102,11 @@ template <int dim> void System<dim>::updateForces(int threads)
 }
 
 /// (With the length of this step alone, a step that follows the deformation would pump energy into
-/// the vibration it follows.)
+/// the vibration it follows. Where a material has become much stiffer, the last step was longer
+/// than its forces bear.)
 template <int dim> double System<dim>::kickTime(double dt) const
 {
-	return lastStep_ > 0 ? 0.5 * (lastStep_ + dt) : dt;
+	return lastStep_ > 0 ? std::min(0.5 * (lastStep_ + dt), longestKick_) : dt;
 }
 
 /// Velocities without contact, of the nodes and of the contact nodes; stops if one is not finite.

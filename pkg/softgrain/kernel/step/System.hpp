@@ -116,6 +116,8 @@ public:
 	/// Time over which the forces of a step of dt act, s: they act from the middle of the last
 	/// step to the middle of this one.
 	double kickTime(double dt) const;
+	/// It is no longer than this from now on, s.
+	void limitKick(double longest) { longestKick_ = longest; }
 	/// Time over which the impulses of the last step acted, s; 0 before the first.
 	double lastKick() const { return lastKick_; }
 
@@ -156,7 +158,8 @@ private:
 	std::vector<RigidContact<dim>> rigidContacts_;
 	std::vector<char> finite_; ///< by grain, of the step at hand
 	long steps_ = 0;
-	double lastStep_ = 0, lastKick_ = 0; ///< s
+	double lastStep_ = 0, lastKick_ = 0;                           ///< s
+	double longestKick_ = std::numeric_limits<double>::infinity(); ///< s
 	bool forcesFresh_ = false;
 	long updatedPoints_ = 0; ///< since the end of the last step
 };
