@@ -104,9 +104,10 @@ def _shifts(centre, polygon):
 
 
 def _reaches_into_cell(polygon):
+    """By more than what grains in contact across the border overlap."""
     shares = np.linalg.solve(np.array(O.cell.hSize)[:2, :2], polygon.T)
-    rounding = 1e-9
-    return np.all((shares.max(axis=1) > rounding) & (shares.min(axis=1) < 1 - rounding))
+    seen = 0.01 * np.ptp(shares, axis=1)
+    return np.all((shares.max(axis=1) > seen) & (shares.min(axis=1) < 1 - seen))
 
 
 def _shifts_of(polygon):
@@ -174,7 +175,8 @@ def _size(outlines, box):
     if box is not None:
         low, high = np.minimum(low, [box[0], box[2]]), np.maximum(high, [box[1], box[3]])
     width, height = high - low
-    return WIDTH, np.clip(WIDTH * height / width + TITLE_HEIGHT, LEAST_HEIGHT, LARGEST_HEIGHT)
+    as_wide = WIDTH * height / width if width > 0 else LARGEST_HEIGHT  # of an upright facet alone
+    return WIDTH, np.clip(as_wide + TITLE_HEIGHT, LEAST_HEIGHT, LARGEST_HEIGHT)
 
 
 def _draw_field(figure, axes, images, outlines, field, scale, limits):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from periodic_scenes import set_cell
-from scenes import RADIUS, add_disk, add_wall, ready, run
+from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -238,3 +238,23 @@ def test_contact_point_of_grains_within_each_other():
         x, y, z = pair.geom.contactPoint
         assert (y, z) == pytest.approx((5 * RADIUS, 0))
         assert abs(math.remainder(x, 5 * RADIUS)) < 1e-9
+
+
+@pytest.mark.parametrize("contact", ("surface", "points"))
+def test_pair_is_touched_half_way(contact):
+    """Of two equal disks, whatever their order; disks about boundary points count with their
+    radius, also beside a wall."""
+    material = soft_material(massDamping=2000)
+    disks = [
+        add_disk((x * RADIUS, 0, 0), material=material, zeta=0.15, contact=contact) for x in (-1, 1)
+    ]
+    for side in (-1, 1):
+        add_wall(side * 2 * RADIUS, axis=0, velocity=(-0.05 * side, 0, 0))
+    ready()
+    run(400)
+    pair = O.interactions[disks[0].id, disks[1].id]
+    assert pair.phys.normalForce[0] > 10
+    assert abs(pair.geom.contactPoint[0]) < 0.02 * RADIUS
+    assert pair.geom.refR1 == pytest.approx(pair.geom.refR2, abs=0.03 * RADIUS)
+    wall = O.interactions[disks[0].id, disks[1].id + 1]
+    assert wall.geom.contactPoint[0] == pytest.approx(O.bodies[2].state.pos[0], abs=0.02 * RADIUS)
