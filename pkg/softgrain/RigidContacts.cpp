@@ -277,6 +277,14 @@ void RigidContacts::stopOnOverlap(const RigidPartners& partners, Real maxOverlap
 	}
 }
 
+Real RigidContacts::deepestOverlap() const
+{
+	Real deepest = 0;
+	for (const RigidContactDescription& d : contacts_)
+		deepest = std::max(deepest, -d.gap / d.size);
+	return sizeOverRadius * deepest;
+}
+
 void RigidContacts::listContactsOnPlates()
 {
 	onPlates_.clear();

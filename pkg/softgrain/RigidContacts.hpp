@@ -31,6 +31,8 @@ public:
 	/// Throws std::runtime_error for pairs that cannot be treated, and for an overlap beyond
 	/// `maxOverlap` (SoftGrainIntegrator.maxOverlap).
 	void describe(const Scene& scene, RigidPartners& partners, Real maxOverlap);
+	/// Largest overlap of two bodies so described, over the smaller radius.
+	Real deepestOverlap() const;
 	/// The step leaves the impulses that it found in them.
 	std::vector<softgrain::RigidContactDescription>& descriptions() { return contacts_; }
 	/// Forces to FrictPhys, and their sums in the order of the sweeps on the bodies.

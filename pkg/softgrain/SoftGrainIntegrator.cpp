@@ -148,6 +148,7 @@ void SoftGrainIntegrator::advance()
 	clock_.end("callColliderIfNeeded");
 	keepBooks(report);
 	warnOfPressure();
+	warnOfOverlapsInCell();
 	// last, for the shortest way from its threads to those of NewtonIntegrator: on a long one
 	// they would fall asleep
 	interactions.publish(partners_, threads());
@@ -248,6 +249,24 @@ void SoftGrainIntegrator::warnOfPressure()
 	if (message.empty()) return;
 	warnedOfPressure_ = true;
 	LOG_WARN("step " << scene->iter << ": " << message);
+}
+
+/// Once, and not of what has overlapped from the start: a cell does not give way where bodies are
+/// moved apart, and what of an overlap only a larger cell would end grows while forces and residual
+/// look fine.
+void SoftGrainIntegrator::warnOfOverlapsInCell()
+{
+	if (!scene->isPeriodic || warnedOfOverlaps_) return;
+	constexpr Real small = 1e-3, large = 0.01; // radii
+	const Real deepest = rigidContacts_.deepestOverlap();
+	hadSmallOverlaps_ = hadSmallOverlaps_ || deepest < small;
+	if (!hadSmallOverlaps_ || deepest < large) return;
+	warnedOfOverlaps_ = true;
+	LOG_WARN("step " << scene->iter << ": rigid bodies overlap by " << deepest
+			 << " of a radius in a periodic cell, which does not give way to that: the "
+			    "packing becomes too dense while its forces look right. Hint: reduce "
+			    "O.dt to a quarter, or tolerance to 1e-5 with maxSweeps = 2000 (user "
+			    "guide, 'Overlaps')");
 }
 
 /// The balance of energies of rigid bodies is that of all contacts they have had, and of their

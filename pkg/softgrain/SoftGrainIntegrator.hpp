@@ -99,6 +99,7 @@ private:
 	void warnOfStiffSpheres();
 	void checkCollapsedStep(Real undeformed);
 	void warnOfPressure();
+	void warnOfOverlapsInCell();
 	bool tracksRigidBodies() const;
 	softgrain::StepSettings settings();
 	void holdWalls();
@@ -123,6 +124,7 @@ private:
 	long publishedIn_ = -1; ///< step in which it last came to its end
 	Real longestDt_ = 0;    ///< that the soft grains have asked for since it began to run, s
 	bool warnedOfPressure_ = false, warnedOfStiffness_ = false, warnedOfCollapse_ = false;
+	bool hadSmallOverlaps_ = false, warnedOfOverlaps_ = false; ///< of rigid bodies in a cell
 };
 REGISTER_SERIALIZABLE(SoftGrainIntegrator);
 

@@ -5,7 +5,7 @@ import pytest
 from rigid_scenes import R, add_sphere, spheres, start
 from scenes import run
 from test_rigid_energy import balance
-from yade import FrictMat, Matrix3, O, utils
+from yade import FrictMat, Matrix3, O, PeriTriaxController, pack, utils
 
 import softgrain as sg
 
@@ -136,3 +136,47 @@ def test_clump_that_would_meet_its_image_is_refused():
     with pytest.raises(RuntimeError, match="clump #5 spans .* it might meet its own image"):
         run(100)
     assert O.cell.size[0] > 9.6 * R
+
+
+def test_warning_of_a_packing_that_creeps_into_itself(capfd):
+    """Once: under stress, where the sweeps leave a little in each step that only the cell could
+    take back."""
+    O.materials.append(FrictMat(density=1000, frictionAngle=0))
+    side, radius = 0.13, 0.01
+    O.periodic = True
+    O.cell.setBox(side, side, 1)
+    cloud = pack.SpherePack()
+    cloud.makeCloud(
+        (0, 0, 0), (side, side, 0), rMean=radius, rRelFuzz=0.2, num=30, periodic=True, seed=2
+    )
+    ids = cloud.toSimulation(material=0)
+    for k in ids:
+        O.bodies[k].state.blockedDOFs = "zXY"
+    sg.as_disks(ids)
+    mass = 3 * sum(O.bodies[k].state.mass for k in ids)
+    control = PeriTriaxController(
+        dynCell=True,
+        mass=mass,
+        growDamping=0.5,
+        stressMask=3,
+        goal=(-1e4, -1e4, 0),
+        maxStrainRate=(2, 2, 0),
+    )
+    O.engines = sg.engines(rigid="nonsmooth", tolerance=1e-3)
+    sg.insert_before_solve(control)
+    O.dt = 1e-4
+    run(3800)
+    assert "of a radius in a periodic cell" not in capfd.readouterr().err
+    while 0.1 * sg.integrator().overlap < 0.02 and O.iter < 12000:  # over dr, a tenth of R
+        run(100)
+    assert capfd.readouterr().err.count("of a radius in a periodic cell") == 1
+
+
+def test_no_warning_of_overlaps_from_the_start(capfd):
+    O.periodic = True
+    O.cell.setBox(SIDE, SIDE, SIDE)
+    for x in (2, 3.96):
+        add_sphere((x * R, 2 * R, 2 * R))
+    start(1e-4)
+    run(50)
+    assert "of a radius in a periodic cell" not in capfd.readouterr().err
