@@ -1,6 +1,7 @@
 #include "DrawnOutline.hpp"
 #include "SceneAssembly.hpp"
 #include "SoftGrain.hpp"
+#include "SoftMat.hpp"
 
 #include <atomic>
 #include <exception>
@@ -9,26 +10,55 @@ namespace yade {
 
 namespace {
 
-std::atomic<bool> isStepping { false }, isAskedFor { false };
+std::mutex stepMutex; // held by a step, or by a renderer that reads what steps change
+std::atomic<bool> isAskedFor { false };
+
+/// About where the assembly has it, which is where State will be after the step; a change of State
+/// by hand moves the picture along.
+std::shared_ptr<const DrawnOutline> outlineIn(const softgrain::GrainAssembly& assembly, int g)
+{
+	const softgrain::GrainMotion motion = assembly.motion(g);
+	const softgrain::Rotation back = motion.orientation.conjugate();
+	DrawnOutline outline;
+	outline.facets = assembly.facets(g);
+	for (const softgrain::Vec3& x : assembly.outline(g))
+		outline.places.push_back(back * (x - motion.position));
+	return std::make_shared<const DrawnOutline>(std::move(outline));
+}
+
+/// An assembly of this grain alone. Templates stay for the next one.
+std::shared_ptr<softgrain::GrainAssembly> assembledAlone(const SoftGrain& grain, const State& state)
+{
+	static std::shared_ptr<softgrain::GrainAssembly> last;
+	Body body; // the outline is that of any material
+	body.state = boost::make_shared<State>();
+	body.state->se3 = state.se3;
+	body.material = boost::make_shared<SoftMat>();
+	return last = softgrain::GrainAssembly::create({ grain.describe(body) }, last.get());
+}
 
 } // namespace
 
 std::shared_ptr<const DrawnOutline> outlineToDraw(SoftGrain& grain, const State& state)
 {
-	if (Omega::instance().isRunning() || isStepping) {
+	const std::unique_lock<std::mutex> lock(stepMutex, std::try_to_lock);
+	if (!lock) {
 		isAskedFor = true;
 		return std::atomic_load(&grain.drawn);
 	}
+	if (const auto assembly = grain.assembly) return outlineIn(*assembly, grain.index);
+	if (grain.drawn) return grain.drawn;
 	try {
-		return grain.outlineAbout(state);
-	} catch (const std::exception&) { // of a scene that is not in order; its next step tells
+		return grain.drawn = outlineIn(*assembledAlone(grain, state), 0);
+	} catch (const std::exception&) { // the next step tells what is wrong
 		return nullptr;
 	}
 }
 
-StepBesideRenderers::StepBesideRenderers() { isStepping = true; }
-
-StepBesideRenderers::~StepBesideRenderers() { isStepping = false; }
+StepBesideRenderers::StepBesideRenderers()
+	: lock_(stepMutex)
+{
+}
 
 void StepBesideRenderers::leaveOutlines(const Scene& scene) const
 {
@@ -36,7 +66,7 @@ void StepBesideRenderers::leaveOutlines(const Scene& scene) const
 	for (const auto& body : *scene.bodies) {
 		if (!body || !isSoftGrain(*body)) continue;
 		auto& grain = static_cast<SoftGrain&>(*body->shape);
-		std::atomic_store(&grain.drawn, grain.outlineAbout(*body->state));
+		std::atomic_store(&grain.drawn, outlineIn(*grain.assembly, grain.index));
 	}
 }
 

@@ -4,6 +4,7 @@
 #include <GL/gl.h>
 #include <GL/glu.h>
 
+#include <array>
 #include <deque>
 
 namespace yade {
@@ -32,13 +33,15 @@ void drawPoints(const DrawnOutline& outline)
 /// Unlit, as lines have no normal.
 void drawEdges(const DrawnOutline& outline, int dim)
 {
+	const int ends = dim == 2 ? 1 : 3; // of a facet, where an edge begins
 	glDisable(GL_LIGHTING);
-	for (std::size_t k = 0; k < outline.facets.size(); k += dim) {
-		glBegin(GL_LINE_LOOP);
-		for (int i = 0; i < dim; ++i)
+	glBegin(GL_LINES);
+	for (std::size_t k = 0; k < outline.facets.size(); k += dim)
+		for (int i = 0; i < ends; ++i) {
 			addVertex(outline.places[outline.facets[k + i]]);
-		glEnd();
-	}
+			addVertex(outline.places[outline.facets[k + (i + 1) % dim]]);
+		}
+	glEnd();
 	glEnable(GL_LIGHTING);
 }
 

@@ -12,7 +12,7 @@ public:
 	RENDERS(SoftGrain);
 	// clang-format off
 	YADE_CLASS_BASE_DOC_STATICATTRS(Gl1_SoftGrain, GlShapeFunctor,
-		"Renders the outline of a :yref:`SoftGrain` as it is deformed: in 2D filled, with its edge darker, in 3D the facets; with contact 'points' the boundary points. During a run it is that of a step or two ago.",
+		"Renders the outline of a :yref:`SoftGrain` as it is deformed: in 2D filled, with its edge darker, in 3D the facets; with contact 'points' the boundary points. During a run it may be that of a step or two ago.",
 		((bool, wire, false, , "Only the edges of the facets."))
 	);
 	// clang-format on

@@ -1,5 +1,4 @@
 #include "SoftGrain.hpp"
-#include "DrawnOutline.hpp"
 #include "Engines.hpp"
 #include "HostChecks.hpp"
 #include "PeriodicCell.hpp"
@@ -178,16 +177,6 @@ StateChange SoftGrain::shownChange()
 	const int id = grains.idOf(index);
 	if (!scene.bodies->exists(id) || (*scene.bodies)[id]->shape.get() != this) return {};
 	return shownChangeOf(*(*scene.bodies)[id], grains.continuation().lastStep);
-}
-
-std::shared_ptr<const DrawnOutline> SoftGrain::outlineAbout(const State& state)
-{
-	DrawnOutline drawn;
-	drawn.facets = assembled().facets(index);
-	const Quaternionr back = state.ori.conjugate();
-	for (const Vec3& x : shownChange().positionsOf(assembled().outline(index)))
-		drawn.places.push_back(back * (x - state.pos));
-	return std::make_shared<const DrawnOutline>(std::move(drawn));
 }
 
 py::object SoftGrain::outlineArray()

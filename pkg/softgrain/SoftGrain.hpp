@@ -38,9 +38,6 @@ public:
 	void postLoad(SoftGrain&); ///< checks all attributes, throws std::invalid_argument
 	void preSave(SoftGrain&) { fetchState(); }
 
-	/// As it is now, about the State of its body.
-	std::shared_ptr<const DrawnOutline> outlineAbout(const State& state);
-
 	py::object outlineArray();
 	py::object facetsArray();
 	Matrix3r presentInertia();
@@ -66,7 +63,7 @@ public:
 		((Real, zeta, 0.11, Attr::readonly, "Relative resolution ζ = 2 dr/D = dr/radius with dr the spacing of material points, in [0.001, 0.5] [-]. Cost grows as ζ⁻³ in 2D; for errors see doc/validation.md."))
 		((int, order, 3, Attr::readonly, "Order of the B-splines: 1, 2 or 3."))
 		((Real, nodeSpacing, 1.25, Attr::readonly, "Spacing of background nodes h/dr, in [1.25, 4] [-]: larger is coarser and allows longer steps."))
-		((Real, surfaceSpacing, 1, Attr::readonly, "Spacing of surface nodes over dr, in [0.5, 4] [-]; above 1.25 outlines sink into each other between nodes. Where the grain is coarse (zeta above 0.2 at the default nodeSpacing) they are denser than this says, by up to 0.77."))
+		((Real, surfaceSpacing, 1, Attr::readonly, "Spacing of surface nodes over dr, in [0.5, 4] [-]; above 1 blocks under load sink into each other between nodes, above 1.25 disks, too. Where the grain is coarse (zeta above 0.2 at the default nodeSpacing) they are denser than this says, by up to 0.77."))
 		((string, quadrature, "cutCell", Attr::readonly, "Where the material points lie: 'cutCell' (lattice cells cut with the outline, weights exact) or 'lattice' (uniform weights)."))
 		((string, contact, "surface", Attr::readonly, "What touches: 'surface' (nodes on the outline against the other outline), "
 			"'points' (boundary points as disks of diameter dr) or 'nodes' (nodes of a grid in space that get mass from two bodies; for comparison only)."))

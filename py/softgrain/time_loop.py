@@ -203,11 +203,9 @@ def _warn_of_pairs_without_contact():
     free = [
         b
         for b, whole in zip(flat, wholes)
-        if not isinstance(b.shape, wrapper.Wall)
-        and whole.dynamic
-        and whole.state.blockedDOFs != "xyzXYZ"
+        if whole.dynamic and not isinstance(b.shape, wrapper.Wall)
     ]
-    if free and len(flat) > 1:
+    if free and len({whole.id for whole in wholes}) > 1:
         warnings.warn(
             f"body #{free[0].id} is a {type(free[0].shape).__name__} that is free: no contact of "
             "it with other boxes, facets and walls is computed, through which it passes",

@@ -63,6 +63,14 @@ def test_warning_of_boxes_that_fall_through_each_other():
         sg.engines(rigid="nonsmooth")
 
 
+def test_no_warning_of_boxes_of_one_clump():
+    O.bodies.clump([add_free_box((x * R, 0, 0)).id for x in (0, 1.5)])
+    add_sphere((0, 0, 9 * R))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sg.engines()
+
+
 def test_in_a_list_of_engines_of_ones_own():
     add_wall(0, 2)
     ball = add_sphere((0, 0, 1.5 * R))

@@ -320,6 +320,32 @@ def test_bonds_to_a_free_body_that_turns_with_the_grain(dim):
     np.testing.assert_allclose(after, momentum, atol=1e-9 * masses.sum() * spin * RADIUS)
 
 
+def test_no_creep_about_an_axis_across_the_side():
+    """A block bonded to a held box that turns about an axis at 45 degrees to the normal stays where
+    it is on that, in whose axes it had crept by 0.004 R a turn."""
+    spin = 30.0
+    block = sg.soft_block((0, RADIUS, 0), (2 * RADIUS,) * 3, soft_material(poisson=0.3), zeta=0.5)
+    plate = utils.box((0, -RADIUS, 0), (2 * RADIUS, RADIUS, 2 * RADIUS), fixed=True)
+    plate.material = rigid_material(0)
+    O.bodies.append([block, plate])
+    ready(interface={"bondStrength": 1e4, "bondEnergy": 1.0}, tolerance=1e-6)
+    run(3)
+    axis = np.array((1, 1, 0)) / math.sqrt(2)
+    for body in (block, plate):
+        body.state.angVel = spin * axis
+        body.state.vel = np.cross(spin * axis, np.array(body.state.pos) - np.array(plate.state.pos))
+
+    def place():
+        apart = np.array(block.state.pos) - np.array(plate.state.pos)
+        return np.array(plate.state.ori.toRotationMatrix()).T @ apart
+
+    run(200)
+    before, start = place(), O.time
+    while O.time < start + 4 * 2 * math.pi / spin:
+        run(50)
+    assert np.linalg.norm((place() - before)[[0, 2]]) < 2e-3 * RADIUS
+
+
 @pytest.mark.parametrize("side", (0, 1))
 def test_impulses_turn_about_normals_with_a_body_that_spins(side):
     """In 3D; at contact points of the grain, on a box, as well as at that of a small ball, whose

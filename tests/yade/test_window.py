@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from draw_scene import without_display
 from matplotlib.path import Path
-from scenes import assert_done, run_python
+from scenes import RADIUS, assert_done, run_python
 from scipy import spatial
 
 BEGIN = """
@@ -65,6 +65,24 @@ canvas = Canvas(BOX)
 save(later=canvas.draw(shape=True), edges=canvas.draw(shape=True, wire=True))
 """
 
+BUILT_UNDER_EYES = """
+looked = []
+for looks in (False, True):
+    O.reset()
+    canvas = canvas if looked else Canvas(BOX)
+    body = add_disk((-RADIUS, 0, 0.1 * RADIUS), color=RED)
+    start = canvas.draw(shape=True) if looks else None
+    body.state.pos, body.state.vel = (-RADIUS, 0, -0.1 * RADIUS), (1, 0, 0)
+    body.state.ori = Quaternion((0, 0, 1), 0.3)
+    moved = canvas.draw(shape=True) if looks else None
+    ready()
+    run(50)
+    looked.append((O.time, O.dt, body.shape.outline(), body.shape.nodeVelocities()))
+for one, other in zip(*looked):
+    assert np.array_equal(one, other)
+save(start=start, later=canvas.draw(shape=True), moved=moved)
+"""
+
 BOUNDARY_POINTS = """
 add_disk(color=BLUE, contact="points")
 save(later=Canvas(BOX).draw(shape=True))
@@ -80,7 +98,7 @@ canvas = Canvas(BOX)
 pictures, places = [], []
 O.run()
 end = time.time() + 60
-while len(places) < 20 and time.time() < end:
+while (len(places) < 20 or places[-1] < places[0] + 3) and time.time() < end:
     time.sleep(0.002)
     pictures.append(canvas.draw(shape=True))
     red = pictures[-1][:, :, 1] < 200
@@ -96,8 +114,8 @@ add_disk(color=RED)
 canvas = Canvas(BOX)
 O.bodies[0].material = FrictMat()
 picture = canvas.draw(shape=True)
-assert (picture == 255).all()
-print("done")
+O.bodies[0].material = soft_material()
+save(later=picture)
 """
 
 
@@ -156,6 +174,17 @@ def test_grains_in_space(drawn):
         assert 0.05 * filled < edges < 0.7 * filled
 
 
+def test_looking_changes_nothing(drawn):
+    """Grains are seen, and follow their State, before the first step, which finds them as if nobody
+    had looked."""
+    picture = drawn(BUILT_UNDER_EYES)
+    outline = picture.arrays["outline0"]
+    shift = outline.mean(axis=0) - (-RADIUS, 0)
+    for name in ("start", "moved"):
+        assert picture.difference(name, 0, outline - shift) < 0.03
+    assert picture.difference("later", 0, outline) < 0.03
+
+
 def test_boundary_points(drawn):
     """Dots of three pixels, each at its place."""
     picture = drawn(BOUNDARY_POINTS)
@@ -169,11 +198,10 @@ def test_beside_a_run(drawn):
     """A disk that moves is seen to move."""
     picture = drawn(BESIDE_A_RUN)
     places = picture.arrays["places"]
-    assert len(places) == 20 and (np.diff(places) >= 0).all() and places[-1] > places[0]
+    assert (np.diff(places) >= 0).all() and places[-1] >= places[0] + 3
     assert picture.difference("later", 0, picture.arrays["outline0"]) < 0.03
 
 
-def test_scene_that_is_not_in_order(tmp_path):
-    """Nothing is drawn of it, and nothing ends."""
-    code = BEGIN.format(folder=os.path.dirname(__file__)) + NOT_IN_ORDER
-    assert_done(run_python(code, tmp_path, without_display(tmp_path)))
+def test_scene_that_no_step_would_take(drawn):
+    """It is drawn all the same: to look is no step."""
+    assert drawn(NOT_IN_ORDER).colored("later", 0).mean() > 0.03

@@ -63,7 +63,7 @@ template <int dim> struct Mixture {
 		list.second = -1 - p;
 		list.friction = friction;
 		list.rigid.emplace();
-		list.rigid->surface = BallSurface<dim> { Vec<dim>::Zero(), 1 };
+		list.rigid->surface = BlockSurface<dim>();
 		list.rigid->partner = p;
 		list.rigid->moves = partner[p].moves();
 		Contact<dim> contact;
@@ -91,14 +91,15 @@ template <int dim> struct Mixture {
 		return body[list.first].position[0] - partner[list.rigid->partner].centre;
 	}
 	/// Relative velocity at the contact of a list, at the place on the rigid body half a step
-	/// later, as far as that turns along the surface.
+	/// later, as far as that moves along the surface.
 	Vec<dim> velocityAt(const ContactList<dim>& list) const
 	{
 		const int p = list.rigid->partner;
 		const Vec<dim> arm = armOf(list), &n = list.contacts[0].normal;
-		const Vec<dim> turn = 0.5 * turned<dim>(freeSpin[p], arm - arm.dot(n) * n);
+		const Vec<dim> turn = 0.5 * turned<dim>(freeSpin[p], arm);
+		const Vec<dim> gained = turned<dim>(freeSpin[p], turn);
 		return body[list.first].velocity[0] - partner[p].velocityAt(arm) -
-		       turned<dim>(freeSpin[p], turn);
+		       (gained - gained.dot(n) * n);
 	}
 };
 

@@ -76,15 +76,17 @@ template <int dim> double RigidPairSolver<dim>::restingOverlapOf(const Constrain
 }
 
 /// What turns carries what sticks to it along circles: half a step later the velocity of a place
-/// leads to where it will be, not outwards along the tangent. Across the surface it is no place of
-/// the body that matters: a roller turns under its contacts. (Of the spin without impulses: known
-/// in the sweeps, so impulses act at one place on both.)
+/// leads to where it will be, not outwards along the tangent. That is the place on a side, but the
+/// centre of a ball, which turns under its contacts; and along the surface, since across it gaps
+/// tell. (Of the spin without impulses: known in the sweeps, so impulses act at one place on both.)
 template <int dim> Vec<dim> RigidPairSolver<dim>::turningOf(const Constraint& c) const
 {
 	const Spin<dim>& spin = partner_->freeSpin;
 	if (spin.isZero(0)) return Vec<dim>::Zero();
-	const Vec<dim> along = c.arm - c.arm.dot(c.normal) * c.normal;
-	return turned<dim>(spin, 0.5 * dt_ * turned<dim>(spin, along));
+	const auto* ball = std::get_if<BallSurface<dim>>(&list_->rigid->surface);
+	const Vec<dim> arm = ball ? Vec<dim>(ball->centre - imageCentre()) : c.arm;
+	const Vec<dim> gained = turned<dim>(spin, 0.5 * dt_ * turned<dim>(spin, arm));
+	return gained - gained.dot(c.normal) * c.normal;
 }
 
 template <int dim>
