@@ -46,13 +46,15 @@ std::shared_ptr<const DrawnOutline> outlineToDraw(SoftGrain& grain, const State&
 		isAskedFor = true;
 		return std::atomic_load(&grain.drawn);
 	}
-	if (const auto assembly = grain.assembly) return outlineIn(*assembly, grain.index);
-	if (grain.drawn) return grain.drawn;
 	try {
-		return grain.drawn = outlineIn(*assembledAlone(grain, state), 0);
+		if (const auto assembly = grain.assembly)
+			std::atomic_store(&grain.drawn, outlineIn(*assembly, grain.index));
+		else if (!grain.drawn)
+			std::atomic_store(&grain.drawn,
+					  outlineIn(*assembledAlone(grain, state), 0));
 	} catch (const std::exception&) { // the next step tells what is wrong
-		return nullptr;
 	}
+	return grain.drawn;
 }
 
 StepBesideRenderers::StepBesideRenderers()

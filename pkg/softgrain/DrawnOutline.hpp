@@ -18,8 +18,8 @@ struct DrawnOutline {
 	std::vector<int> facets;      ///< as SoftGrain.facets(), one after the other
 };
 
-/// As the grain is now; beside a step as it was when one last left it. Null if none has, and of a
-/// grain that cannot be made.
+/// As the grain is now; beside a step as a step left it or a renderer last saw it, whichever is
+/// later. Null if none has, and of a grain that cannot be made.
 std::shared_ptr<const DrawnOutline> outlineToDraw(SoftGrain& grain, const State& state);
 
 /// Keeps renderers off the grains while it lives.

@@ -24,7 +24,7 @@ public:
 	/// Motion of the whole grain as last written to State, to notice what the user changes.
 	softgrain::GrainMotion written;
 	Vector3r boundCell = Vector3r::Zero(); ///< Cell.size when the bound was made, m
-	/// What a step left for a renderer, atomically: outlineToDraw.
+	/// For renderers: what one last saw, or a step has left since. Set and read atomically.
 	std::shared_ptr<const DrawnOutline> drawn;
 
 	softgrain::TemplateRecipe recipe() const;

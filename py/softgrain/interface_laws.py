@@ -25,6 +25,8 @@ _LAWS = (
     ("bondStrength", "bondEnergy", "bondStiffness", "bondAtTouch"),
     ("restitution",),
 )
+#: Those that decide how far surfaces attract each other.
+_OF_RANGE = ("cohesion", "cohesionRange", "bondStrength", "bondEnergy")
 #: Of materials that no MatchMaker names.
 _ANY_OTHER_PAIR = (-1, -1)
 
@@ -65,22 +67,18 @@ def longest_range(interface):
 def longest_range_in_use():
     """The same of the pairs that are in contact, which keep their laws [m]."""
     laws = [getattr(i.phys, "interface", None) for i in O.interactions if i.isReal]
-    return max((_reach(law) for law in laws if law), default=0)
+    ranges = [_reach(*(getattr(law, name) for name in _OF_RANGE)) for law in laws if law]
+    return max(ranges, default=0)
 
 
-def _reach(law):
-    """Gap up to which a ``SoftInterface`` may attract [m]."""
-    bond = 2 * law.bondEnergy / law.bondStrength if law.bondStrength > 0 else 0
-    return max(law.cohesionRange if law.cohesion > 0 else 0, bond)
+def _reach(cohesion, within, strength, energy):
+    """Gap up to which cohesion or a bond may attract [m]."""
+    return max(within if cohesion > 0 else 0, 2 * energy / strength if strength > 0 else 0)
 
 
 def _range_of(pair, interface):
     """The same of one pair of materials, by their ids."""
-    cohesion, within, strength, energy = (
-        _value_of(pair, interface.get(name))
-        for name in ("cohesion", "cohesionRange", "bondStrength", "bondEnergy")
-    )
-    return max(within if cohesion > 0 else 0, 2 * energy / strength if strength > 0 else 0)
+    return _reach(*(_value_of(pair, interface.get(name)) for name in _OF_RANGE))
 
 
 def _value_of(pair, match):

@@ -175,8 +175,8 @@ def _size(outlines, box):
     if box is not None:
         low, high = np.minimum(low, [box[0], box[2]]), np.maximum(high, [box[1], box[3]])
     width, height = high - low
-    as_wide = WIDTH * height / width if width > 0 else LARGEST_HEIGHT  # of an upright facet alone
-    return WIDTH, np.clip(as_wide + TITLE_HEIGHT, LEAST_HEIGHT, LARGEST_HEIGHT)
+    drawn = WIDTH * height / width if width > 0 else LARGEST_HEIGHT  # 0 of an upright facet
+    return WIDTH, np.clip(drawn + TITLE_HEIGHT, LEAST_HEIGHT, LARGEST_HEIGHT)
 
 
 def _draw_field(figure, axes, images, outlines, field, scale, limits):

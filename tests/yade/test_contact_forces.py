@@ -242,8 +242,8 @@ def test_contact_point_of_grains_within_each_other():
 
 @pytest.mark.parametrize("contact", ("surface", "points"))
 def test_pair_is_touched_half_way(contact):
-    """Of two equal disks, whatever their order; disks about boundary points count with their
-    radius, also beside a wall."""
+    """Of two equal disks; disks about boundary points count with their radius, also beside a
+    wall."""
     material = soft_material(massDamping=2000)
     disks = [
         add_disk((x * RADIUS, 0, 0), material=material, zeta=0.15, contact=contact) for x in (-1, 1)

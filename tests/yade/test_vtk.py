@@ -41,7 +41,7 @@ class Read:
 
 
 def two_pressed(make, **shape):
-    """Two grains between walls that close in; the second one moves with the scene at the end."""
+    """Two grains between walls that close in, in contact with each other and with these."""
     grains = [make((x * RADIUS, 0, 0), RADIUS, soft_material(), **shape) for x in (-1, 1)]
     O.bodies.append(grains)
     for side in (-1, 1):

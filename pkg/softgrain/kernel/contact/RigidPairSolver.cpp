@@ -64,7 +64,7 @@ void RigidPairSolver<dim>::describe(const Contact<dim>& contact, const Bias& bia
 	c.arm = -imageCentre();
 	for (int i = 0; i < c.partners; ++i)
 		c.arm += c.weight[i] * grain_->contactPoint(c.partner[i]);
-	c.turning = turningOf(c);
+	c.halfTurn = halfTurnOf(c);
 	c.grainMobility = c.ofNode ? side_.mobilityOf(c.partner[0]) : side_.mobilityOf(c);
 	c.setMobility(c.grainMobility * Mat<dim>::Identity() + partner_->mobilityAt(c.arm));
 }
@@ -79,7 +79,7 @@ template <int dim> double RigidPairSolver<dim>::restingOverlapOf(const Constrain
 /// leads to where it will be, not outwards along the tangent. That is the place on a side, but the
 /// centre of a ball, which turns under its contacts; and along the surface, since across it gaps
 /// tell. (Of the spin without impulses: known in the sweeps, so impulses act at one place on both.)
-template <int dim> Vec<dim> RigidPairSolver<dim>::turningOf(const Constraint& c) const
+template <int dim> Vec<dim> RigidPairSolver<dim>::halfTurnOf(const Constraint& c) const
 {
 	const Spin<dim>& spin = partner_->freeSpin;
 	if (spin.isZero(0)) return Vec<dim>::Zero();

@@ -37,7 +37,7 @@ public:
 			arm; ///< of the place, from the centre of mass of the rigid body's image, m
 		/// By how much the velocity of the place half a step later, when it has turned with
 		/// the body, differs from that at `arm`, m/s.
-		Vec<dim> turning;
+		Vec<dim> halfTurn;
 		/// Of the grain: the impulse acts in shares on nodes that bear a place over a
 		/// facet, or else (`ofNode`) on one contact node, the only "partner".
 		bool ofNode;
@@ -67,15 +67,15 @@ public:
 
 private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }
-	Vec<dim> turningOf(const Constraint& c) const; ///< Constraint::turning
+	Vec<dim> halfTurnOf(const Constraint& c) const; ///< Constraint::halfTurn
 	/// Of the place of a contact on the rigid body, m/s.
 	Vec<dim> rigidVelocity(const Constraint& c) const
 	{
-		return partner_->velocityAt(c.arm) + c.turning;
+		return partner_->velocityAt(c.arm) + c.halfTurn;
 	}
 	Vec<dim> rigidVelocityBefore(const Constraint& c) const
 	{
-		return partner_->velocityBeforeAt(c.arm) - c.turning;
+		return partner_->velocityBeforeAt(c.arm) - c.halfTurn;
 	}
 	Vec<dim> grainVelocity(const Constraint& c,
 			       const std::vector<Vec<dim>> ContactBody<dim>::* field) const;
