@@ -1,5 +1,5 @@
-"""A square pressed along one axis in a rigid die without friction: uniaxial strain, which is known in
-closed form (the neo-Hookean law of doc/theory.md with F = diag(1, stretch))."""
+"""A square pressed along one axis in a rigid die without friction: uniaxial strain, in closed form
+the neo-Hookean law of doc/theory.md with F = diag(1, stretch)."""
 
 import math
 
@@ -23,8 +23,8 @@ def exact(stretch):
 
 
 def press(until, **shape):
-    """Until the mean pressure is so much [Pa]; error of the force, over the exact one, in windows
-    of 40 steps, the last ones a third of the way."""
+    """Until the mean pressure is so much [Pa]; largest error of the force, averaged over 40 steps,
+    over the exact one, from a third of that pressure on."""
     material = sg.SoftMat(young=YOUNG, poisson=POISSON, density=1000, massDamping=3000)
     add(sg.soft_block((0, 0, 0), (2 * HALF, 2 * HALF), material, zeta=0.2, **shape))
     walls = [add_wall(side * HALF, axis) for axis in (0, 1) for side in (-1, 1)]
