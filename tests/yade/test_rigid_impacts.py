@@ -32,6 +32,29 @@ def test_column_stops(balls, left):
     assert largest_speed() < left
 
 
+def creeping_pair():
+    """A held ball that is driven against a free one."""
+    add_sphere((1, 0, 5 * R), velocity=(1e-9, 0, 0), blocked="xyzXYZ")
+    add_sphere((1 + 2.002 * R, 0, 5 * R))
+
+
+def grain_on_a_ball():
+    """A soft one."""
+    soft = sg.SoftMat(young=1e6, poisson=0.3, density=1000)
+    O.bodies.append(sg.soft_sphere((1, 0, 5 * R), R, soft, zeta=0.4))
+    add_sphere((1, 0, 3 * R), velocity=(0, 0, 1e-3))
+
+
+@pytest.mark.parametrize("elsewhere", (creeping_pair, grain_on_a_ball))
+def test_column_stops_whatever_happens_elsewhere(elsewhere):
+    """What it does not touch neither ends its sweeps nor changes them."""
+    column(20)
+    balls = spheres()
+    elsewhere()
+    run(30)
+    assert max(b.state.vel.norm() for b in balls) < 1e-3
+
+
 def test_column_of_which_the_top_is_heavy_stops():
     column(3)
     spheres()[-1].state.mass *= 1000

@@ -3,6 +3,7 @@
 #include "contact/CoulombCone.hpp"
 #include "contact/Residual.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <stdexcept>
@@ -87,7 +88,8 @@ template <int dim> ContactProblem<dim> ContactSolver<dim>::problem() const
 {
 	ContactProblem<dim> problem;
 	if (!solved_) return problem;
-	if (pairs_.moveRigidBodies())
+	if (std::any_of(islands_.begin(), islands_.end(),
+			[](const IslandSweeps& island) { return island.moveRigidBodies; }))
 		throw std::logic_error(
 			"the contact problem cannot be given as data: a rigid body that "
 			"contact moves takes part, whose blocks of W are no multiples of "

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 #include <stdexcept>
 
 namespace softgrain {
@@ -18,10 +16,6 @@ namespace {
 /// on at once, and in packings of them that are swept so overlaps grow
 /// (doc/decisions/0015-parallel-sweeps.md).
 constexpr int sweepsEachWay = 2;
-
-/// Worth measuring the residual: it was 0.55 to 1.1 times the change of the sweep before it in
-/// problems of a compaction.
-constexpr double changePerResidual = 2;
 
 /// Sweeps that move rigid bodies out of overlaps. With fewer, what is pushed at one end of a
 /// packing overlaps at the other: after 4 a squeezed packing creeps
@@ -42,10 +36,6 @@ constexpr double leastHarmless = 0.5;
 /// Pairs on their own aim at so much of the tolerance: what they do to each other is little, and
 /// changes the scale of the residual.
 constexpr double marginAlone = 0.95;
-
-/// Where pairs on their own leave more of the residual, they feel each other (as coarse grains and
-/// those with corners do): all contacts are swept twice as often before pairs are tried again.
-constexpr double fallAlone = 0.5;
 
 /// The violation that pairs may keep, and the others have to come down to, for all together to have
 /// so much.
@@ -83,139 +73,247 @@ void ContactSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, double d
 {
 	settings_ = settings;
 	pairs_.prepare(bodies, dt, settings, threads);
-	countsExchange_ = pairs_.moveRigidBodies() && !pairs_.areDriven();
-	exchangedAtFirst_ = 0;
-	if (countsExchange_) adjustImpulses();
+	noteIslands();
+	adjustImpulses();
 }
 
-template <int dim> SweepChange ContactSolver<dim>::sweep(SweepOrder order, int times)
+template <int dim> void ContactSolver<dim>::noteIslands()
 {
-	change_.resize(pairs_.count());
+	islands_.assign(pairs_.islands(), {});
+	residuals_.assign(pairs_.count(), {});
+	change_.assign(pairs_.count(), {});
+	for (int k = 0; k < pairs_.count(); ++k) {
+		IslandSweeps& island = islands_[pairs_.islandOf(k)];
+		island.contacts += pairs_.with(k, [](const auto& pair) { return pair.contacts(); });
+		island.haveGrains |= pairs_.grains(k) != nullptr;
+		island.moveRigidBodies |= pairs_.movesRigidBodies(k);
+		island.areDriven |= pairs_.isDriven(k);
+	}
+}
+
+template <int dim> template <class Is> bool ContactSolver<dim>::select(Is&& is)
+{
+	bool any = false;
+	for (IslandSweeps& island : islands_)
+		any |= island.takesPart = is(island);
+	return any;
+}
+
+template <int dim> void ContactSolver<dim>::sweep(SweepOrder order, int times)
+{
 	pairs_.forEach(
 		order,
 		[&](int k) {
+			if (!takesPart(k)) return;
 			pairs_.fetchForSweep(k, order);
 			change_[k] = pairs_.with(k, [&](auto& pair) { return pair.sweep(order); });
 		},
 		times);
-	SweepChange sum;
-	for (const SweepChange& change : change_)
-		sum += change;
-	return sum;
+	for (IslandSweeps& island : islands_)
+		if (island.takesPart) island.change = {};
+	for (int k = 0; k < pairs_.count(); ++k)
+		if (takesPart(k)) islands_[pairs_.islandOf(k)].change += change_[k];
 }
 
-template <int dim> void ContactSolver<dim>::extrapolate(double share)
+template <int dim> void ContactSolver<dim>::extrapolate()
 {
+	if (!select([this](const IslandSweeps& island) {
+		    return island.countsExchange() && isLeft(island);
+	    }))
+		return;
 	pairs_.forEach(SweepOrder::forwards, [&](int k) {
+		if (!takesPart(k)) return;
+		const double share = islands_[pairs_.islandOf(k)].beyond;
 		if (auto* contact = pairs_.rigid(k)) contact->extrapolate(share);
 		if (auto* pair = pairs_.grainOnRigid(k)) pair->extrapolate(share);
 	});
 }
 
-template <int dim>
-long ContactSolver<dim>::solvePairsAlone(const std::vector<ResidualSum>& residuals)
+template <int dim> std::vector<double> ContactSolver<dim>::levelsAlone() const
 {
+	std::vector<std::vector<ResidualSum>> ofIsland(islands_.size());
+	for (int k = 0; k < pairs_.count(); ++k)
+		if (takesPart(k)) ofIsland[pairs_.islandOf(k)].push_back(residuals_[k]);
+	const std::vector<ResidualSum> sums = sumsOfIslands();
 	const double tolerance = marginAlone * settings_.tolerance;
-	const double level =
-		commonLevel(residuals, tolerance * tolerance * sumOver(residuals).scale());
+	std::vector<double> levels(islands_.size());
+	for (std::size_t i = 0; i < islands_.size(); ++i)
+		levels[i] = commonLevel(ofIsland[i], tolerance * tolerance * sums[i].scale());
+	return levels;
+}
+
+template <int dim> std::vector<long> ContactSolver<dim>::solvePairsAlone()
+{
+	const std::vector<double> levels = levelsAlone();
 	visits_.assign(pairs_.count(), 0);
 	pairs_.forEach(SweepOrder::forwards, [&](int k) {
 		PairSolver<dim>* pair = pairs_.grains(k);
-		if (!pair || residuals[k].violation() <= level || !pair->canBeSolvedAlone()) return;
+		if (!pair || !takesPart(k)) return;
+		const double level = levels[pairs_.islandOf(k)];
+		if (residuals_[k].violation() <= level || !pair->canBeSolvedAlone()) return;
 		visits_[k] = static_cast<long>(pair->contacts()) *
 			     pair->solveAlone(level, settings_.maxSweeps);
 	});
-	return std::accumulate(visits_.begin(), visits_.end(), 0L);
+	std::vector<long> visits(islands_.size(), 0);
+	for (int k = 0; k < pairs_.count(); ++k)
+		visits[pairs_.islandOf(k)] += visits_[k];
+	return visits;
 }
 
-template <int dim> bool ContactSolver<dim>::bearsNothing() const
+template <int dim> bool ContactSolver<dim>::bearsNothing()
 {
 	if (lastActive_ > 0) return false;
-	const ResidualSum sum = sumOver(residualsOfPairs());
-	return sum.violation() == 0 && sum.scale() == 0; // nan is something
+	select([](const IslandSweeps&) { return true; });
+	measurePairs();
+	return std::all_of(residuals_.begin(), residuals_.end(), [](const ResidualSum& sum) {
+		return sum.violation() == 0 && sum.scale() == 0; // nan is something
+	});
+}
+
+template <int dim> void ContactSolver<dim>::beginWithShares()
+{
+	pairs_.forEach(SweepOrder::forwards, [&](int k) {
+		if (auto* contact = pairs_.rigid(k); contact && takesPart(k))
+			contact->beginWith(islands_[pairs_.islandOf(k)].firstShare);
+	});
 }
 
 template <int dim> void ContactSolver<dim>::adjustImpulses()
 {
-	Exchange sum;
+	if (!select([](const IslandSweeps& island) { return island.countsExchange(); })) return;
+	std::vector<Exchange> sums(islands_.size());
 	for (int k = 0; k < pairs_.count(); ++k) {
-		if (const auto* contact = pairs_.rigid(k)) sum += contact->exchange();
+		const int island = pairs_.islandOf(k);
+		if (const auto* contact = pairs_.rigid(k)) sums[island] += contact->exchange();
 		const auto* pair = pairs_.grainOnRigid(k);
-		if (pair && pair->movesPartner()) return;
+		if (pair && pair->movesPartner()) islands_[island].takesPart = false;
 	}
-	if (!(sum.exchanged > leastExchange * sum.present)) return;
-	exchangedAtFirst_ = sum.exchanged;
-	const double share = std::clamp(sum.wanted / sum.exchanged, 0., mostStretch);
-	if (share == 1) return;
-	auto beginWith = [this](double part) {
-		pairs_.forEach(SweepOrder::forwards, [&](int k) {
-			if (auto* contact = pairs_.rigid(k)) contact->beginWith(part);
-		});
-	};
-	auto violation = [this] { return sumOver(residualsOfPairs()).violation(); };
-	const bool mayHarm = share < leastHarmless;
-	const double before = mayHarm ? violation() : 0;
-	beginWith(share);
-	if (mayHarm && !(violation() < before)) beginWith(1);
+	for (std::size_t i = 0; i < islands_.size(); ++i) {
+		IslandSweeps& island = islands_[i];
+		const Exchange& sum = sums[i];
+		if (!island.takesPart || !(sum.exchanged > leastExchange * sum.present)) continue;
+		island.exchangedAtFirst = sum.exchanged;
+		island.firstShare = std::clamp(sum.wanted / sum.exchanged, 0., mostStretch);
+	}
+	auto mayHarm = [](const IslandSweeps& island) { return island.firstShare < leastHarmless; };
+	if (select(mayHarm)) measureIslands();
+	const std::vector<IslandSweeps> before = islands_;
+	if (!select([](const IslandSweeps& island) { return island.firstShare != 1; })) return;
+	beginWithShares();
+	if (!select(mayHarm)) return;
+	measureIslands();
+	for (std::size_t i = 0; i < islands_.size(); ++i) {
+		IslandSweeps& island = islands_[i];
+		island.takesPart = island.takesPart && !(island.violation < before[i].violation);
+		if (island.takesPart) island.firstShare = 1;
+	}
+	beginWithShares();
 }
 
-template <int dim>
-ResidualSum ContactSolver<dim>::sumOver(const std::vector<ResidualSum>& pairs) const
+template <int dim> std::vector<ResidualSum> ContactSolver<dim>::sumsOfIslands() const
 {
-	ResidualSum sum;
-	for (const ResidualSum& pair : pairs)
-		sum += pair;
-	if (countsExchange_) sum.countExchanged(exchangedAtFirst_);
-	return sum;
+	std::vector<ResidualSum> sums(islands_.size());
+	for (int k = 0; k < pairs_.count(); ++k)
+		sums[pairs_.islandOf(k)] += residuals_[k];
+	for (std::size_t i = 0; i < islands_.size(); ++i)
+		if (islands_[i].countsExchange())
+			sums[i].countExchanged(islands_[i].exchangedAtFirst);
+	return sums;
 }
 
-template <int dim> void ContactSolver<dim>::sweepToTolerance(SolverReport& report)
+template <int dim> void ContactSolver<dim>::measurePairs()
 {
-	const int cap = settings_.maxSweeps, inARow = pairs_.moveRigidBodies() ? 1 : sweepsEachWay;
-	const bool withGrains = pairs_.haveGrains();
-	std::vector<ResidualSum> residuals;
-	int sweeps = 0;
-	double strictness = 1;
-	SweepChange change;
-	auto sweepAll = [&](SweepOrder order, int times) {
-		change = sweep(order, times);
-		sweeps += times;
-		report.visits += static_cast<long>(times) * report.contacts;
-	};
-	auto measure = [&] {
-		residuals = residualsOfPairs();
-		const ResidualSum sum = sumOver(residuals);
-		report.residual = sum.value();
-		strictness = sum.strictness();
-	};
-	auto isPromising = [&] {
-		return sweeps == cap ||
-		       change.share() <= changePerResidual * strictness * settings_.tolerance;
-	};
-	auto isDone = [&] { return !(report.residual > settings_.tolerance) || sweeps == cap; };
-	for (int k = 0; k < std::min(2 * sweepsEachWay, cap); k += inARow)
-		sweepAll(k < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards,
-			 std::min(inARow, cap - k));
-	Extrapolation extrapolation;
-	double beyond = 0;
-	auto sweepOn = [&] {
-		if (countsExchange_) extrapolate(beyond);
-		sweepAll(SweepOrder::forwards, 1);
-		beyond = extrapolation.shareAfter(change);
-	};
-	report.residual = std::numeric_limits<double>::infinity(); // until measured
-	if (withGrains || isPromising()) measure();
-	for (int between = 1; !isDone();) { // sweeps over all, until pairs are solved again
-		const double before = report.residual;
-		const long alone = withGrains ? solvePairsAlone(residuals) : 0;
-		report.visits += alone;
-		if (alone > 0) measure();
-		between = report.residual < fallAlone * before ? 1 : 2 * between;
-		for (int k = 1; k <= between && !isDone(); ++k) {
-			sweepOn();
-			if (isPromising() || (withGrains && k == between)) measure();
+	pairs_.forEach(SweepOrder::forwards, [&](int k) {
+		if (!takesPart(k)) return;
+		pairs_.fetchForSweep(k, SweepOrder::forwards);
+		residuals_[k] = pairs_.with(k, [](const auto& pair) { return pair.residual(); });
+	});
+}
+
+template <int dim> void ContactSolver<dim>::measureIslands()
+{
+	if (std::none_of(islands_.begin(), islands_.end(),
+			 [](const IslandSweeps& island) { return island.takesPart; }))
+		return;
+	measurePairs();
+	const std::vector<ResidualSum> sums = sumsOfIslands();
+	for (std::size_t i = 0; i < islands_.size(); ++i)
+		if (islands_[i].takesPart) islands_[i].measure(sums[i]);
+}
+
+template <int dim> void ContactSolver<dim>::sweepBothWays()
+{
+	const int count = std::min(2 * sweepsEachWay, settings_.maxSweeps);
+	for (const bool moveRigidBodies : { false, true }) {
+		if (!select([&](const IslandSweeps& island) {
+			    return island.moveRigidBodies == moveRigidBodies;
+		    }))
+			continue;
+		const int inARow = moveRigidBodies ? 1 : sweepsEachWay;
+		for (int k = 0; k < count; k += inARow)
+			sweep(k < sweepsEachWay ? SweepOrder::backwards : SweepOrder::forwards,
+			      std::min(inARow, count - k));
+	}
+	for (IslandSweeps& island : islands_)
+		island.count(count);
+}
+
+/// Pairs are solved alone before the first sweep of a turn.
+template <int dim> void ContactSolver<dim>::beginTurns()
+{
+	for (IslandSweeps& island : islands_)
+		island.before = island.residual;
+	if (select([this](const IslandSweeps& island) {
+		    return isLeft(island) && island.since == 0 && island.haveGrains;
+	    })) {
+		const std::vector<long> alone = solvePairsAlone();
+		for (std::size_t i = 0; i < islands_.size(); ++i) {
+			islands_[i].visits += alone[i];
+			islands_[i].takesPart = alone[i] > 0;
 		}
+		measureIslands();
 	}
+	for (IslandSweeps& island : islands_)
+		if (island.since == 0) island.beginTurn();
+}
+
+template <int dim> void ContactSolver<dim>::sweepToTolerance()
+{
+	auto isPromising = [this](const IslandSweeps& island) {
+		return island.isPromising(settings_.tolerance, settings_.maxSweeps);
+	};
+	auto selectLeft = [this] {
+		return select([this](const IslandSweeps& island) { return isLeft(island); });
+	};
+	for (IslandSweeps& island : islands_)
+		island.beginSweeps();
+	sweepBothWays();
+	select([&](const IslandSweeps& island) {
+		return island.haveGrains || isPromising(island);
+	});
+	measureIslands();
+	while (selectLeft()) {
+		beginTurns();
+		extrapolate();
+		if (!selectLeft()) return;
+		sweep(SweepOrder::forwards, 1);
+		for (IslandSweeps& island : islands_)
+			if (island.takesPart) island.noteSweep();
+		select([&](const IslandSweeps& island) {
+			return island.takesPart &&
+			       (isPromising(island) || (island.haveGrains && island.isTurnOver()));
+		});
+		measureIslands();
+		for (IslandSweeps& island : islands_)
+			if (island.isTurnOver()) island.since = 0;
+	}
+}
+
+template <int dim> void ContactSolver<dim>::reportSweeps(SolverReport& report) const
+{
+	for (const IslandSweeps& island : islands_)
+		report.visits += island.visits;
+	report.residual = largestResidual();
 	report.converged = report.residual <= settings_.tolerance;
 	report.sweeps = static_cast<double>(report.visits) / report.contacts;
 }
@@ -227,7 +325,10 @@ template <int dim> SolverReport ContactSolver<dim>::solve()
 		report.contacts += pairs_.with(k, [](const auto& pair) { return pair.contacts(); });
 	solved_ = report.contacts == 0;
 	if (solved_) return report;
-	if (!bearsNothing()) sweepToTolerance(report);
+	if (!bearsNothing()) {
+		sweepToTolerance();
+		reportSweeps(report);
+	}
 	if (!std::isfinite(report.residual)) return report;
 	pairs_.forEach(SweepOrder::forwards, [&](int k) {
 		pairs_.fetchForFinish(k);
@@ -254,19 +355,21 @@ template <int dim> void ContactSolver<dim>::separateRigidBodies(double dt)
 			       });
 }
 
-template <int dim> std::vector<ResidualSum> ContactSolver<dim>::residualsOfPairs() const
+template <int dim> double ContactSolver<dim>::residual()
 {
-	std::vector<ResidualSum> sums(pairs_.count());
-	pairs_.forEach(SweepOrder::forwards, [&](int k) {
-		pairs_.fetchForSweep(k, SweepOrder::forwards);
-		sums[k] = pairs_.with(k, [](const auto& pair) { return pair.residual(); });
-	});
-	return sums;
+	select([](const IslandSweeps&) { return true; });
+	measureIslands();
+	return largestResidual();
 }
 
-template <int dim> double ContactSolver<dim>::residual() const
+template <int dim> double ContactSolver<dim>::largestResidual() const
 {
-	return sumOver(residualsOfPairs()).value();
+	double largest = 0;
+	for (const IslandSweeps& island : islands_) {
+		if (std::isnan(island.residual)) return island.residual;
+		largest = std::max(largest, island.residual);
+	}
+	return largest;
 }
 
 template <int dim> ContactWork ContactSolver<dim>::work() const

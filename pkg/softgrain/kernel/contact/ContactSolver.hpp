@@ -15,6 +15,7 @@
 #pragma once
 
 #include "contact/ContactProblem.hpp"
+#include "contact/IslandSweeps.hpp"
 #include "contact/PlannedPairs.hpp"
 
 #include <vector>
@@ -26,7 +27,7 @@ struct SolverReport {
 	int active = 0;        ///< with an impulse
 	long visits = 0;       ///< of contacts by sweeps
 	double sweeps = 0;     ///< the same over the number of contacts
-	double residual = 0;   ///< of the impulses found
+	double residual = 0;   ///< of the impulses found, on the island where it is largest
 	bool converged = true; ///< residual <= tolerance within maxSweeps
 };
 
@@ -49,15 +50,15 @@ public:
 	/// pairs in which the residual sits, each on its own
 	/// (doc/decisions/0026-pairs-on-their-own.md), and, since pairs feel each other, sweeps
 	/// forwards (doc/decisions/0004-sweep-order.md), until the residual is within the tolerance
-	/// or the cap is hit. At the end the lists have their impulses, and the contact nodes the
-	/// sums (ContactBody::impulse), unless the residual is no number: then they keep those of
-	/// before.
+	/// or the cap is hit: each island of pairs for itself (SweepPlan). At the end the lists
+	/// have their impulses, and the contact nodes the sums (ContactBody::impulse), unless the
+	/// residual is no number: then they keep those of before.
 	SolverReport solve();
 	/// After `solve`: moves rigid bodies that overlap each other apart, by RigidPartner::shift
 	/// and turn. Velocities stay as they are.
 	void separateRigidBodies(double dt);
-	/// Of the present impulses: see ResidualSum.
-	double residual() const;
+	/// Of the present impulses, on the island where it is largest: see ResidualSum.
+	double residual();
 	/// Of the contacts of grains.
 	ContactWork work() const;
 	/// Of the contacts of rigid bodies with each other (RigidContactSolver::work).
@@ -72,36 +73,57 @@ public:
 	ContactProblem<dim> problem() const;
 
 private:
-	/// Of rigid bodies alone: scales the impulses of the last step so that all together
-	/// exchange what they should, r . (u + b n) = 0, unless that is far less and would violate
-	/// more. Those of an impact do nothing any more; those that hold a heavy body on light ones
-	/// are soon as large as it takes.
+	/// A pass goes over the pairs of islands that take part in it.
+	bool takesPart(int k) const { return islands_[pairs_.islandOf(k)].takesPart; }
+	/// Those of which this is true take part from now on; returns whether there are any.
+	template <class Is> bool select(Is&& is);
+	void noteIslands();
+	/// Of islands of rigid bodies alone: scales the impulses of the last step so that all
+	/// together exchange what they should, r . (u + b n) = 0, unless that is far less and would
+	/// violate more. Those of an impact do nothing any more; those that hold a heavy body on
+	/// light ones are soon as large as it takes.
 	void adjustImpulses();
+	void beginWithShares(); ///< IslandSweeps::firstShare
 	/// No contact has an impulse, and none needs one: sweeps would change nothing.
-	bool bearsNothing() const;
-	/// The sweeps of `solve`; adds to the report what they came to.
-	void sweepToTolerance(SolverReport& report);
-	std::vector<ResidualSum> residualsOfPairs() const;
-	ResidualSum sumOver(const std::vector<ResidualSum>& pairs) const;
-	/// Brings the violation of pairs down, each on its own, so far that that of all is within
-	/// the tolerance, if pairs do not feel each other; returns the visits of contacts.
-	long solvePairsAlone(const std::vector<ResidualSum>& residuals);
-	/// What the last of so many sweeps did, which each task makes in a row while it is in the
-	/// caches.
-	SweepChange sweep(SweepOrder order, int times);
+	bool bearsNothing();
+	bool isLeft(const IslandSweeps& island) const
+	{
+		return !island.isDone(settings_.tolerance, settings_.maxSweeps);
+	}
+	/// The sweeps of `solve`, and what they came to.
+	void sweepToTolerance();
+	void reportSweeps(SolverReport& report) const;
+	double largestResidual() const; ///< of those measured; not a number if one is none
+	/// The first ones, in either direction.
+	void sweepBothWays();
+	void beginTurns();
+	/// Of the islands that take part. The rest of the vector is that of before.
+	void measurePairs();
+	void measureIslands();
+	/// Of pairs as last measured, of each island.
+	std::vector<ResidualSum> sumsOfIslands() const;
+	/// Brings the violation of pairs down, each on its own, so far that that of all of an
+	/// island is within the tolerance, if pairs do not feel each other; returns the visits of
+	/// contacts, island by island.
+	std::vector<long> solvePairsAlone();
+	/// The violation that pairs of each island may keep then.
+	std::vector<double> levelsAlone() const;
+	/// Islands note what the last of so many sweeps did, which each task makes in a row while
+	/// it is in the caches.
+	void sweep(SweepOrder order, int times);
 	/// Goes on beyond what the sweeps left (Extrapolation), where impulses move rigid bodies.
-	void extrapolate(double share);
+	void extrapolate();
 	/// Calls with each pair's solver and constraint, in the order of the sweeps.
 	template <class Visit> void forEachConstraint(Visit&& visit) const;
 	SparseRows<double> delassus() const;
 
 	PlannedPairs<dim> pairs_;
 	bool solved_ = false;
-	double exchangedAtFirst_ = 0; ///< by the impulses of the last step, with rigid bodies, J
-	bool countsExchange_ = false; ///< ResidualSum::countExchanged, and extrapolated sweeps
-	int lastActive_ = 0;          ///< contacts with an impulse in the last solve
-	std::vector<SweepChange> change_; ///< of each pair, in the sweep at hand
-	std::vector<long> visits_;        ///< of contacts, by pairs on their own
+	int lastActive_ = 0; ///< contacts with an impulse in the last solve
+	std::vector<IslandSweeps> islands_;
+	std::vector<SweepChange> change_;    ///< of each pair, in the sweep at hand
+	std::vector<ResidualSum> residuals_; ///< of each pair, when last measured
+	std::vector<long> visits_;           ///< of contacts, by pairs on their own
 	SolverSettings settings_;
 };
 

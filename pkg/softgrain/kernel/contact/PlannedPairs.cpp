@@ -117,9 +117,9 @@ void PlannedPairs<dim>::noteNodesInContact(std::vector<ContactBody<dim>>& bodies
 		ContactBody<dim>* first = &bodies[list.first];
 		ContactBody<dim>* second = list.second < 0 ? nullptr : &bodies[list.second];
 		for (const Contact<dim>& c : list.contacts) {
-			const bool onFirst = c.key.side == 0;
+			const bool onFirst = c.key.body() == 0;
 			if (ContactBody<dim>* own = onFirst ? first : second)
-				own->noteContactAt(c.key.node);
+				c.forOwnNodes([&](int node, double) { own->noteContactAt(node); });
 			if (ContactBody<dim>* other = onFirst ? second : first)
 				for (int i = 0; i < c.partners; ++i)
 					other->noteContactAt(c.partner[i]);
@@ -167,26 +167,17 @@ template <int dim> void PlannedPairs<dim>::fetchForPrepare(int k) const
 	fetch(next, &PairSolver<dim>::fetchVelocities);
 }
 
-template <int dim> bool PlannedPairs<dim>::haveGrains() const
+template <int dim> bool PlannedPairs<dim>::movesRigidBodies(int k) const
 {
-	return std::any_of(slot_.begin(), slot_.end(),
-			   [](const Slot& slot) { return slot.kind == Kind::grains; });
+	const auto* pair = grainOnRigid(k);
+	return rigid(k) || (pair && pair->movesPartner());
 }
 
-template <int dim> bool PlannedPairs<dim>::moveRigidBodies() const
+template <int dim> bool PlannedPairs<dim>::isDriven(int k) const
 {
-	return std::any_of(slot_.begin(), slot_.end(), [this](const Slot& slot) {
-		return slot.kind == Kind::rigid ||
-		       (slot.kind == Kind::grainOnRigid && rigidPairs_[slot.index].movesPartner());
-	});
-}
-
-template <int dim> bool PlannedPairs<dim>::areDriven() const
-{
-	return std::any_of(slot_.begin(), slot_.end(), [this](const Slot& slot) {
-		if (slot.kind == Kind::rigid) return rigidContacts_[slot.index].isDriven();
-		return slot.kind == Kind::grainOnRigid && rigidPairs_[slot.index].isDriven();
-	});
+	if (const auto* contact = rigid(k)) return contact->isDriven();
+	const auto* pair = grainOnRigid(k);
+	return pair && pair->isDriven();
 }
 
 template class PlannedPairs<2>;

@@ -29,6 +29,8 @@ public:
 
 	int count() const { return count_; }
 	int threads() const { return threads_; } ///< that share a pass
+	int islands() const { return plan_.islands; }
+	int islandOf(int k) const { return plan_.island[k]; } ///< SweepPlan::island of pair k
 	/// The solver of pair k; null unless it is one of two grains (or of a grain and a plane),
 	/// of a grain on a rigid body, of two rigid bodies.
 	PairSolver<dim>* grains(int k) { return of(pairs_, k, Kind::grains); }
@@ -67,10 +69,9 @@ public:
 	void fetchForSweep(int k, SweepOrder order) const;
 	void fetchForFinish(int k) const;
 
-	bool haveGrains() const; ///< pairs of grains, or of a grain and a plane
-	bool moveRigidBodies() const;
-	/// Whether anything that touches rigid bodies moves as prescribed, or with a cell.
-	bool areDriven() const;
+	bool movesRigidBodies(int k) const; ///< whether impulses of pair k do
+	/// Whether it is of a rigid body, and something in it moves as prescribed, or with a cell.
+	bool isDriven(int k) const;
 
 private:
 	enum class Kind : char { grains, grainOnRigid, rigid };

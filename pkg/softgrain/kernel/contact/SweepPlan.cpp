@@ -159,6 +159,38 @@ std::vector<std::vector<const Task*>> coloursOf(const std::vector<Task>& tasks, 
 	return colours;
 }
 
+/// Number of the island of each body, which has the number of one of its bodies.
+std::vector<int> rootsOf(const std::vector<BodiesOfPair>& pairs, int bodies)
+{
+	std::vector<int> root(bodies);
+	std::iota(root.begin(), root.end(), 0);
+	auto find = [&](int body) {
+		while (root[body] != body)
+			body = root[body] = root[root[body]];
+		return body;
+	};
+	for (const BodiesOfPair& pair : pairs) {
+		if (pair.second < 0) continue;
+		const auto [low, high] = std::minmax({ find(pair.first), find(pair.second) });
+		root[high] = low;
+	}
+	for (int body = 0; body < bodies; ++body)
+		root[body] = find(body);
+	return root;
+}
+
+/// SweepPlan::island, numbered as they come.
+void findIslands(const std::vector<BodiesOfPair>& pairs, int bodies, SweepPlan& plan)
+{
+	const std::vector<int> root = rootsOf(pairs, bodies);
+	std::vector<int> number(bodies, -1);
+	for (int pair : plan.pairs) {
+		int& island = number[root[pairs[pair].first]];
+		if (island < 0) island = plan.islands++;
+		plan.island.push_back(island);
+	}
+}
+
 } // namespace
 
 SweepPlan planSweeps(const std::vector<BodiesOfPair>& pairs, int bodies)
@@ -187,6 +219,7 @@ SweepPlan planSweeps(const std::vector<BodiesOfPair>& pairs, int bodies)
 		}
 		plan.colourEnd.push_back(plan.tasks());
 	}
+	findIslands(pairs, bodies, plan);
 	return plan;
 }
 

@@ -29,6 +29,10 @@ struct SweepPlan {
 	std::vector<int> taskEnd;   ///< number of pairs up to the end of each task
 	std::vector<int> colourEnd; ///< number of tasks up to the end of each colour
 	std::vector<long> workEnd;  ///< work of the pairs up to the end of each task
+	/// Of each pair, in this order. Impulses of pairs on different *islands* never reach each
+	/// other: no chain of pairs with bodies in common leads from one to the other.
+	std::vector<int> island;
+	int islands = 0;
 
 	int colours() const { return static_cast<int>(colourEnd.size()); }
 	int tasks() const { return static_cast<int>(taskEnd.size()); }
