@@ -105,8 +105,10 @@ py::dict SoftGeom::contactArrays() const
 	arrays["gap"] = column(records, &ContactRecord::gap);
 	arrays["area"] = column(pressures, &ContactPressure::area);
 	arrays["pressure"] = column(pressures, &ContactPressure::pressure);
-	arrays["side"] = column(records, [](const ContactRecord& c) { return c.key.side; });
-	arrays["node"] = column(records, [](const ContactRecord& c) { return c.key.node; });
+	arrays["side"] = column(records, [](const ContactRecord& c) { return c.key.body(); });
+	arrays["node"] = column(records, [](const ContactRecord& c) {
+		return c.key.isOfEdges() ? -1 : c.key.node;
+	});
 	arrays["bond"] = column(records, [](const ContactRecord& c) { return int(c.bond); });
 	arrays["damage"] = column(records, &ContactRecord::damage);
 	return arrays;

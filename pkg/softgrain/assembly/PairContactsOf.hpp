@@ -83,8 +83,8 @@ public:
 		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 			const Contact<dim>& c = list.contacts[k];
 			const double dr =
-				system_->body(list.second >= 0 && c.key.side == 1 ? list.second
-										  : list.first)
+				system_->body(list.second >= 0 && c.key.body() == 1 ? list.second
+										    : list.first)
 					.pointSpacing;
 			if (c.gap > touchingGap * dr && c.impulse.isZero(0)) continue;
 			if (const auto place = list.placeOfBond(k)) places.insert(*place);
@@ -261,7 +261,7 @@ private:
 	Contact<dim> asSeenFromSecond(Contact<dim> c) const
 	{
 		const ContactBody<dim>& body = system_->body(std::max(list.first, 0));
-		if (body.isSurface()) {
+		if (body.isSurface() && !c.key.isOfEdges()) {
 			c.key.side ^= 1;
 			return c;
 		}
@@ -284,7 +284,7 @@ private:
 		for (std::size_t k = 0; k < list.contacts.size(); ++k) {
 			const Contact<dim>& c = list.contacts[k];
 			const Vec<dim> r = c.impulse + list.interface->history[k].pull;
-			sum += (c.key.side == 0 ? 1 : -1) * std::abs(r.dot(c.normal)) * c.normal;
+			sum += (c.key.body() == 0 ? 1 : -1) * std::abs(r.dot(c.normal)) * c.normal;
 		}
 		return sum.stableNormalized();
 	}
@@ -301,14 +301,18 @@ private:
 	/// A rigid body has no nodes: there it is the place that bears it.
 	Vec<dim> pointOf(const Contact<dim>& c) const
 	{
-		const bool onFirst = c.key.side == 0;
+		const bool onFirst = c.key.body() == 0;
 		if (onFirst && system_->body(list.first).isOnGrid()) return pointOnGrid(c);
+		Vec<dim> place = Vec<dim>::Zero();
 		const auto touched = [&](int body) {
-			return system_->body(body).touchedPoint(c.key.node, c.normal, c.gap);
+			c.forOwnNodes([&](int node, double w) {
+				place +=
+					w * system_->body(body).touchedPoint(node, c.normal, c.gap);
+			});
+			return place;
 		};
 		if (onFirst) return touched(list.first);
 		if (!list.rigid) return touched(list.second) + list.image.shift;
-		Vec<dim> place = Vec<dim>::Zero();
 		for (int i = 0; i < c.partners; ++i)
 			place += c.weight[i] * system_->body(list.first).position[c.partner[i]];
 		return place;

@@ -46,7 +46,7 @@ template <int dim> int nodesOnce(const std::vector<Contact<dim>>& contacts)
 	std::set<int> nodes;
 	int count = 0;
 	for (const Contact<dim>& c : contacts) {
-		if (c.key.side == 1) continue;
+		if (c.key.side != 0) continue;
 		nodes.insert(c.key.node);
 		++count;
 	}

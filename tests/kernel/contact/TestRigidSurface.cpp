@@ -192,7 +192,7 @@ TEMPLATE_TEST_CASE_SIG("what has come through a block touches the side that it f
 	const Vec<dim> beneath = -(half + 0.05) * right - 0.01 * up;
 	CHECK(!placeOn<dim>(block, beneath, facing((-right - up).normalized())));
 	// an outline that lies upon either side lies along it at a corner
-	const Tip<dim> corner { { block.centre + block.halfSides, 0 }, 0 };
+	const Vec<dim> corner = block.centre + block.halfSides;
 	auto side = [&](const Vec<dim>& normal, double spacing) {
 		return sideAlong<dim>(block, corner, normal, 0.1, spacing);
 	};

@@ -13,8 +13,9 @@
 
 namespace softgrain::testing {
 
-/// Two bodies with dense random mobility, six contacts between them and two against a moving plane,
-/// and the same problem once more as one dense matrix: u = u0 + A r for all relative velocities u.
+/// Two bodies with dense random mobility, six contacts of nodes and in 3D one of edges between them
+/// and two against a moving plane, and the same problem once more as one dense matrix: u = u0 + A r
+/// for all relative velocities u.
 template <int dim> struct Problem {
 	static constexpr int nodes = 6;
 
@@ -80,6 +81,19 @@ template <int dim> struct Problem {
 				c.gap = random.uniform(-0.4, 0.2);
 				pair.contacts.push_back(c);
 			}
+		if constexpr (dim == 3) {
+			Contact<3> c;
+			c.key = { ContactKey::edges, 4, 1 };
+			c.from = 2;
+			c.to = 5;
+			c.share = random.uniform(0, 1);
+			c.partners = dim;
+			c.partner = { 4, 0, 1 };
+			c.weight = { 0.3, 0.7, 0 };
+			c.normal = random.direction<dim>();
+			c.gap = random.uniform(-0.4, 0.2);
+			pair.contacts.push_back(c);
+		}
 		for (int n : { 3, 5 }) {
 			Contact<dim> c;
 			c.key = { 0, n, -1 };
@@ -126,8 +140,8 @@ template <int dim> struct Problem {
 	{
 		const Contact<dim>& contact = *contacts()[c];
 		Eigen::VectorXd H = Eigen::VectorXd::Zero(nodes);
-		const int own = onPlane(c) ? 0 : contact.key.side;
-		if (b == own) H[contact.key.node] += 1;
+		const int own = onPlane(c) ? 0 : contact.key.body();
+		if (b == own) contact.forOwnNodes([&](int node, double w) { H[node] += w; });
 		if (!onPlane(c) && b != own)
 			for (int i = 0; i < dim; ++i)
 				H[contact.partner[i]] -= contact.weight[i];

@@ -22,9 +22,17 @@ namespace softgrain {
 
 /// Names a contact from step to step: the node, and for disk against disk the other node too.
 struct ContactKey {
-	int side; ///< 0: the node belongs to the pair's first body, 1: to the second
-	int node;
-	int other; ///< node of the other body, or -1 against an outline or a plane
+	static constexpr int edges = 2; ///< side, where sharp edges cross
+
+	int side;  ///< 0: the node belongs to the pair's first body, 1: to the second
+	int node;  ///< where edges cross, the number of that of the first body
+	int other; ///< node of the other body, or -1 against an outline or a plane; where edges
+		   ///< cross, the number of that of the second body
+
+	bool isOfEdges() const { return side == edges; }
+	/// On which body of the pair the impulse acts, the other one bears it: 0 the first, 1 the
+	/// second, as where edges cross.
+	int body() const { return side == 0 ? 0 : 1; }
 
 	bool operator<(const ContactKey& o) const
 	{
@@ -47,8 +55,33 @@ template <> struct ContactTwist<3> {
 	void setTwist(double angle) { twist = angle; }
 };
 
-/// One contact node of one body against a place on another body.
-template <int dim> struct Contact : ContactTwist<dim> {
+/// Where, in space, what acts at a crossing of edges acts on the second body, if that is a grain:
+/// between two of its nodes.
+template <int dim> struct PlaceOnEdge {
+	constexpr bool isOnEdge() const { return false; }
+};
+template <> struct PlaceOnEdge<3> {
+	int from = -1, to = -1; ///< nodes; -1: not on an edge
+	double share = 0;       ///< of the way between them
+
+	bool isOnEdge() const { return from >= 0; }
+};
+
+/// Calls with the nodes, and their shares, on which the impulse of a contact acts: one, `node`, if
+/// not on an edge.
+template <int dim, class Use> void forOwnNodes(const PlaceOnEdge<dim>& place, int node, Use&& use)
+{
+	if constexpr (dim == 3)
+		if (place.isOnEdge()) {
+			use(place.from, 1 - place.share);
+			use(place.to, place.share);
+			return;
+		}
+	use(node, 1.);
+}
+
+/// One contact node of one body against a place on another body, or two edges.
+template <int dim> struct Contact : ContactTwist<dim>, PlaceOnEdge<dim> {
 	ContactKey key;
 	int partners = 0; ///< nodes of the other body it leans on: 0 (plane), 1 or `mostPartners`
 	int facet = -1;   ///< of the other body that it lies against, where that has facets
@@ -57,6 +90,13 @@ template <int dim> struct Contact : ContactTwist<dim> {
 	Vec<dim> normal = Vec<dim>::Zero();              ///< unit, from the other body to the node
 	double gap = 0;                                  ///< m, negative for an overlap
 	Vec<dim> impulse = Vec<dim>::Zero();             ///< r on the node, -r on the partners, N s
+
+	/// forOwnNodes; none of a rigid body.
+	template <class Use> void forOwnNodes(Use&& use) const
+	{
+		if (key.isOfEdges() && !this->isOnEdge()) return;
+		softgrain::forOwnNodes<dim>(*this, key.node, use);
+	}
 };
 
 /// Rigid plane with prescribed motion; the grain is on the side of the normal.
@@ -73,7 +113,7 @@ template <int dim> struct SurfaceBeside {
 };
 
 /// A rigid body in place of the second grain. Contacts of side 1 are those of its own ends
-/// (tipsOf).
+/// (tipsOf); edges that cross are its own and the grain's.
 template <int dim> struct RigidSide {
 	RigidSurface<dim> surface;
 	Vec<dim> pivot = Vec<dim>::Zero(); ///< moments of the impulses are about it, m
@@ -196,6 +236,7 @@ template <int dim> struct ContactList {
 	}
 	/// The contact at which contact k is bonded: itself, or, since an end of a rigid body
 	/// stands for no area, that of the node that the end leans on most, of those within reach.
+	/// (Nor do edges that cross; those of two grains bear no bond.)
 	std::optional<std::size_t> placeOfBond(std::size_t k) const;
 	/// By first body; its planes and rigid bodies in the order of their names, then its grains.
 	std::tuple<int, bool, int> sweepOrder() const
@@ -207,6 +248,7 @@ template <int dim> struct ContactList {
 template <int dim> std::optional<std::size_t> ContactList<dim>::placeOfBond(std::size_t k) const
 {
 	const Contact<dim>& c = contacts[k];
+	if (!rigid && c.key.isOfEdges()) return std::nullopt;
 	if (!rigid || c.key.side == 0) return k;
 	std::optional<std::size_t> place;
 	double most = 0;

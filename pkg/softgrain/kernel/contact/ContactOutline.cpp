@@ -196,9 +196,11 @@ template <int dim> bool ContactOutline<dim>::holds(const Vec<dim>& centre, doubl
 {
 	constexpr double concentric = 0.2; // distance over the smaller radius
 	const double distance = (box.centre() - centre).norm(), own = innerRadius();
-	if (distance < concentric * std::min(radius, own)) return true;
-	// what touches a grain that is pressed flat may be so near to its centre from outside
-	return distance < own - radius && (!hasFacets() || encloses(centre));
+	const bool isNear =
+		distance < concentric * std::min(radius, own) || distance < own - radius;
+	// what touches a grain that is pressed flat, or bent, may be so near to its centre from
+	// outside
+	return isNear && (!hasFacets() || encloses(centre));
 }
 
 template <int dim> Vec<dim> ContactOutline<dim>::nodeArea(int node) const

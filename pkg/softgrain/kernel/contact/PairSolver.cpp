@@ -27,6 +27,29 @@ template <class Constraint> Vec<3> borneVelocity(const Constraint& c, const Vec<
 	return (share(0) + share(1)) + share(2);
 }
 
+/// Of the body on which the impulse acts, from the velocities of its nodes.
+template <int dim, class Constraint> Vec<dim> ownVelocity(const Constraint& c, const Vec<dim>* v)
+{
+	if constexpr (dim == 3)
+		if (c.isOnEdge()) return (1 - c.share) * v[c.from] + c.share * v[c.to];
+	return v[c.node];
+}
+
+/// W of the place on it, 1/kg.
+template <int dim, class Constraint>
+double ownMobility(const BodySide<dim>& side, const Constraint& c)
+{
+	double W = 0;
+	forOwnNodes<dim>(c, c.node, [&](int node, double w) {
+		forOwnNodes<dim>(c, c.node, [&](int other, double v) {
+			W += w * v *
+			     (node == other ? side.mobilityOf(node)
+					    : side.mobilityBetween(node, other));
+		});
+	});
+	return W;
+}
+
 } // namespace
 
 template <int dim>
@@ -44,7 +67,7 @@ PairSolver<dim>::prepare(std::vector<ContactBody<dim>>& bodies, ContactList<dim>
 	firstSide_ = BodySide<dim>(*first_);
 	secondSide_ = second_ ? BodySide<dim>(*second_) : BodySide<dim>();
 	const auto spacingOf = [this](const Contact<dim>& c) {
-		return (c.key.side == 0 ? first_ : second_)->pointSpacing;
+		return (c.key.body() == 0 ? first_ : second_)->pointSpacing;
 	};
 	const Bias bias { dt, settings,
 			  list.account.isGood(creditOf(list.contacts, dt, spacingOf)) };
@@ -69,14 +92,15 @@ void PairSolver<dim>::describe(const Contact<dim>& contact, const Bias& bias, Co
 {
 	c.normal = contact.normal;
 	c.impulse = onCone<dim>(contact.impulse, contact.normal, friction_);
+	static_cast<PlaceOnEdge<dim>&>(c) = contact;
 	c.node = contact.key.node;
-	c.onFirst = contact.key.side == 0;
+	c.onFirst = contact.key.body() == 0;
 	c.facet = contact.facet;
 	c.partners = static_cast<signed char>(contact.partners);
 	c.partner = contact.partner;
 	c.weight = contact.weight;
 	c.bias = bias.of(contact.gap, own(c)->pointSpacing);
-	c.W = ownSide(c).mobilityOf(c.node);
+	c.W = ownMobility<dim>(ownSide(c), c);
 	if (c.partners > 0) c.W += otherSide(c).mobilityOf(c);
 	c.inverseW = 1 / c.W;
 }
@@ -96,12 +120,15 @@ double PairSolver<dim>::couplingOf(const Constraint& c, const Constraint& d) con
 	double W = 0;
 	// what an impulse on a place of c, the other way if `sign` is -1, does to the velocity of d
 	auto add = [&](const BodySide<dim>& side, const auto& place, double sign) {
-		if (side.body == own(d)) W += sign * side.mobilityBetween(place, d.node);
+		if (side.body == own(d))
+			forOwnNodes<dim>(d, d.node, [&](int node, double w) {
+				W += sign * w * side.mobilityBetween(place, node);
+			});
 		if (side.body == other(d))
 			for (int i = 0; i < d.partners; ++i)
 				W -= sign * d.weight[i] * side.mobilityBetween(place, d.partner[i]);
 	};
-	add(ownSide(c), c.node, 1);
+	forOwnNodes<dim>(c, c.node, [&](int node, double w) { add(ownSide(c), node, w); });
 	if (c.partners > 0) add(otherSide(c), c, -1);
 	return W;
 }
@@ -117,7 +144,7 @@ template <int dim>
 Vec<dim> PairSolver<dim>::relativeVelocity(const Constraint& c, const Vec<dim>* own,
 					   const Vec<dim>* other, const Vec<dim>& drift) const
 {
-	const Vec<dim> u = own[c.node] - drift;
+	const Vec<dim> u = ownVelocity<dim>(c, own) - drift;
 	return c.partners > 0 ? Vec<dim>(u - borneVelocity(c, other)) : u;
 }
 
@@ -140,7 +167,8 @@ template <int dim>
 void PairSolver<dim>::push(const Constraint& c, const Vec<dim>& J, Vec<dim>* ownVelocity,
 			   Vec<dim>* otherVelocity) const
 {
-	ownSide(c).push(ownVelocity, c.node, J);
+	forOwnNodes<dim>(c, c.node,
+			 [&](int node, double w) { ownSide(c).push(ownVelocity, node, w * J); });
 	if (c.partners > 0) otherSide(c).push(otherVelocity, c, J, -1);
 }
 
@@ -149,9 +177,14 @@ template <int dim> void PairSolver<dim>::findStretch(BodySide<dim>& side, bool o
 	side.firstRead = std::numeric_limits<int>::max();
 	side.endOfRead = 0;
 	for (const Constraint& c : constraints_) {
-		const int node = c.onFirst == ofFirst ? c.node : c.partner[0];
-		side.firstRead = std::min(side.firstRead, node);
-		side.endOfRead = std::max(side.endOfRead, node + 1);
+		auto note = [&](int node, double = 1) {
+			side.firstRead = std::min(side.firstRead, node);
+			side.endOfRead = std::max(side.endOfRead, node + 1);
+		};
+		if (c.onFirst == ofFirst)
+			forOwnNodes<dim>(c, c.node, note);
+		else
+			note(c.partner[0]);
 	}
 }
 
@@ -311,12 +344,13 @@ template <int dim> void PairSolver<dim>::finish()
 			interface_ ? interface_->remember(k,
 							  { c.normal, c.impulse, velocity(c),
 							    spinOfOther(c), list_->contacts[k].gap,
-							    own(c)->pointSpacing },
+							    own(c)->pointSpacing, c.isOnEdge() },
 							  friction_)
 				   : c.impulse;
 		if (r.isZero(0)) continue;
 		sum.add(r, c.normal, c.onFirst ? 1 : -1, placeOf(c));
-		own(c)->impulse[c.node] += r;
+		forOwnNodes<dim>(c, c.node,
+				 [&](int node, double w) { own(c)->impulse[node] += w * r; });
 		for (int i = 0; i < c.partners; ++i)
 			other(c)->impulse[c.partner[i]] -= c.weight[i] * r;
 	}
@@ -327,8 +361,11 @@ template <int dim> void PairSolver<dim>::finish()
 
 template <int dim> Vec<dim> PairSolver<dim>::placeOf(const Constraint& c) const
 {
-	const Vec<dim> place =
-		own(c)->touchedPoint(c.node, c.normal, list_->contacts[numberOf(c)].gap);
+	const double gap = list_->contacts[numberOf(c)].gap;
+	Vec<dim> place = Vec<dim>::Zero();
+	forOwnNodes<dim>(c, c.node, [&](int node, double w) {
+		place += w * own(c)->touchedPoint(node, c.normal, gap);
+	});
 	return c.onFirst ? place : Vec<dim>(place + list_->image.shift);
 }
 

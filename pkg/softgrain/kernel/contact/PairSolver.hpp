@@ -20,7 +20,7 @@ namespace softgrain {
 template <int dim> class PairSolver {
 public:
 	/// One contact as the sweeps see it.
-	struct Constraint {
+	struct Constraint : PlaceOnEdge<dim> {
 		Vec<dim> normal, impulse;
 		double bias;     ///< b, m/s
 		double W;        ///< 1/kg
@@ -28,7 +28,7 @@ public:
 		double coupling; ///< W between this contact and the next one of the pair, 1/kg
 		std::array<double, mostPartners<dim>> weight;
 		std::array<int, mostPartners<dim>> partner;
-		int node;             ///< of the body on which the impulse acts
+		int node;             ///< of the body on which the impulse acts, if not on an edge
 		int facet;            ///< as in Contact
 		signed char partners; ///< nodes of the other body that bear it
 		bool onFirst;         ///< which body the impulse acts on
@@ -101,7 +101,9 @@ public:
 	/// Calls with each body, node and share of the node in the contact's relative velocity.
 	template <class Visit> void forEachShare(const Constraint& c, Visit&& visit) const
 	{
-		visit(static_cast<const ContactBody<dim>*>(own(c)), c.node, 1.);
+		forOwnNodes<dim>(c, c.node, [&](int node, double w) {
+			visit(static_cast<const ContactBody<dim>*>(own(c)), node, w);
+		});
 		for (int i = 0; i < c.partners; ++i)
 			visit(static_cast<const ContactBody<dim>*>(other(c)), c.partner[i],
 			      -c.weight[i]);

@@ -14,8 +14,8 @@ std::vector<Vec<dim>> nodeImpulses(const ContactBody<dim>& body, int side,
 {
 	std::vector<Vec<dim>> sum(body.nodes(), Vec<dim>::Zero());
 	for (const Contact<dim>& c : contacts)
-		if (c.key.side == side)
-			sum[c.key.node] += c.impulse;
+		if (c.key.body() == side)
+			c.forOwnNodes([&](int node, double w) { sum[node] += w * c.impulse; });
 		else
 			for (int i = 0; i < c.partners; ++i)
 				sum[c.partner[i]] -= c.weight[i] * c.impulse;

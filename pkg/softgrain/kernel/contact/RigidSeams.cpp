@@ -17,6 +17,9 @@ namespace {
 /// error of the outline.
 constexpr double beforeEdge = 0.05;
 
+/// Over dr: what is deeper beneath a side, past its end, has not sunk there in an inside corner.
+constexpr double deepBeyondEnd = 0.25;
+
 /// Equally near counts as not nearer. (So what leans by up to 1.4e-3 beyond an edge is still
 /// equally near to both.)
 constexpr double rounding = 1e-6;
@@ -50,7 +53,17 @@ template <int dim> bool RigidSeams<dim>::hides(const Vec<dim>& x, const SurfaceP
 	if (place.beside > distance_) return true;
 	if (place.toEdge >= depth_) return false;
 	const Vec<dim> before = this->before(x, place);
+	if (place.beside > 0 && place.gap < -deepBeyondEnd * spacing_ && isInAnotherBlock(before))
+		return true;
 	return place.isOnBlock ? isCovered(before, place) : goesOnBefore(before);
+}
+
+template <int dim> bool RigidSeams<dim>::isInAnotherBlock(const Vec<dim>& place)
+{
+	return anyOther([&](const SurfaceBeside<dim>& other) {
+		return std::holds_alternative<BlockSurface<dim>>(other.surface) &&
+		       distanceTo<dim>(other.surface, place) < distance_;
+	});
 }
 
 /// (Another block may as well rise from the edge, or end beside the place: there places about it on
@@ -98,25 +111,41 @@ bool RigidSeams<dim>::isAnothers(const Vec<dim>& x, const SurfacePlace<dim>& pla
 template <int dim>
 bool RigidSeams<dim>::hides(const Tip<dim>& tip, const Vec<dim>& normal, double turn)
 {
-	if (isBorneBeside(rigid_.surface, tip, normal, turn)) return true;
-	const Vec<dim> before = tip.ball.centre - distance_ * normal;
+	const Vec<dim>& place = tip.ball.centre;
+	return hidesEnd(place, normal, turn,
+			[&](const auto& other) { return hasTip(other, place); });
+}
+
+template <int dim>
+bool RigidSeams<dim>::hidesOnEdge(const Vec<dim>& place, const Vec<dim>& normal, double turn)
+{
+	return hidesEnd(place, normal, turn,
+			[&](const auto& other) { return hasEdge(other, place); });
+}
+
+template <int dim>
+template <class Has>
+bool RigidSeams<dim>::hidesEnd(const Vec<dim>& place, const Vec<dim>& normal, double turn,
+			       Has&& has)
+{
+	if (isBorneBeside(rigid_.surface, place, normal, turn)) return true;
+	const Vec<dim> before = place - distance_ * normal;
 	return goesOnBefore(before) || anyOther([&](const SurfaceBeside<dim>& other) {
-		       return other.comesFirst && hasTip(other.surface, tip.ball.centre) &&
-			      !isBorneBeside(other.surface, tip, normal, turn) &&
+		       return other.comesFirst && has(other.surface) &&
+			      !isBorneBeside(other.surface, place, normal, turn) &&
 			      !isNearerBefore(other.surface, before);
 	       });
 }
 
 template <int dim>
-bool RigidSeams<dim>::isBorneBeside(const RigidSurface<dim>& surface, const Tip<dim>& tip,
+bool RigidSeams<dim>::isBorneBeside(const RigidSurface<dim>& surface, const Vec<dim>& place,
 				    const Vec<dim>& normal, double turn)
 {
-	const auto side = sideAlong<dim>(surface, tip, normal, turn, spacing_);
+	const auto side = sideAlong<dim>(surface, place, normal, turn, spacing_);
 	if (!side) return false;
 	const auto ways = waysAlong(*side);
-	return std::none_of(ways.begin(), ways.end(), [&](const Vec<dim>& way) {
-		return endsTowards(tip.ball.centre, way, *side);
-	});
+	return std::none_of(ways.begin(), ways.end(),
+			    [&](const Vec<dim>& way) { return endsTowards(place, way, *side); });
 }
 
 template <int dim>
@@ -202,6 +231,22 @@ bool RigidSeams<dim>::hasTip(const RigidSurface<dim>& surface, const Vec<dim>& p
 	return std::any_of(tips.begin(), tips.end(), [&](const Tip<dim>& tip) {
 		return (tip.ball.centre - place).norm() < alike_;
 	});
+}
+
+template <> bool RigidSeams<3>::hasEdge(const RigidSurface<3>& surface, const Vec<3>& place) const
+{
+	const auto edges = edgesOf(surface, spacing_);
+	return std::any_of(edges.begin(), edges.end(), [&](const ConvexEdge& edge) {
+		const Vec<3> way = edge.to - edge.from;
+		const double share =
+			std::clamp((place - edge.from).dot(way) / way.squaredNorm(), 0., 1.);
+		return (edge.from + share * way - place).norm() < alike_;
+	});
+}
+/// (In the plane edges are the sides.)
+template <> bool RigidSeams<2>::hasEdge(const RigidSurface<2>&, const Vec<2>&) const
+{
+	return false;
 }
 
 template <int dim> template <class Is> bool RigidSeams<dim>::anyOther(Is&& is)

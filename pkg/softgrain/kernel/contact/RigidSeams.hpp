@@ -18,7 +18,7 @@ public:
 	RigidSeams(const ContactOutline<dim>& body, const RigidSide<dim>& rigid);
 	/// Whether the place that `x` would touch is none: an edge, or a side of a block so near to
 	/// one that `x` may be beneath the next side, at which the surface goes on, or beyond its
-	/// end by more than a step that is felt.
+	/// end by more than a step that is felt, or by less, far beneath, and covered there.
 	bool hides(const Vec<dim>& x, const SurfacePlace<dim>& place);
 	/// Whether another surface bears the same place, on the seam of both: one that comes first,
 	/// or any if the place lies beside this surface.
@@ -28,6 +28,8 @@ public:
 	/// sides beside the tip bear it, by the contact nodes, since it lies along them within
 	/// `turn`, rad.
 	bool hides(const Tip<dim>& tip, const Vec<dim>& normal, double turn);
+	/// The same of a place on an edge.
+	bool hidesOnEdge(const Vec<dim>& place, const Vec<dim>& normal, double turn);
 	/// Steps from surface to surface that are lower are not felt, m.
 	double tolerance() const { return distance_; }
 	/// Whether a place lies on the surface or on another.
@@ -39,14 +41,19 @@ private:
 	/// Whether a surface does.
 	bool leaves(const RigidSurface<dim>& surface, const Vec<dim>& edge,
 		    const Vec<dim>& way) const;
+	/// But for a step that is not felt.
+	bool isInAnotherBlock(const Vec<dim>& place);
 	/// Whether another surface goes on before a place on a side of a block, and all about it.
 	bool isCovered(const Vec<dim>& before, const SurfacePlace<dim>& place);
 	/// The same of a place a little further across each edge, inwards, or outwards where `way`
 	/// has the bit of the edge.
 	bool isCoveredTowards(const Vec<dim>& before, const SurfacePlace<dim>& place, unsigned way);
-	/// Whether such an outline lies along a side of a surface that ends at the tip, and the
+	/// Both of what the surface ends in, if a surface for which `has` is true has it too.
+	template <class Has>
+	bool hidesEnd(const Vec<dim>& place, const Vec<dim>& normal, double turn, Has&& has);
+	/// Whether such an outline lies along a side of a surface that ends at the place, and the
 	/// floor goes on there all around: past the end of one nodes hold nothing up.
-	bool isBorneBeside(const RigidSurface<dim>& surface, const Tip<dim>& tip,
+	bool isBorneBeside(const RigidSurface<dim>& surface, const Vec<dim>& place,
 			   const Vec<dim>& normal, double turn);
 	/// Whether no surface goes on from an edge of a side in a direction along it: over the same
 	/// plane, inclined, or rising.
@@ -62,6 +69,7 @@ private:
 	/// Whether this surface is nearer to what lies before another one.
 	bool isNearerBefore(const RigidSurface<dim>& surface, const Vec<dim>& before) const;
 	bool hasTip(const RigidSurface<dim>& surface, const Vec<dim>& place) const;
+	bool hasEdge(const RigidSurface<dim>& surface, const Vec<dim>& place) const;
 	Vec<dim> before(const Vec<dim>& x, const SurfacePlace<dim>& place) const
 	{
 		return x + (distance_ - place.gap) * place.normal;

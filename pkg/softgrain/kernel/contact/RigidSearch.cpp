@@ -207,6 +207,34 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, RigidSeams<dim
 	}
 }
 
+void crossingEdges(const ContactOutline<2>&, double, RigidSeams<2>&, ContactList<2>&) {}
+void crossingEdges(const ContactOutline<3>& body, double reach, RigidSeams<3>& seams,
+		   ContactList<3>& list)
+{
+	if (body.mesh->sharpEdge.empty()) return;
+	const RigidSurface<3>& surface = list.rigid->surface;
+	const BallSurface<3> about = ballAbout<3>(surface);
+	const auto around = Box<3> { about.centre, about.centre }.grown(about.radius);
+	const double margin = marginOf(body, body, reach);
+	const double turn = body.pointSpacing / body.inradius;
+	const auto rigid = edgesOf(surface, body.pointSpacing);
+	for (int e : edgesNear(body, around, margin)) {
+		const Vec<3>& x = body.position[body.mesh->sharpEdge[e].from];
+		if (distanceTo<3>(surface, x) > margin + body.longestEdge) continue;
+		const auto edge = edgeOf(body, e);
+		if (!edge) continue;
+		for (int r = 0; r < static_cast<int>(rigid.size()); ++r) {
+			const auto crossing = crossingOf(*edge, rigid[r]);
+			if (!crossing || crossing->gap >= reach) continue;
+			const Vec<3> place =
+				rigid[r].from + crossing->onSecond * (rigid[r].to - rigid[r].from);
+			if (seams.hidesOnEdge(place, crossing->normal, turn)) continue;
+			Contact<3> contact = contactAt(*crossing, body, e);
+			append({ ContactKey::edges, e, r }, contact, true, body, list);
+		}
+	}
+}
+
 /// Whether a place is inside of a grain, and deeper than contacts are: no node near it tells.
 /// (Nodes are an edge apart. What bears a grain from outside is not looked at: it is at a side of
 /// its box.)
@@ -229,7 +257,10 @@ void findRigidContacts(const ContactOutline<dim>& body, double reach, ContactLis
 	if (distanceTo<dim>(list.rigid->surface, body.box.centre()) > within) return;
 	RigidSeams<dim> seams(body, *list.rigid);
 	nodesOnSurface<dim>(body, reach, seams, list);
-	if (body.isSurface()) tipsOnOutline<dim>(body, reach, seams, list);
+	if (body.isSurface()) {
+		tipsOnOutline<dim>(body, reach, seams, list);
+		crossingEdges(body, reach, seams, list);
+	}
 	const auto* ball = std::get_if<BallSurface<dim>>(&list.rigid->surface);
 	const bool nested =
 		ball && !body.mesh->irregular

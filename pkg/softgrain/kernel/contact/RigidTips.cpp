@@ -96,6 +96,45 @@ std::vector<Tip<dim>> tips(const Surface& surface, const Box<dim>& box, double s
 	return found;
 }
 
+std::vector<ConvexEdge> edges(const BallSurface<3>&, double) { return {}; }
+
+std::vector<ConvexEdge> edges(const PlateSurface<3>& plate, double)
+{
+	std::vector<ConvexEdge> found;
+	for (int i = 0; i < 3; ++i) {
+		const Vec<3>&a = plate.corner[i], &b = plate.corner[(i + 1) % 3];
+		const Vec<3> away = plate.corner[(i + 2) % 3] - a, along = (b - a).normalized();
+		const Vec<3> side = (away - away.dot(along) * along).normalized();
+		found.push_back({ a, b, { side, side } });
+	}
+	return found;
+}
+
+std::vector<ConvexEdge> edges(const BlockSurface<3>& block, double spacing)
+{
+	const Skeleton<3> skeleton = skeletonOf(block);
+	std::vector<ConvexEdge> found;
+	for (const auto& [from, to] : skeleton.edge) {
+		ConvexEdge edge { skeleton.corner[from], skeleton.corner[to], {} };
+		const Vec<3> y =
+			block.axes.transpose() * (0.5 * (edge.from + edge.to) - block.centre);
+		std::array<int, 2> across;
+		int sides = 0;
+		for (int a = 0; a < 3; ++a)
+			if (!((from ^ to) >> a & 1)) across[sides++] = a;
+		const auto wider = std::minmax(across[0], across[1], [&](int a, int b) {
+					   return block.halfSides[a] < block.halfSides[b];
+				   }).second;
+		for (int i : { 0, 1 }) {
+			const bool isNarrow = 2 * block.halfSides[across[i]] < spacing;
+			const int a = isNarrow ? wider : across[i];
+			edge.side[i] = -std::copysign(1., y[a]) * block.axes.col(a);
+		}
+		found.push_back(edge);
+	}
+	return found;
+}
+
 template <int dim> using Side = std::optional<Vec<dim>>; // its normal
 
 template <int dim>
@@ -147,12 +186,12 @@ Side<dim> along(const BlockSurface<dim>& block, const Vec<dim>& place, const Vec
 } // namespace
 
 template <int dim>
-std::optional<Vec<dim>> sideAlong(const RigidSurface<dim>& surface, const Tip<dim>& tip,
+std::optional<Vec<dim>> sideAlong(const RigidSurface<dim>& surface, const Vec<dim>& place,
 				  const Vec<dim>& normal, double angle, double spacing)
 {
 	return std::visit(
 		[&](const auto& s) {
-			return along<dim>(s, tip.ball.centre, normal, std::cos(angle), spacing);
+			return along<dim>(s, place, normal, std::cos(angle), spacing);
 		},
 		surface);
 }
@@ -163,8 +202,13 @@ std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& b
 	return std::visit([&](const auto& s) { return tips<dim>(s, box, spacing); }, surface);
 }
 
+std::vector<ConvexEdge> edgesOf(const RigidSurface<3>& surface, double spacing)
+{
+	return std::visit([&](const auto& s) { return edges(s, spacing); }, surface);
+}
+
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
-	template std::optional<Vec<dim>> sideAlong<dim>(const RigidSurface<dim>&, const Tip<dim>&, \
+	template std::optional<Vec<dim>> sideAlong<dim>(const RigidSurface<dim>&, const Vec<dim>&, \
 							const Vec<dim>&, double, double);          \
 	template std::vector<Tip<dim>> tipsOf<dim>(const RigidSurface<dim>&, const Box<dim>&,      \
 						   double);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "Vectors.hpp"
+#include "contact/EdgeCrossing.hpp"
 #include "contact/RigidSurface.hpp"
 
 #include <optional>
@@ -17,16 +18,20 @@ template <int dim> struct Tip {
 	int number; ///< its own among the tips of the surface, whatever the box
 };
 
-/// Of the side that ends at a tip and that an outline with this normal (unit, outwards) lies along
-/// there, within an angle (rad): its normal (unit), towards the outline. A side of a block that is
-/// narrower than the spacing of the contact nodes is none.
+/// Of the side that ends at a tip, or another place on an edge, and that an outline with this
+/// normal (unit, outwards) lies along there, within an angle (rad): its normal (unit), towards the
+/// outline. A side of a block that is narrower than the spacing of the contact nodes is none.
 template <int dim>
-std::optional<Vec<dim>> sideAlong(const RigidSurface<dim>& surface, const Tip<dim>& tip,
+std::optional<Vec<dim>> sideAlong(const RigidSurface<dim>& surface, const Vec<dim>& place,
 				  const Vec<dim>& normal, double angle, double spacing);
 
 /// The ball itself; corners and, in 3D, points of the edges no further apart than `spacing`, those
 /// in `box`.
 template <int dim>
 std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& box, double spacing);
+
+/// Its edges, none of a ball. The side of a block that is narrower than the spacing of the contact
+/// nodes is left out beside the other one: no node need hold what lies along it.
+std::vector<ConvexEdge> edgesOf(const RigidSurface<3>& surface, double spacing);
 
 } // namespace softgrain

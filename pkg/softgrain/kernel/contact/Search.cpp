@@ -1,4 +1,5 @@
 #include "contact/Search.hpp"
+#include "contact/EdgeCrossing.hpp"
 #include "contact/OutlineSearch.hpp"
 #include "contact/PlaceOnOutline.hpp"
 #include "contact/RigidSearch.hpp"
@@ -89,6 +90,19 @@ void nodesOnCommonGrid(const ContactOutline<dim>& body, double reach, ContactLis
 	}
 }
 
+void findSurfaceContacts(const ContactOutline<2>& first, const ContactOutline<2>& second,
+			 double reach, ContactList<2>& list)
+{
+	findOutlineContacts(first, second, reach, list);
+}
+/// (In the plane there are no edges.)
+void findSurfaceContacts(const ContactOutline<3>& first, const ContactOutline<3>& second,
+			 double reach, ContactList<3>& list)
+{
+	findOutlineContacts(first, second, reach, list);
+	findCrossingEdges(first, second, reach, list);
+}
+
 /// Empties the list; returns the contacts it had. They stay valid until the next search of this
 /// thread: memory goes round among the lists, none is asked for in every step.
 template <int dim> const std::vector<Contact<dim>>& beginSearch(ContactList<dim>& list)
@@ -169,8 +183,11 @@ template <int dim> void carryOver(const std::vector<Contact<dim>>& last, Contact
 /// A grain inside another, or two of a size on one another: no node near an outline may tell.
 template <int dim> bool nested(const ContactOutline<dim>& first, const ContactOutline<dim>& second)
 {
-	return first.holds(second.box.centre(), second.innerRadius()) ||
-	       second.holds(first.box.centre(), first.innerRadius());
+	const auto holds = [](const auto& a, const auto& b) {
+		const Vec<dim> centre = b.box.centre();
+		return a.holds(centre, b.innerRadius()) && (!b.hasFacets() || b.encloses(centre));
+	};
+	return holds(first, second) || holds(second, first);
 }
 
 /// Whether a place is in the polygon of the nodes, and deeper than the outline may be dented over a
@@ -212,7 +229,7 @@ void findContacts(const ContactOutline<dim>& first, const ContactOutline<dim>& s
 		return;
 	}
 	if (first.isSurface())
-		findOutlineContacts(first, second, reach, list);
+		findSurfaceContacts(first, second, reach, list);
 	else
 		disksAgainstDisks(first, second, reach, list);
 	if (irregular && list.contacts.empty() && nestedIrregular(first, second))

@@ -165,6 +165,37 @@ OutlineMesh<2> meshOfBlock(const Vec<2>& half, double spacing)
 	return mesh;
 }
 
+Vec<3> normalOf(const OutlineMesh<3>& mesh, int facet)
+{
+	const auto& [a, b, c] = mesh.facet[facet];
+	const Vec<3> from = mesh.vertex[a];
+	return (mesh.vertex[b] - from).cross(mesh.vertex[c] - from).normalized();
+}
+
+/// OutlineMesh::sharpEdge of the facets that there are.
+void findSharpEdges(OutlineMesh<3>& mesh)
+{
+	constexpr double flat = 0.9; // cosine between the normals of two facets that are one side
+	struct Half {
+		int facet, opposite;
+	};
+	std::map<std::pair<int, int>, Half> known; // by the ends, the other way round in its mate
+	for (int f = 0; f < static_cast<int>(mesh.facet.size()); ++f)
+		for (int i = 0; i < 3; ++i) {
+			const auto& vertex = mesh.facet[f];
+			const int from = vertex[i], to = vertex[(i + 1) % 3],
+				  opposite = vertex[(i + 2) % 3];
+			const auto mate = known.find({ to, from });
+			if (mate == known.end())
+				known[{ from, to }] = { f, opposite };
+			else if (normalOf(mesh, f).dot(normalOf(mesh, mate->second.facet)) < flat)
+				mesh.sharpEdge.push_back({ to,
+							   from,
+							   { mate->second.facet, f },
+							   { mate->second.opposite, opposite } });
+		}
+}
+
 /// Rectangles of each face, in two triangles each; faces share the vertices on their edges.
 OutlineMesh<3> meshOfBlock(const Vec<3>& half, double spacing)
 {
@@ -211,6 +242,7 @@ OutlineMesh<3> meshOfBlock(const Vec<3>& half, double spacing)
 			ends += index[a] == 0 || index[a] == parts[a];
 		mesh.sharp[vertex] = ends > 1;
 	}
+	findSharpEdges(mesh);
 	return mesh;
 }
 

@@ -12,6 +12,13 @@ namespace softgrain {
 /// Most nodes that a place on an outline leans on.
 template <int dim> constexpr int mostPartners = dim == 2 ? 4 : 3;
 
+/// In 3D, where two sides of an outline meet at an angle: an edge of two facets.
+struct SharpEdge {
+	int from, to;                ///< vertices
+	std::array<int, 2> facet;    ///< those that it belongs to
+	std::array<int, 2> opposite; ///< their third vertices
+};
+
 /// Closed piecewise linear outline: segments in 2D, triangles in 3D, oriented so that the
 /// right-hand (2D: right of the direction of travel, counter-clockwise) normal points outwards.
 template <int dim> struct OutlineMesh {
@@ -21,9 +28,12 @@ template <int dim> struct OutlineMesh {
 	/// everywhere. About any other vertex the facets approximate one smooth surface.
 	std::vector<char> sharp;
 	std::vector<std::vector<int>> facetsAbout; ///< those that meet at a vertex, in order
+	std::vector<SharpEdge> sharpEdge;
 	/// The centre of its box may lie outside, and far pieces of it may be equally near to a
 	/// place: searches take no short cuts.
 	bool irregular = false;
+	/// In 2D: so long that it may be bent until it meets itself, or any polygon.
+	bool mayMeetItself = false;
 
 	bool hasCorners() const { return !sharp.empty(); }
 	bool isSharp(int v) const { return hasCorners() && sharp[v]; }
