@@ -92,6 +92,7 @@ py::dict namedEnergies(const EnergyLists& energies)
 
 void EnergyBooks::publish(const EnergyLists& energies, EnergyTracker& tracker)
 {
+	if (tracker.names.empty()) ids_.clear(); // as O.energy.clear() leaves it
 	ids_.resize(std::size(softEnergies) + rigidEnergiesForYade, -1);
 	for (std::size_t k = 0; k < energies.soft.size(); ++k)
 		tracker.set(energies.soft[k], yadeName(softEnergies[k].name), ids_[k]);

@@ -37,7 +37,7 @@ void checkAfter(const Engine& engine)
 		refuse(engine.getClassName() +
 		       " stands after SoftGrainIntegrator in O.engines and would change O.dt "
 		       "between contact and motion; put it before");
-	if (dynamic_cast<const WallStressController*>(&engine))
+	if (liveOne<WallStressController>(engine))
 		refuse("WallStressController stands after SoftGrainIntegrator in O.engines, which "
 		       "takes the forces on the walls before it; see sg.insert_before_solve()");
 }

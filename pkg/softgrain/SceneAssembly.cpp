@@ -239,7 +239,7 @@ softgrain::GrainDescription describePresent(const Body& body)
 	SoftGrain& grain = static_cast<SoftGrain&>(*body.shape);
 	const bool changed = grain.assembly && !softMaterial(body).isAs(*grain.assembledMaterial);
 	grain.fetchState();
-	if (grain.assembly) grain.savedForces.clear(); // materials may have changed
+	if (changed) grain.savedForces.clear();
 	softgrain::GrainDescription description = grain.describe(body);
 	if (description.state.x.empty()) requireFirstMotion(body);
 	if (changed) {

@@ -166,12 +166,15 @@ void SoftBodies::refuseLoads(const NewtonIntegrator& newton, const CellFlow& flo
 	while (isFinite(loadOf(g, newton, flow)))
 		++g;
 	const int id = assembly_.idOf(g);
+	const bool isDisk = grainOf(scene_, id).dim == 2;
 	std::ostringstream message;
 	message << "soft grain #" << id
 		<< ": its load is not finite; admissible are finite O.forces"
-		<< " (force " << scene_.forces.getForce(id).transpose() << " N, torque "
-		<< scene_.forces.getTorque(id).transpose() << " N m), NewtonIntegrator.gravity ("
-		<< newton.gravity.transpose() << " m/s^2) and O.cell.velGrad";
+		<< " (force " << scene_.forces.getForce(id).transpose()
+		<< (isDisk ? " N/m, torque " : " N, torque ")
+		<< scene_.forces.getTorque(id).transpose() << (isDisk ? " N" : " N m")
+		<< "), NewtonIntegrator.gravity (" << newton.gravity.transpose()
+		<< " m/s^2) and O.cell.velGrad";
 	throw std::runtime_error(message.str());
 }
 

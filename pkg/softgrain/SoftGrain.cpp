@@ -148,6 +148,9 @@ void SoftGrain::postLoad(SoftGrain&)
 	softgrain::require(radius > 0 && math::isfinite(radius), "radius", radius, "(0, inf) m");
 	softgrain::require(dim == 2 || dim == 3, "dim", dim, "2, 3");
 	softgrain::require(dim == 2 || basis == "splines", "basis", basis, "'splines' for dim = 3");
+	softgrain::require(dim == 3 || std::min(aspect[0], aspect[1]) == 1,
+			   "aspect (smaller component)", std::min(aspect[0], aspect[1]),
+			   "1: the radius is half the shortest side");
 	const bool sides = form == "block" || form == "superdisk";
 	softgrain::require((form == "block" && dim == 3) || aspect[2] == 1, "aspect[2]", aspect[2],
 			   "1 for a ball, and in 2D");

@@ -192,7 +192,11 @@ void SoftGrainIntegrator::forgetOtherScene()
 	lastStep = longestDt_ = 0;
 	dtOfSpheres = -1;
 	stepsToRaise = 0;
+	steps = totalGrainSteps = totalSweeps = cappedSteps = 0;
+	pointsUpdated = pointsMeasured = pairsSearched = candidatesTested = contactsSwept = 0;
 	largestResidual = largestOverlap = 0;
+	droppedMomentum = droppedEnergy = lostBonds = 0;
+	warnedOfPressure_ = warnedOfOverlaps_ = hadSmallOverlaps_ = false;
 	assemblySteps = 0;
 	bondRate = 0;
 	energies.clear();
@@ -330,7 +334,7 @@ void SoftGrainIntegrator::publishEnergy()
 	const EnergyLists lists = energiesOf(assembly_->energy(), tracksRigidBodies());
 	energyBooks_.publish(lists, *scene->energy);
 	energies = lists.soft;
-	if (!lists.rigid.empty()) rigidEnergies = lists.rigid;
+	rigidEnergies = lists.rigid;
 }
 
 py::dict SoftGrainIntegrator::energyDict() const

@@ -22,6 +22,7 @@ void SoftenWhenLoaded::postLoad(SoftenWhenLoaded&)
 void SoftenWhenLoaded::action()
 {
 	forgetOtherScene();
+	postLoad(*this); // a refused value stays
 	if (!shape || !material)
 		throw std::runtime_error("SoftenWhenLoaded: shape or material is None; see "
 					 "sg.soften(when='loaded')");

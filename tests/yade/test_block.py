@@ -48,7 +48,8 @@ def test_wrong_size(size, message):
         ({"form": "star"}, "form = 'star' is unknown; known: 'ball', 'block'"),
         ({"aspect": (2, 1, 1)}, "aspect = 2 is outside the admissible range 1 for a ball"),
         ({"form": "block", "aspect": (2, 1, 2)}, "aspect[2] = 2 is outside"),
-        ({"form": "block", "aspect": (2, 1.5, 1)}, None),  # the third component is 1 in 2D
+        ({"form": "block", "aspect": (2, 1.5, 1)}, "aspect (smaller component) = 1.5 is outside"),
+        ({"form": "block", "aspect": (2, 1, 1)}, None),  # the third component is 1 in 2D
         ({"contact": "mesh"}, "contact = 'mesh' is unknown; known: 'surface', 'points', 'nodes'"),
     ],
 )

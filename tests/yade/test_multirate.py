@@ -263,6 +263,26 @@ def test_material_may_change_between_two_computations(loaded, change, tmp_path):
     assert sg.integrator().pointsUpdated - before == sum(map(points_of, sg.soft_bodies()))
 
 
+def test_grains_come_and_go_between_two_computations():
+    """Held forces of the others go on."""
+    found = []
+    for comes in (False, True):
+        pressed()
+        O.dt *= 0.9  # by hand
+        grains, guest = sg.soft_bodies(), None
+        for step in range(6 * RATIO):
+            if comes and step % 7 == 3:
+                if guest is None:
+                    guest = add_disk((0, 50 * RADIUS, 0), RADIUS / RATIO).id
+                else:
+                    O.bodies.erase(guest)
+                    guest = None
+            run(1)
+        found.append([b.shape.nodes() for b in grains])
+    for usual, beside_guests in zip(*found):
+        np.testing.assert_allclose(beside_guests, usual, rtol=0, atol=1e-12 * RADIUS)
+
+
 def test_grain_that_waits_rigidly():
     """A slow grain goes over to rigid motion and back."""
     disk = add_disk()

@@ -291,3 +291,11 @@ def test_grains_that_nobody_moves(tmp_path, left_out, times):
     assert process.returncode == 0
     message = "no SoftGrainIntegrator in O.engines, which computes soft grains"
     assert process.stderr.count(message) == times
+
+
+def test_a_controller_that_is_dead_may_stand_anywhere():
+    add_disk()
+    ready()
+    controller_behind()
+    O.engines[4].dead = True
+    run(1)

@@ -98,7 +98,8 @@ def test_load_that_is_no_number(put):
     before = second.shape.nodes()
     getattr(O.forces, put)(second.id, (0, math.inf, math.nan))
     message = message_of_step()
-    assert "soft grain #1: its load is not finite" in message and "torque" in message
+    assert "soft grain #1: its load is not finite" in message
+    assert " N/m, torque " in message and " N), Newton" in message  # of a disk
     np.testing.assert_array_equal(second.shape.nodes(), before)
     getattr(O.forces, put)(second.id, (0, 0, 0))
     run(2)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rigid_scenes import R, add_incline, add_sphere, material, pile, run_until, start
-from scenes import add_wall, run, soft_material
+from scenes import add_disk, add_wall, ready, run, soft_material
 from yade import O
 
 import softgrain as sg
@@ -171,3 +171,14 @@ def test_bodies_that_are_damped_fly_beside_a_balance():
     O.engines[-1].damping = 0.2
     run(20)
     assert sg.integrator().energy()["rigidKinetic"] == 0
+
+
+def test_energies_come_back_after_o_energy_was_cleared():
+    disk = add_disk()
+    disk.state.vel = (1, 0, 0)
+    O.trackEnergy = True
+    ready()
+    run(2)
+    O.energy.clear()
+    run(2)
+    assert O.energy["softKinetic"] == pytest.approx(0.5 * disk.state.mass)

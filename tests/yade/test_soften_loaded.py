@@ -11,6 +11,7 @@ from scenes import (
     add_wall,
     assert_done,
     assert_goes_on_after_loading,
+    message_of_step,
     ready,
     run,
     run_python,
@@ -120,6 +121,15 @@ def test_load_without_meaning():
     with pytest.raises(ValueError, match="load = 0.01: .* when='now'"):
         sg.soften(load=0.01)
     assert isinstance(O.bodies[0].shape, Sphere)
+
+
+def test_a_load_that_was_refused_does_not_act():
+    late_scene()
+    softener = [e for e in O.engines if isinstance(e, sg.SoftenWhenLoaded)][0]
+    with pytest.raises(ValueError, match="load = -1"):
+        softener.load = -1
+    assert "load = -1" in message_of_step()
+    assert not sg.soft_bodies()
 
 
 def test_ids_that_are_no_bodies():

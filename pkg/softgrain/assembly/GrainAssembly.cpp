@@ -270,7 +270,7 @@ public:
 	{
 		if constexpr (dim == 2) {
 			const ContactOutline<2>& body = system_.body(g);
-			if (body.mesh->irregular) return selfOverlap(body) / body.pointSpacing;
+			if (body.mesh->mayMeetItself) return selfOverlap(body) / body.pointSpacing;
 		}
 		return 0;
 	}

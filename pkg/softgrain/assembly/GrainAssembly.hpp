@@ -152,7 +152,8 @@ public:
 	/// The same in such coordinates.
 	virtual bool isInside(int g, const Box<3>& outer, double margin, const Mat3& map) const = 0;
 	virtual std::vector<Vec3> outline(int g) const = 0; ///< positions of the contact nodes
-	/// selfOverlap over the spacing of material points, of grains of irregular outline; else 0.
+	/// selfOverlap over the spacing of material points, of grains that may meet themselves;
+	/// else 0.
 	virtual double overlapWithItself(int g) const = 0;
 	/// Numbers of the nodes of its facets, `dim` numbers a facet, in 2D in order around it;
 	/// empty with contact 'points'.

@@ -169,8 +169,8 @@ TEST_CASE("Critical time step: a measured stiffening keeps its share of the boun
 	CHECK(stiffening.isDue(at(2.05)));
 	const Stiffening loaded = Stiffening::fromNumbers(stiffening.numbers());
 	CHECK(loaded.value(at(1.9)) == stiffening.value(at(1.9)));
-	stiffening.set(at(3), 4);
-	CHECK(stiffening.value(at(3)) == 3);
+	stiffening.set(at(3), 3.6); // what was measured counts, though the bound says less
+	CHECK(std::abs(stiffening.value(at(3)) - 3.6) < 1e-12);
 }
 
 TEST_CASE("Critical time step: a small share holds while the grain is deformed alike", "[grain]")

@@ -309,3 +309,17 @@ TEST_CASE("Grain template: more points than fit into memory are refused", "[refe
 	CHECK_NOTHROW(fine.validate()); // a disk may be so fine
 	CHECK_THROWS_AS(makeGrainTemplate<3>(fine), std::invalid_argument);
 }
+
+TEST_CASE("Grain template: what may be bent until it meets itself", "[reference]")
+{
+	auto mayMeetItself = [](Form form, double aspect) {
+		TemplateRecipe r = recipe(0.4);
+		r.form.form = form;
+		r.form.aspect = { 1, aspect, 1 };
+		return makeGrainTemplate<2>(r)->contactMesh.mayMeetItself;
+	};
+	CHECK(!mayMeetItself(Form::ball, 1));
+	CHECK(!mayMeetItself(Form::block, 2));
+	CHECK(mayMeetItself(Form::block, 5));
+	CHECK(mayMeetItself(Form::superdisk, 5));
+}

@@ -8,11 +8,11 @@
 
 namespace softgrain {
 
-/// Square of the highest frequency of a grain over that of the undeformed one: at most the largest
-/// stiffening of a material point (the bound), which is known in every step. Now and then it is
-/// measured. What it is of the bound, its share, counts while the grain is deformed much as it was
-/// then; otherwise a share counts that is safe whatever happens (doc/decisions/0003-time-step.md,
-/// with the rules that were compared for the numbers below).
+/// Square of the highest frequency of a grain over that of the undeformed one: at most about the
+/// largest stiffening of a material point (the bound), which is known in every step. Now and then
+/// it is measured. What it is of the bound, its share, counts while the grain is deformed much as
+/// it was then; otherwise a share counts that is safe whatever happens
+/// (doc/decisions/0003-time-step.md, with the rules that were compared for the numbers below).
 class Stiffening {
 public:
 	/// However the share changes, 0.9 of the critical step found with it is stable.
@@ -40,7 +40,7 @@ public:
 	{
 		bound_ = std::max(1., present.stiffening);
 		energy_ = std::max(0., present.elasticEnergy); // one carried on may be negative
-		share_ = measured > 0 ? std::clamp(measured / bound_, leastShare, 1.) : 1;
+		share_ = measured > 0 ? admissible(measured / bound_) : 1;
 	}
 	bool isMeasured() const { return bound_ > 1; }
 
@@ -52,11 +52,12 @@ public:
 		Stiffening s;
 		s.bound_ = numbers[0];
 		s.energy_ = numbers[1];
-		s.share_ = std::clamp(numbers[2], leastShare, 1.);
+		s.share_ = admissible(numbers[2]);
 		return s;
 	}
 
 private:
+	static double admissible(double share) { return std::clamp(share, leastShare, mostShare); }
 	/// Neither stiffer where it is stiffest, nor deformed in more places, nor let go since:
 	/// what is pressed all round after it was pressed in one place holds more energy. (No
 	/// proof: how far it is from the truth in packings and impacts was measured.)
@@ -75,6 +76,9 @@ private:
 	/// With smaller ones dense packings take a few per cent fewer steps; it limits what a wrong
 	/// "alike" can do.
 	static constexpr double leastShare = 0.5;
+	/// Coarse grains pressed all round were up to 1.23 of the bound, by the largest of their
+	/// own frequencies.
+	static constexpr double mostShare = 1.5;
 
 	/// At the last measurement; the energy in J (2D: J/m).
 	double bound_ = 1, energy_ = 0, share_ = 1;

@@ -14,11 +14,20 @@ namespace softgrain {
 
 namespace {
 
+/// (The arms of a bar folded in the middle are as long as it is wide where it is three times as
+/// long as wide.)
+bool mayMeetItself(const GrainForm& form)
+{
+	constexpr double slender = 3;
+	return form.form == Form::polygon || std::max(form.aspect[0], form.aspect[1]) > slender;
+}
+
 template <int dim> void layContactNodes(const Outline<dim>& outline, GrainTemplate<dim>& grain)
 {
 	const double dr = grain.recipe.zeta;
 	if (grain.recipe.contact != ContactGeometry::points) {
 		grain.contactMesh = outline.mesh(grain.recipe.contactSpacing());
+		grain.contactMesh.mayMeetItself = mayMeetItself(grain.recipe.form);
 		findFacetsAbout(grain.contactMesh);
 		if (grain.recipe.contact == ContactGeometry::nodes)
 			grain.contactRadius = grain.recipe.nodeSpacing * dr;
