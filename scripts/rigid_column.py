@@ -15,6 +15,8 @@ import time
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
+from scipy.sparse import csgraph
+from scipy.spatial import distance
 from yade import (
     Ip2_ViscElMat_ViscElMat_ViscElPhys,
     Law2_ScGeom_ViscElPhys_Basic,
@@ -118,19 +120,12 @@ def radii():
 
 
 def heap():
-    """Those that hang together with the one nearest to the plane of symmetry; single ones that
-    roll away do not count."""
+    """The most that hang together; single ones that roll away do not count."""
     centres, radius = places(), radii()
-    reached = {int(np.argmin(centres[:, 0]))}
-    border = list(reached)
-    while border:
-        i = border.pop()
-        gaps = np.linalg.norm(centres - centres[i], axis=1) - radius - radius[i]
-        new = set(np.flatnonzero(gaps < NEAR * DIAMETER).tolist()) - reached
-        reached |= new
-        border += new
-    every = disks()
-    return [every[i] for i in reached]
+    gaps = distance.cdist(centres, centres) - radius - radius[:, None]
+    _, group = csgraph.connected_components(gaps < NEAR * DIAMETER)
+    largest = np.argmax(np.bincount(group))
+    return [disk for disk, number in zip(disks(), group) if number == largest]
 
 
 def kinetic_energy(bodies):

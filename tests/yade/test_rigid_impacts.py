@@ -55,6 +55,15 @@ def test_column_stops_whatever_happens_elsewhere(elsewhere):
     assert max(b.state.vel.norm() for b in balls) < 1e-3
 
 
+def test_column_stops_on_a_floor_that_moves():
+    """As seen by who moves with it: what all have in common drives nothing."""
+    column(20)
+    for body in O.bodies:
+        body.state.vel += (0, 0, 2)
+    run(30)
+    assert max(abs(b.state.vel[2] - 2) for b in spheres()) < 1e-3
+
+
 def test_column_of_which_the_top_is_heavy_stops():
     column(3)
     spheres()[-1].state.mass *= 1000

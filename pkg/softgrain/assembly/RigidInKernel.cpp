@@ -118,8 +118,9 @@ void describe(RigidSide<dim>& side, const RigidSurface<dim>& surface,
 	const BallSurface<dim> about = ballAbout<dim>(surface);
 	side.surface = surface;
 	side.pivot = toKernel<dim>(body.pivot) + shift;
-	side.speed =
-		body.velocity.norm() +
+	side.velocities.middle = toKernel<dim>(body.velocity);
+	side.velocities.spread =
+		(body.velocity - toSpace<dim>(side.velocities.middle)).norm() + // across the plane
 		body.angularVelocity.norm() * ((about.centre - side.pivot).norm() + about.radius);
 }
 

@@ -23,12 +23,14 @@ TEMPLATE_TEST_CASE_SIG("Contact list: a support lies still only if nothing of it
 		list.image.velocity = ofImage;
 		return list.hasStillSupport();
 	};
-	RigidSide<dim> fast, moving, driven;
-	fast.speed = 1e-9;
+	RigidSide<dim> fast, turning, moving, driven;
+	fast.velocities.middle[0] = 1e-9;
+	turning.velocities.spread = 1e-9;
 	moving.moves = true;
 	driven.hasVelocity = true;
 	CHECK(restsOn({}));
 	CHECK_FALSE(restsOn(fast));
+	CHECK_FALSE(restsOn(turning));
 	CHECK_FALSE(restsOn(moving));
 	CHECK_FALSE(restsOn(driven));
 	CHECK_FALSE(restsOn({}, Vec<dim>::Unit(dim - 1)));

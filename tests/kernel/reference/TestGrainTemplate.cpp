@@ -319,7 +319,7 @@ TEST_CASE("Grain template: what may be bent until it meets itself", "[reference]
 		return makeGrainTemplate<2>(r)->contactMesh.mayMeetItself;
 	};
 	CHECK(!mayMeetItself(Form::ball, 1));
-	CHECK(!mayMeetItself(Form::block, 2));
-	CHECK(mayMeetItself(Form::block, 5));
-	CHECK(mayMeetItself(Form::superdisk, 5));
+	CHECK(!mayMeetItself(Form::block, 4));
+	CHECK(mayMeetItself(Form::block, 6));
+	CHECK(mayMeetItself(Form::superdisk, 6));
 }

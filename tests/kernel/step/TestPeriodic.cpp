@@ -118,7 +118,7 @@ TEST_CASE("Periodic: a rigid ball and its image are hit alike", "[step][periodic
 			RigidSide<dim>& side = *scene.lists[0].rigid;
 			side.surface = BallSurface<dim> { ball.centre + apart, radius };
 			side.pivot = ball.centre + apart;
-			side.speed = 2;
+			side.velocities.spread = 2;
 			ball.velocityBefore = ball.velocity;
 			ball.spinBefore = ball.spin;
 			scene.system.rigidPartners() = { ball };

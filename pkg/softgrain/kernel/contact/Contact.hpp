@@ -3,6 +3,7 @@
 
 #include "Rare.hpp"
 #include "Vector.hpp"
+#include "Vectors.hpp"
 #include "contact/Interface.hpp"
 #include "contact/NearbyFacets.hpp"
 #include "contact/OverlapAccount.hpp"
@@ -117,7 +118,7 @@ template <int dim> struct SurfaceBeside {
 template <int dim> struct RigidSide {
 	RigidSurface<dim> surface;
 	Vec<dim> pivot = Vec<dim>::Zero(); ///< moments of the impulses are about it, m
-	double speed = 0;                  ///< no place of the surface is faster, m/s
+	VectorRange<dim> velocities;       ///< of the places of the surface, m/s
 	int partner = -1;                  ///< its motion: number in the step at hand
 	/// RigidPartner::moves and hasVelocity, known from the begin of a step until the next
 	/// search.
@@ -209,8 +210,8 @@ template <int dim> struct ContactList {
 	bool hasStillSupport() const
 	{
 		if (rigid)
-			return !rigid->moves && !rigid->hasVelocity && rigid->speed == 0 &&
-			       image.velocity.isZero(0);
+			return !rigid->moves && !rigid->hasVelocity &&
+			       rigid->velocities.largestNorm() == 0 && image.velocity.isZero(0);
 		return second < 0 && plane.velocity.isZero(0);
 	}
 	/// Where the plane or the rigid body is, or the image of the second grain if it is

@@ -82,13 +82,16 @@ template <int dim> void ContactSolver<dim>::noteIslands()
 	islands_.assign(pairs_.islands(), {});
 	residuals_.assign(pairs_.count(), {});
 	change_.assign(pairs_.count(), {});
+	std::vector<HeldMotion<dim>> held(islands_.size());
 	for (int k = 0; k < pairs_.count(); ++k) {
 		IslandSweeps& island = islands_[pairs_.islandOf(k)];
 		island.contacts += pairs_.with(k, [](const auto& pair) { return pair.contacts(); });
 		island.haveGrains |= pairs_.grains(k) != nullptr;
 		island.moveRigidBodies |= pairs_.movesRigidBodies(k);
-		island.areDriven |= pairs_.isDriven(k);
+		pairs_.addHeldMotion(k, held[pairs_.islandOf(k)]);
 	}
+	for (std::size_t i = 0; i < islands_.size(); ++i)
+		islands_[i].areDriven = held[i].isFelt();
 }
 
 template <int dim> template <class Is> bool ContactSolver<dim>::select(Is&& is)

@@ -16,7 +16,7 @@ struct IslandSweeps {
 	long contacts = 0;
 	bool haveGrains = false;      ///< pairs of grains, or of a grain and a plane
 	bool moveRigidBodies = false; ///< impulses of some pair do
-	bool areDriven = false;       ///< something moves as prescribed, or with a cell
+	bool areDriven = false;       ///< HeldMotion::isFelt
 	double exchangedAtFirst = 0;  ///< by the impulses of the last step, with rigid bodies, J
 	double firstShare = 1;        ///< of these that sweeps begin with
 

@@ -173,11 +173,10 @@ template <int dim> bool PlannedPairs<dim>::movesRigidBodies(int k) const
 	return rigid(k) || (pair && pair->movesPartner());
 }
 
-template <int dim> bool PlannedPairs<dim>::isDriven(int k) const
+template <int dim> void PlannedPairs<dim>::addHeldMotion(int k, HeldMotion<dim>& motion) const
 {
-	if (const auto* contact = rigid(k)) return contact->isDriven();
-	const auto* pair = grainOnRigid(k);
-	return pair && pair->isDriven();
+	if (const auto* contact = rigid(k)) contact->addHeldMotion(motion);
+	if (const auto* pair = grainOnRigid(k)) pair->addHeldMotion(motion);
 }
 
 template class PlannedPairs<2>;

@@ -70,8 +70,8 @@ public:
 	void fetchForFinish(int k) const;
 
 	bool movesRigidBodies(int k) const; ///< whether impulses of pair k do
-	/// Whether it is of a rigid body, and something in it moves as prescribed, or with a cell.
-	bool isDriven(int k) const;
+	/// Adds what is prescribed of the rigid bodies in it.
+	void addHeldMotion(int k, HeldMotion<dim>& motion) const;
 
 private:
 	enum class Kind : char { grains, grainOnRigid, rigid };

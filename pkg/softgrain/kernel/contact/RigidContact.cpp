@@ -40,9 +40,11 @@ template <int dim> void RigidContactSolver<dim>::push(const Vec<dim>& J)
 	if (secondMoves_) second_->push(secondArm_, J);
 }
 
-template <int dim> bool RigidContactSolver<dim>::isDriven() const
+template <int dim> void RigidContactSolver<dim>::addHeldMotion(HeldMotion<dim>& motion) const
 {
-	return !drift_.isZero(0) || first_->isDriven() || second_->isDriven();
+	motion.addDrift(drift_);
+	motion.add(*first_);
+	motion.add(*second_);
 }
 
 template <int dim> Exchange RigidContactSolver<dim>::exchange() const

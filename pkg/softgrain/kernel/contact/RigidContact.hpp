@@ -52,8 +52,7 @@ template <int dim> class RigidContactSolver {
 public:
 	void prepare(RigidContact<dim>& contact, std::vector<RigidPartner<dim>>& partners,
 		     double dt);
-	/// Whether prescribed motion, or that of a cell, takes part.
-	bool isDriven() const;
+	void addHeldMotion(HeldMotion<dim>& motion) const;
 	Exchange exchange() const; ///< of the present impulse
 	/// Begins with such a share of the impulse of the last step, in place of all of it.
 	void beginWith(double share);

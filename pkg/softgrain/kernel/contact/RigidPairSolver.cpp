@@ -158,9 +158,10 @@ void RigidPairSolver<dim>::addExchange(ResidualSum& sum, const Constraint& c) co
 	sum.addExchange(c.energy(c.impulse) - toGrain, -c.impulse.dot(gained));
 }
 
-template <int dim> bool RigidPairSolver<dim>::isDriven() const
+template <int dim> void RigidPairSolver<dim>::addHeldMotion(HeldMotion<dim>& motion) const
 {
-	return !drift_.isZero(0) || partner_->isDriven();
+	motion.addDrift(drift_);
+	motion.add(*partner_);
 }
 
 template <int dim> void RigidPairSolver<dim>::finish()

@@ -62,8 +62,7 @@ public:
 	}
 	/// Whether impulses move the rigid body.
 	bool movesPartner() const { return moves_; }
-	/// Whether prescribed motion of it, or that of a cell, takes part.
-	bool isDriven() const;
+	void addHeldMotion(HeldMotion<dim>& motion) const;
 
 private:
 	std::size_t numberOf(const Constraint& c) const { return &c - constraints_.data(); }

@@ -4,6 +4,8 @@
 #include "Vector.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
 
 namespace softgrain {
 
@@ -52,12 +54,6 @@ template <int dim> struct RigidPartner {
 	bool moves() const { return !inverseMass.isZero(0) || !inverseInertia.isZero(0); }
 	/// Whether it moves as it stands, impulses apart.
 	bool hasVelocity() const { return !velocity.isZero(0) || !spin.isZero(0); }
-	/// Whether any of its motion is prescribed, and not to be at rest.
-	bool isDriven() const
-	{
-		return !heldSpin().isZero(0) ||
-		       !(inverseMass.array() == 0).select(velocity, 0).isZero(0);
-	}
 	/// Of its point at `arm` from the centre.
 	Vec<dim> velocityAt(const Vec<dim>& arm) const { return velocity + turned<dim>(spin, arm); }
 	Vec<dim> velocityBeforeAt(const Vec<dim>& arm) const
@@ -125,6 +121,29 @@ template <int dim> struct RigidPartner {
 		}
 		return W;
 	}
+};
+
+/// What is prescribed of the motion of some bodies. (A velocity that all have in common drives
+/// nothing: it is that of whoever looks at them.)
+template <int dim> class HeldMotion {
+public:
+	void add(const RigidPartner<dim>& body)
+	{
+		turns_ = turns_ || !body.heldSpin().isZero(0);
+		for (int a = 0; a < dim; ++a)
+			if (body.inverseMass[a] == 0) {
+				low_[a] = std::min(low_[a], body.velocity[a]);
+				high_[a] = std::max(high_[a], body.velocity[a]);
+			}
+	}
+	/// Velocity of an image beyond that of its body, m/s.
+	void addDrift(const Vec<dim>& drift) { turns_ = turns_ || !drift.isZero(0); }
+	/// Whether they turn, flow with a cell, or move against each other.
+	bool isFelt() const { return turns_ || (high_.array() > low_.array()).any(); }
+
+private:
+	Vec<dim> low_ = Vec<dim>::Constant(std::numeric_limits<double>::infinity()), high_ = -low_;
+	bool turns_ = false;
 };
 
 } // namespace softgrain

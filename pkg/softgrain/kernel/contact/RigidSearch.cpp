@@ -207,7 +207,6 @@ void tipsOnOutline(const ContactOutline<dim>& body, double reach, RigidSeams<dim
 	}
 }
 
-void crossingEdges(const ContactOutline<2>&, double, RigidSeams<2>&, ContactList<2>&) {}
 void crossingEdges(const ContactOutline<3>& body, double reach, RigidSeams<3>& seams,
 		   ContactList<3>& list)
 {
@@ -230,7 +229,8 @@ void crossingEdges(const ContactOutline<3>& body, double reach, RigidSeams<3>& s
 				rigid[r].from + crossing->onSecond * (rigid[r].to - rigid[r].from);
 			if (seams.hidesOnEdge(place, crossing->normal, turn)) continue;
 			Contact<3> contact = contactAt(*crossing, body, e);
-			append({ ContactKey::edges, e, r }, contact, true, body, list);
+			constexpr bool isBehind = true; // deeper another way out is shorter
+			append({ ContactKey::edges, e, r }, contact, isBehind, body, list);
 		}
 	}
 }
@@ -259,7 +259,7 @@ void findRigidContacts(const ContactOutline<dim>& body, double reach, ContactLis
 	nodesOnSurface<dim>(body, reach, seams, list);
 	if (body.isSurface()) {
 		tipsOnOutline<dim>(body, reach, seams, list);
-		crossingEdges(body, reach, seams, list);
+		if constexpr (dim == 3) crossingEdges(body, reach, seams, list);
 	}
 	const auto* ball = std::get_if<BallSurface<dim>>(&list.rigid->surface);
 	const bool nested =

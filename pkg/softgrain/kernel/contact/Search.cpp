@@ -90,19 +90,6 @@ void nodesOnCommonGrid(const ContactOutline<dim>& body, double reach, ContactLis
 	}
 }
 
-void findSurfaceContacts(const ContactOutline<2>& first, const ContactOutline<2>& second,
-			 double reach, ContactList<2>& list)
-{
-	findOutlineContacts(first, second, reach, list);
-}
-/// (In the plane there are no edges.)
-void findSurfaceContacts(const ContactOutline<3>& first, const ContactOutline<3>& second,
-			 double reach, ContactList<3>& list)
-{
-	findOutlineContacts(first, second, reach, list);
-	findCrossingEdges(first, second, reach, list);
-}
-
 /// Empties the list; returns the contacts it had. They stay valid until the next search of this
 /// thread: memory goes round among the lists, none is asked for in every step.
 template <int dim> const std::vector<Contact<dim>>& beginSearch(ContactList<dim>& list)
@@ -228,9 +215,10 @@ void findContacts(const ContactOutline<dim>& first, const ContactOutline<dim>& s
 		carryImpulsesByName(last, list);
 		return;
 	}
-	if (first.isSurface())
-		findSurfaceContacts(first, second, reach, list);
-	else
+	if (first.isSurface()) {
+		findOutlineContacts(first, second, reach, list);
+		if constexpr (dim == 3) findCrossingEdges(first, second, reach, list);
+	} else
 		disksAgainstDisks(first, second, reach, list);
 	if (irregular && list.contacts.empty() && nestedIrregular(first, second))
 		list.deepest = std::numeric_limits<double>::infinity();

@@ -14,11 +14,11 @@ namespace softgrain {
 
 namespace {
 
-/// (The arms of a bar folded in the middle are as long as it is wide where it is three times as
-/// long as wide.)
+/// (A bar folded in the middle has arms twice as long as it is wide, and a bend. Crushed blocks
+/// cross themselves at corners, too, which is no reason to stop.)
 bool mayMeetItself(const GrainForm& form)
 {
-	constexpr double slender = 3;
+	constexpr double slender = 5;
 	return form.form == Form::polygon || std::max(form.aspect[0], form.aspect[1]) > slender;
 }
 

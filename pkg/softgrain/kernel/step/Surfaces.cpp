@@ -170,10 +170,10 @@ template <int dim>
 double Surfaces<dim>::reach(int g, const RigidSide<dim>& rigid, const PairImage<dim>& image,
 			    double dt) const
 {
-	const double spacing = bodies_[g].pointSpacing;
-	return withinRange(bodies_[g].velocities.largestNorm() + rigid.speed +
-				   image.velocity.norm(),
-			   dt, spacing, spacing, interfaceRange_);
+	const ContactBody<dim>& body = bodies_[g];
+	const Vec<dim> apart = body.velocities.middle - rigid.velocities.middle - image.velocity;
+	return withinRange(apart.norm() + body.velocities.spread + rigid.velocities.spread, dt,
+			   body.pointSpacing, body.pointSpacing, interfaceRange_);
 }
 
 template <int dim> double Surfaces<dim>::reachAtRest(int g) const
