@@ -47,7 +47,7 @@ template <int dim> struct Mixed {
 			const double R = radius[list.rigid->partner];
 			list.rigid->surface = BallSurface<dim> { p.centre, R };
 			list.rigid->pivot = p.centre;
-			list.rigid->speed = p.velocity.norm() + R * p.spin.norm();
+			list.rigid->velocities = { p.velocity, R * p.spin.norm() };
 		}
 		for (RigidPartner<dim>& p : partner) {
 			p.velocityBefore = p.velocity;
