@@ -19,13 +19,12 @@ Mat<3> turned(double angle, const Vec<3>& axis)
 ConvexEdge ridge()
 {
 	const double c = std::sqrt(0.5);
-	return { { -1, 0, 0 }, { 1, 0, 0 }, { { { 0, c, -c }, { 0, -c, -c } } } };
+	return { { { -1, 0, 0 }, { 1, 0, 0 } }, { { { 0, c, -c }, { 0, -c, -c } } } };
 }
 
 ConvexEdge moved(const ConvexEdge& edge, const Mat<3>& turn, const Vec<3>& way)
 {
-	return { turn * edge.from + way,
-		 turn * edge.to + way,
+	return { { turn * edge.from + way, turn * edge.to + way },
 		 { { turn * edge.side[0], turn * edge.side[1] } } };
 }
 
@@ -109,8 +108,7 @@ TEST_CASE("edges that nodes hold apart, or that end before, do not cross", "[con
 	for (const double lean : { 0.75, 0.25 * M_PI, 0.9 })
 		CHECK(!crosses(turned(lean, Vec<3>::UnitX()) * across, { 0, 0, 0.1 }));
 	// so acute that the other edge is before one of its sides
-	const ConvexEdge blade { { -1, 0, 0 },
-				 { 1, 0, 0 },
+	const ConvexEdge blade { { { -1, 0, 0 }, { 1, 0, 0 } },
 				 { { { 0, 0.2, -0.98 }, { 0, -0.2, -0.98 } } } };
 	for (const double gap : { 0.1, -0.1 })
 		for (const double lean : { 0., 1.2 }) {

@@ -17,19 +17,6 @@ constexpr double heldByNodes = 0.1;
 /// Of pieces that lie in a row none is to lose the place between them.
 constexpr double rounding = 1e-9;
 
-/// Shares of the ways along two lines at which these are nearest; none for parallel ones.
-std::optional<std::array<double, 2>> nearestOfLines(const ConvexEdge& first,
-						    const ConvexEdge& second)
-{
-	const Vec<3> a = first.to - first.from, b = second.to - second.from;
-	const Vec<3> apart = second.from - first.from;
-	const Vec<3> across = a.cross(b);
-	const double squared = across.squaredNorm();
-	if (!(squared > heldByNodes * heldByNodes * a.squaredNorm() * b.squaredNorm()))
-		return std::nullopt;
-	return { { apart.cross(b).dot(across) / squared, apart.cross(a).dot(across) / squared } };
-}
-
 bool isBetweenEnds(double share) { return share >= -rounding && share <= 1 + rounding; }
 
 /// Whether a direction leads out of the body at an edge, away from both sides.
@@ -48,12 +35,26 @@ bool leadsThroughSides(const ConvexEdge& edge, const Vec<3>& way)
 
 } // namespace
 
+std::optional<std::array<double, 2>> nearestBetweenEnds(const EdgePiece& first,
+							const EdgePiece& second)
+{
+	const Vec<3> a = first.to - first.from, b = second.to - second.from;
+	const Vec<3> apart = second.from - first.from;
+	const Vec<3> across = a.cross(b);
+	const double squared = across.squaredNorm();
+	if (!(squared > heldByNodes * heldByNodes * a.squaredNorm() * b.squaredNorm()))
+		return std::nullopt;
+	const double s = apart.cross(b).dot(across) / squared;
+	const double t = apart.cross(a).dot(across) / squared;
+	if (!isBetweenEnds(s) || !isBetweenEnds(t)) return std::nullopt;
+	return { { s, t } };
+}
+
 std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge& second)
 {
-	const auto shares = nearestOfLines(first, second);
+	const auto shares = nearestBetweenEnds(first, second);
 	if (!shares) return std::nullopt;
 	const auto [s, t] = *shares;
-	if (!isBetweenEnds(s) || !isBetweenEnds(t)) return std::nullopt;
 	const Vec<3> a = first.to - first.from, b = second.to - second.from;
 	const Vec<3> across = a.cross(b).normalized();
 	for (const Vec<3>& normal : { across, Vec<3>(-across) }) {
@@ -66,10 +67,16 @@ std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge
 	return std::nullopt;
 }
 
+EdgePiece pieceOf(const ContactOutline<3>& body, int number)
+{
+	const SharpEdge& sharp = body.mesh->sharpEdge[number];
+	return { body.position[sharp.from], body.position[sharp.to] };
+}
+
 std::optional<ConvexEdge> edgeOf(const ContactOutline<3>& body, int number)
 {
 	const SharpEdge& sharp = body.mesh->sharpEdge[number];
-	ConvexEdge edge { body.position[sharp.from], body.position[sharp.to], {} };
+	ConvexEdge edge { pieceOf(body, number), {} };
 	const Vec<3> along = (edge.to - edge.from).normalized();
 	for (int i : { 0, 1 }) {
 		const Vec<3> away = body.position[sharp.opposite[i]] - edge.from;
@@ -95,37 +102,40 @@ Contact<3> contactAt(const EdgeCrossing& crossing, const ContactOutline<3>& body
 	return contact;
 }
 
-std::vector<int> edgesNear(const ContactOutline<3>& body, const Box<3>& region, double margin)
+std::vector<int> edgesNear(const ContactOutline<3>& body, const Box<3>& region, double reach)
 {
-	const Box<3> around = region.grown(margin + body.longestEdge);
-	const std::vector<SharpEdge>& edges = body.mesh->sharpEdge;
-	return numbersThat(static_cast<int>(edges.size()),
-			   [&](int k) { return around.contains(body.position[edges[k].from]); });
+	const Box<3> around = region.grown(reach + 0.5 * body.longestEdge);
+	return numbersThat(static_cast<int>(body.mesh->sharpEdge.size()), [&](int k) {
+		const EdgePiece piece = pieceOf(body, k);
+		return around.contains(0.5 * (piece.from + piece.to));
+	});
 }
 
+/// (What overlaps lies in the box of the other body. The sides at an edge are looked at last: few
+/// pieces cross.)
 void findCrossingEdges(const ContactOutline<3>& first, const ContactOutline<3>& second,
 		       double reach, ContactList<3>& list)
 {
-	const double margin = marginOf(first, second, reach);
-	const auto others = edgesNear(second, first.box, margin);
+	const auto others = edgesNear(second, first.box, reach);
 	if (others.empty()) return;
+	const double margin = marginOf(first, second, reach);
 	const double within = margin + first.longestEdge + second.longestEdge;
-	for (int e : edgesNear(first, second.box, margin)) {
-		const Vec<3>& x = first.position[first.mesh->sharpEdge[e].from];
-		const auto edge = edgeOf(first, e);
-		if (!edge) continue;
+	for (int e : edgesNear(first, second.box, reach)) {
+		const EdgePiece piece = pieceOf(first, e);
 		for (int o : others) {
-			const SharpEdge& sharp = second.mesh->sharpEdge[o];
-			if ((second.position[sharp.from] - x).squaredNorm() > within * within)
-				continue;
-			const auto other = edgeOf(second, o);
-			const auto crossing = other ? crossingOf(*edge, *other) : std::nullopt;
+			const EdgePiece other = pieceOf(second, o);
+			if ((other.from - piece.from).squaredNorm() > within * within) continue;
+			if (!nearestBetweenEnds(piece, other)) continue;
+			const auto edge = edgeOf(first, e), otherEdge = edgeOf(second, o);
+			if (!edge || !otherEdge) continue;
+			const auto crossing = crossingOf(*edge, *otherEdge);
 			if (!crossing || crossing->gap >= reach || crossing->gap < -margin ||
 			    !isKept(crossing->gap, first, second, list))
 				continue;
 			Contact<3>& contact =
 				list.contacts.emplace_back(contactAt(*crossing, first, e));
 			contact.key = { ContactKey::edges, e, o };
+			const SharpEdge& sharp = second.mesh->sharpEdge[o];
 			static_cast<PlaceOnEdge<3>&>(contact) = { sharp.from, sharp.to,
 								  crossing->onSecond };
 		}

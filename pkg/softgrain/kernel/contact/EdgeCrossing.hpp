@@ -11,12 +11,21 @@
 
 namespace softgrain {
 
-/// A straight piece of a convex edge, and the directions (unit, across it) in which the sides that
-/// meet there leave it; that of a plate counts as both.
-struct ConvexEdge {
+/// A straight piece of an edge.
+struct EdgePiece {
 	Vec<3> from, to;
+};
+
+/// One where the body is convex, and the directions (unit, across it) in which the sides that meet
+/// there leave it; that of a plate counts as both.
+struct ConvexEdge : EdgePiece {
 	std::array<Vec<3>, 2> side;
 };
+
+/// Shares of the ways from `from` to `to` at which the lines of two pieces are nearest to each
+/// other, if both are between the ends, and the lines not parallel within 6 degrees.
+std::optional<std::array<double, 2>> nearestBetweenEnds(const EdgePiece& first,
+							const EdgePiece& second);
 
 /// The places at which two edges are nearest.
 struct EdgeCrossing {
@@ -37,8 +46,10 @@ std::optional<ConvexEdge> edgeOf(const ContactOutline<3>& body, int number);
 /// outline bears it.
 Contact<3> contactAt(const EdgeCrossing& crossing, const ContactOutline<3>& body, int number);
 
-/// Edges of an outline that may be within `margin` (m) of a region.
-std::vector<int> edgesNear(const ContactOutline<3>& body, const Box<3>& region, double margin);
+EdgePiece pieceOf(const ContactOutline<3>& body, int number);
+
+/// Edges of an outline that may come within `reach` (m) of a region.
+std::vector<int> edgesNear(const ContactOutline<3>& body, const Box<3>& region, double reach);
 
 /// Appends the contacts of edges that cross with a gap below `reach` (m, > 0) to `list`, in the
 /// order of their keys.

@@ -214,12 +214,11 @@ void crossingEdges(const ContactOutline<3>& body, double reach, RigidSeams<3>& s
 	const RigidSurface<3>& surface = list.rigid->surface;
 	const BallSurface<3> about = ballAbout<3>(surface);
 	const auto around = Box<3> { about.centre, about.centre }.grown(about.radius);
-	const double margin = marginOf(body, body, reach);
 	const double turn = body.pointSpacing / body.inradius;
 	const auto rigid = edgesOf(surface, body.pointSpacing);
-	for (int e : edgesNear(body, around, margin)) {
+	for (int e : edgesNear(body, around, reach)) {
 		const Vec<3>& x = body.position[body.mesh->sharpEdge[e].from];
-		if (distanceTo<3>(surface, x) > margin + body.longestEdge) continue;
+		if (distanceTo<3>(surface, x) > reach + body.longestEdge) continue;
 		const auto edge = edgeOf(body, e);
 		if (!edge) continue;
 		for (int r = 0; r < static_cast<int>(rigid.size()); ++r) {

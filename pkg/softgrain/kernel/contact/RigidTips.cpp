@@ -105,7 +105,7 @@ std::vector<ConvexEdge> edges(const PlateSurface<3>& plate, double)
 		const Vec<3>&a = plate.corner[i], &b = plate.corner[(i + 1) % 3];
 		const Vec<3> away = plate.corner[(i + 2) % 3] - a, along = (b - a).normalized();
 		const Vec<3> side = (away - away.dot(along) * along).normalized();
-		found.push_back({ a, b, { side, side } });
+		found.push_back({ { a, b }, { side, side } });
 	}
 	return found;
 }
@@ -115,7 +115,7 @@ std::vector<ConvexEdge> edges(const BlockSurface<3>& block, double spacing)
 	const Skeleton<3> skeleton = skeletonOf(block);
 	std::vector<ConvexEdge> found;
 	for (const auto& [from, to] : skeleton.edge) {
-		ConvexEdge edge { skeleton.corner[from], skeleton.corner[to], {} };
+		ConvexEdge edge { { skeleton.corner[from], skeleton.corner[to] }, {} };
 		const Vec<3> y =
 			block.axes.transpose() * (0.5 * (edge.from + edge.to) - block.centre);
 		std::array<int, 2> across;
