@@ -324,8 +324,8 @@ template <int dim> void ContactSolver<dim>::reportSweeps(SolverReport& report) c
 template <int dim> SolverReport ContactSolver<dim>::solve()
 {
 	SolverReport report;
-	for (int k = 0; k < pairs_.count(); ++k)
-		report.contacts += pairs_.with(k, [](const auto& pair) { return pair.contacts(); });
+	for (const IslandSweeps& island : islands_)
+		report.contacts += island.contacts;
 	solved_ = report.contacts == 0;
 	if (solved_) return report;
 	if (!bearsNothing()) {
