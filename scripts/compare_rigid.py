@@ -18,7 +18,11 @@ sys.path.append(str(Path(sys.argv[0]).resolve().parent))  # in YADE, __file__ is
 
 from rigid_and_soft import models  # noqa: E402
 from rigid_and_soft.models import MODELS  # noqa: E402
-from rigid_and_soft.options import add_case_options, case_arguments  # noqa: E402
+from rigid_and_soft.options import (  # noqa: E402
+    add_case_options,
+    case_arguments,
+    check_case_options,
+)
 
 from softgrain import command_line, finite_elements  # noqa: E402
 from softgrain.runs import markdown_table  # noqa: E402
@@ -32,7 +36,9 @@ def parse_options(arguments=None):
     parser.add_argument(
         "--models", nargs="+", choices=MODELS, default=list(MODELS), help="to be run"
     )
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    check_case_options(parser, options)
+    return options
 
 
 def run(model, problem, options):

@@ -103,6 +103,12 @@ void checkEngineOrder(const Scene& scene, const SoftGrainIntegrator& integrator)
 	if (countLive<InteractionLoop>(begin, self) == 0)
 		refuse("there is no InteractionLoop before it in O.engines that is not dead: it "
 		       "finds the contacts. See sg.engines()");
+	const auto loop = std::find_if(
+		begin, self, [](const auto& engine) { return liveOne<InteractionLoop>(*engine); });
+	if (countLive<ForceResetter>(loop, self) > 0)
+		refuse("a ForceResetter stands between InteractionLoop and SoftGrainIntegrator in "
+		       "O.engines and would take away the forces of rigid bodies on each other: "
+		       "leave one before InteractionLoop");
 	const long newtons = countLive<NewtonIntegrator>(self, end);
 	if (newtons == 0)
 		refuse("there is no NewtonIntegrator after it in O.engines that is not dead: it "

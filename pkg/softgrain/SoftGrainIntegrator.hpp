@@ -123,6 +123,7 @@ private:
 	softgrain::PhaseClock clock_;
 	long publishedIn_ = -1; ///< step in which it last came to its end
 	Real longestDt_ = 0;    ///< that the soft grains have asked for since it began to run, s
+	std::size_t bodiesLookedAt_ = 0; ///< by warnOfStiffSpheres
 	bool warnedOfPressure_ = false, warnedOfStiffness_ = false, warnedOfCollapse_ = false;
 	bool hadSmallOverlaps_ = false, warnedOfOverlaps_ = false; ///< of rigid bodies in a cell
 };

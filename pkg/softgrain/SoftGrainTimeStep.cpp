@@ -118,11 +118,17 @@ void SoftGrainIntegrator::measureCriticalStep(Real enough)
 }
 
 /// Once: where rigid bodies touch by a stiffness that the step of the soft grains is too long for.
-/// (It becomes longer where stiff grains go, or the first soft ones come.)
+/// (It becomes longer where stiff grains go, or the first soft ones come; bodies come, and now and
+/// then a material may have become stiffer.)
 void SoftGrainIntegrator::warnOfStiffSpheres()
 {
-	if (warnedOfStiffness_ || scene->dt <= longestDt_) return;
-	longestDt_ = scene->dt;
+	constexpr long stepsBetweenLooks = 100;
+	const auto bodies = scene->bodies->size();
+	const bool isKnown = scene->dt <= longestDt_ && bodies == bodiesLookedAt_ &&
+			     scene->iter % stepsBetweenLooks != 0;
+	if (warnedOfStiffness_ || isKnown) return;
+	longestDt_ = std::max(longestDt_, scene->dt);
+	bodiesLookedAt_ = bodies;
 	const Real admissible = rigidTimeStep(*scene);
 	if (scene->dt <= admissible) return;
 	warnedOfStiffness_ = true;

@@ -136,7 +136,8 @@ def _pair(interaction):
     """A row of :func:`pair_forces`."""
     arrays = interaction.geom.contacts()
     normal, shear = np.array(interaction.phys.normalForce), np.array(interaction.phys.shearForce)
-    carries = arrays["pressure"] != 0  # cohesion and bonds pull
+    # where the smoothed pressure is not 0 there are nodes beside the contact, too
+    carries = arrays["force"].any(axis=1)
     both = [arrays["area"][carries & (arrays["side"] == side)].sum() for side in (0, 1)]
     seen = [area for area in both if area > 0]  # both outlines, or that of the grain
     area = sum(seen) / len(seen) if seen else 0.0

@@ -1,8 +1,8 @@
 """Models of a grain that ``compare_rigid.py`` compares. All are told the same: disks of Young's
 modulus YOUNG and a Poisson's ratio in plane strain, in a box of frictionless walls.
 
-Models made of spheres stand for a layer as thick as a grain's diameter: their forces are divided by
-it.
+Models made of spheres stand for a layer as thick as a grain's diameter: their grains weigh what
+disks of that thickness do, and their forces are divided by it.
 """
 
 import math
@@ -96,6 +96,12 @@ class Spheres(Model):
             body.state.blockedDOFs = "zXY"
             self.grain_of[O.bodies.append(body)] = g
 
+    def start(self):
+        for k in sg.as_disks():  # per metre
+            state = O.bodies[k].state
+            state.mass *= self.thickness
+            state.inertia *= self.thickness
+
     def _engines(self, geometry, physics, laws):
         radius = min(b.shape.radius for b in O.bodies if hasattr(b.shape, "radius"))
         return [
@@ -113,6 +119,7 @@ class Linear(Spheres):
     physics, law = Ip2_FrictMat_FrictMat_FrictPhys, Law2_ScGeom_FrictPhys_CundallStrack
 
     def start(self):
+        super().start()
         O.engines = self._engines(Ig2_Sphere_Sphere_ScGeom(), [self.physics()], [self.law()])
         O.dt = 0.3 * utils.PWaveTimeStep()
 
@@ -132,7 +139,7 @@ class Nonsmooth(Spheres):
     step = 1e-4  # s: the walls move by a fraction of a percent of a radius in it
 
     def start(self):
-        sg.as_disks()
+        super().start()
         O.engines = sg.engines(rigid="nonsmooth")
         O.dt = self.step
 
@@ -167,11 +174,12 @@ class Bonded(Spheres):
         kn = self._bond_stiffness()
         for g, (centre, radius) in enumerate(zip(centres, radii)):
             small = radius / self.across
-            cell = 2 * math.sqrt(3) * small**2  # of the lattice, area
+            places = self._lattice(radius, small)
+            mass = DENSITY * math.pi * radius**2 * self.thickness / len(places)
             material = CohFrictMat(
                 young=kn / small,  # two equal spheres: kn = young radius
                 poisson=self._shear(),  # YADE's name for ks/kn
-                density=DENSITY * cell * self.thickness / (4 / 3 * math.pi * small**3),
+                density=mass / (4 / 3 * math.pi * small**3),
                 frictionAngle=math.atan(self.mu),
                 isCohesive=True,
                 normalCohesion=1e30,
@@ -180,7 +188,7 @@ class Bonded(Spheres):
                 label=f"grain{g}",
             )
             O.materials.append(material)
-            for place in self._lattice(radius, small):
+            for place in places:
                 body = utils.sphere(
                     (centre[0] + place[0], centre[1] + place[1], 0), small, material=material
                 )

@@ -1,5 +1,7 @@
 """Options that ``compare_rigid.py`` passes on to ``run.py``."""
 
+import compaction
+
 from softgrain import command_line, finite_elements
 
 
@@ -13,7 +15,8 @@ def add_case_options(parser):
         default=0.2,
         help="Poisson's ratio of the grains; up to 0.237 bonded particles can have it [-]",
     )
-    add("--grains", type=command_line.whole_from(4), default=25, help="in the packing [-]")
+    some = command_line.whole_from(compaction.FEWEST_GRAINS)
+    add("--grains", type=some, default=25, help="in the packing [-]")
     add("--mu", type=command_line.non_negative, default=0.3, help="friction between grains [-]")
     add(
         "--until-phi",
@@ -21,6 +24,12 @@ def add_case_options(parser):
         default=0.95,
         help="nominal packing fraction to stop at, above that of the loose packing [-]",
     )
+
+
+def check_case_options(parser, options):
+    """Leave by ``parser.error`` if the packing would stop before it starts."""
+    start = compaction.START_PHI
+    command_line.check_until_phi(parser, options, start, f"{start}")
 
 
 def case_arguments(options):

@@ -16,7 +16,7 @@ sys.path[:0] = [str(SCRIPTS)]
 
 import compaction  # noqa: E402
 from rigid_and_soft.models import MODELS, YOUNG  # noqa: E402
-from rigid_and_soft.options import add_case_options  # noqa: E402
+from rigid_and_soft.options import add_case_options, check_case_options  # noqa: E402
 
 DIAMETER = 0.02  # m, of the grain in the cell
 CELL_SPEED = 0.01  # m/s, of each wall of the cell
@@ -33,8 +33,7 @@ def parse_options():
     add("--result", type=Path, required=True, help="JSON file to write")
     add_case_options(parser)
     options = parser.parse_args()
-    start = compaction.START_PHI
-    command_line.check_until_phi(parser, options, start, f"{start}")
+    check_case_options(parser, options)
     return options
 
 

@@ -1,4 +1,4 @@
-"""scripts/compare_rigid.py: its bonded particles have the constants that all models are told."""
+"""scripts/compare_rigid.py: its models have the constants that all are told."""
 
 import math
 
@@ -39,6 +39,21 @@ def bonded_stress(poisson, gradient):
             b.state.pos += O.dt * b.state.vel
         O.step()
     return stress() - before
+
+
+@pytest.mark.parametrize("name", ("linear", "hertz", "nonsmooth", "bonded", "triangles", "soft"))
+def test_grains_weigh_as_disks_of_the_layer(name):
+    from rigid_and_soft.models import DENSITY, MODELS
+
+    radii = (0.8 * RADIUS, RADIUS)
+    model = MODELS[name](0.3, 0.2)
+    model.add([(0, 0), (3 * RADIUS, 0)], radii)
+    model.start()
+    masses = np.zeros(len(radii))
+    for body, grain in model.grain_of.items():
+        masses[grain] += O.bodies[body].state.mass
+    expected = DENSITY * math.pi * np.square(radii)
+    np.testing.assert_allclose(masses / model.thickness, expected, rtol=2e-3)
 
 
 @pytest.mark.parametrize("poisson, reached", [(0.1, 1 / 9), (0.2, 1 / 4), (0.45, 0.95 / 3.05)])

@@ -126,6 +126,56 @@ def test_cube_falls_on_an_edge(bodies):
     assert sum(crossings) == 1
 
 
+def fall_on_ridge(turn):
+    """A cube on the ridge of two facets, the whole scene turned; returns its velocity afterwards,
+    turned back."""
+    ends = [Vector3(x, 0, 0) * RADIUS for x in (-3, 3)]
+    for y in (-3, 3):
+        foot = Vector3(0.1, y, -3) * RADIUS
+        corners = [turn * x for x in (*ends, foot)]
+        O.bodies.append(utils.facet(corners, material=FrictMat(frictionAngle=0.3)))
+    cube = add_upper_cube(TO_EDGE)
+    cube.state.pos, cube.state.vel = turn * cube.state.pos, turn * cube.state.vel
+    cube.state.ori = turn * cube.state.ori
+    ready()
+    while O.time < GAP / SPEED + 4e-3:
+        run(1)
+    return np.array(turn.conjugate() * cube.state.vel)
+
+
+def test_a_ridge_of_facets_bears_however_it_lies():
+    expected = fall_on_ridge(Quaternion((1, 0, 0), 0))
+    assert expected[2] > 0.7 * SPEED
+    rng = np.random.default_rng(3)
+    for _ in range(6):
+        O.reset()
+        turn = Quaternion(Vector3(*rng.normal(size=3)).normalized(), rng.uniform(0.1, 3))
+        np.testing.assert_allclose(fall_on_ridge(turn), expected, rtol=0, atol=1e-6 * SPEED)
+
+
+def fall_on_upright_facet(offset, speed):
+    """The edge of a cube crosses that of one facet, so far from its middle; returns how fast it
+    goes up, and how deep that of the facet was in it [dr]."""
+    corners = [Vector3(x, 0, z) * RADIUS for x, z in ((-3, 0), (3, 0), (0, -4))]
+    O.bodies.append(utils.facet(corners, material=FrictMat(frictionAngle=0.3)))
+    cube = add_cube((0, offset * RADIUS, TO_EDGE + GAP), 1)
+    cube.state.vel = (0, 0, -speed)
+    ready()
+    edge, lowest = edge_nodes(cube, False), 0
+    while O.time < GAP / speed + 6e-3:
+        run(1)
+        lowest = min(lowest, height_of_edge(cube, edge, 1, 0))
+    return cube.state.vel[2], -lowest / (ZETA * RADIUS)
+
+
+@pytest.mark.parametrize("offset", (0.32, 0.3333, 0.36, 0.45))
+def test_an_upright_facet_bears_an_edge_wherever(offset):
+    """At a node, which is pressed in, too, and near the end of the edge, where the facet is less
+    far from the next edge of the cube."""
+    up, depth = fall_on_upright_facet(offset, 1.5)
+    assert up > 0.5 and depth < 0.1
+
+
 def test_crossing_edges_go_on_after_loading(tmp_path):
     add_two_cubes()
     while O.time < GAP / SPEED + 1e-3:

@@ -151,6 +151,11 @@ def resetter_between():
     add_engine(ForceResetter(), place=4)
 
 
+def resetter_behind_loop():
+    engines = list(O.engines)
+    O.engines = [*engines[1:3], engines[0], *engines[3:]]
+
+
 def dead_loop():
     O.engines[2].dead = True
 
@@ -197,6 +202,7 @@ REFUSED = [
     (no_resetter, "no ForceResetter before it in O.engines that is not dead"),
     (dead_resetter, "no ForceResetter before it .* that is not dead: contact forces"),
     (resetter_behind, "no ForceResetter before it .* would act again as loads"),
+    (resetter_behind_loop, "a ForceResetter stands between InteractionLoop and SoftGrainInteg"),
     (resetter_between, "a ForceResetter stands between .* reactions on rigid bodies"),
     (dead_loop, "no InteractionLoop before it in O.engines that is not dead"),
     (loop_behind, "no InteractionLoop before it"),

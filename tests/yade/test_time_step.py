@@ -153,6 +153,28 @@ def test_warning_of_stiff_spheres_once_they_are(capfd):
     assert capfd.readouterr().err.count("the stiffest rigid sphere asks") == 1
 
 
+@pytest.mark.parametrize("come_later", (True, False))
+def test_warning_of_spheres_that_are_stiff_later(come_later, capfd):
+    """Whether they are added then, or their material is changed."""
+    material = FrictMat(young=1e9 if come_later else 1e5, density=1000)
+
+    def add_spheres():
+        for x in (3, 5):
+            O.bodies.append(utils.sphere((x * RADIUS, 0, 0), RADIUS, material=material))
+
+    add_disk()
+    if not come_later:
+        add_spheres()
+    O.engines = sg.engines()
+    run(3)
+    assert "the stiffest rigid sphere asks" not in capfd.readouterr().err
+    if come_later:
+        add_spheres()
+    material.young = 1e9
+    run(1 if come_later else 100)
+    assert capfd.readouterr().err.count("the stiffest rigid sphere asks") == 1
+
+
 def test_no_warning_of_stiff_spheres_where_the_step_is_chosen_for_them(capfd):
     add_disk()
     for x in (3, 5):

@@ -28,6 +28,15 @@ ConvexEdge moved(const ConvexEdge& edge, const Mat<3>& turn, const Vec<3>& way)
 		 { { turn * edge.side[0], turn * edge.side[1] } } };
 }
 
+/// Of pieces that end where they end.
+std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge& second)
+{
+	const auto nearest = nearestPlaces(first, second);
+	if (!nearest || !isBetweenEnds(nearest->onFirst) || !isBetweenEnds(nearest->onSecond))
+		return std::nullopt;
+	return softgrain::crossingOf(first, second, *nearest);
+}
+
 const Mat<3> upsideDown = turned(M_PI, Vec<3>::UnitX());
 
 std::shared_ptr<const GrainTemplate<3>> cubeTemplate(double zeta = 0.5)
@@ -88,6 +97,22 @@ TEST_CASE("edges touch where they cross", "[contact]")
 	}
 }
 
+TEST_CASE("an edge of a plate is crossed however it lies", "[contact]")
+{
+	Random random(5);
+	const Vec<3> down = -Vec<3>::UnitZ();
+	const ConvexEdge plate { ridge(), { down, down } };
+	const Mat<3> across = turned(1, Vec<3>::UnitZ()) * upsideDown;
+	for (int k = 0; k < 50; ++k) {
+		const Mat<3> turn = random.rotation<3>();
+		const auto crossing =
+			crossingOf(moved(plate, turn, Vec<3>::Zero()),
+				   moved(ridge(), turn * across, turn * Vec<3>(0, 0, -0.1)));
+		REQUIRE(crossing);
+		CHECK(std::abs(crossing->gap + 0.1) < 1e-12);
+	}
+}
+
 TEST_CASE("edges that nodes hold apart, or that end before, do not cross", "[contact]")
 {
 	const auto crosses = [](const Mat<3>& turn, const Vec<3>& way) {
@@ -128,6 +153,7 @@ TEST_CASE("the sharp edges of a cuboid are those of its sides", "[contact]")
 	const auto reference = makeGrainTemplate<3>(r);
 	const ContactBody<3> body = contactBody<3>(*reference, 1, Vec<3>::Zero());
 	double length = 0;
+	int ends = 0;
 	for (int e = 0; e < static_cast<int>(body.mesh->sharpEdge.size()); ++e) {
 		const auto edge = edgeOf(body, e);
 		REQUIRE(edge);
@@ -135,7 +161,14 @@ TEST_CASE("the sharp edges of a cuboid are those of its sides", "[contact]")
 		CHECK(std::abs(edge->side[0].dot(edge->side[1])) < 1e-12);
 		for (const Vec<3>& side : edge->side)
 			CHECK(edge->from.dot(side) < 0); // inwards
+		for (const int next : body.mesh->sharpEdge[e].next) {
+			ends += next < 0;
+			if (next < 0) continue;
+			const EdgePiece other = pieceOf(body, next);
+			CHECK((edge->to - edge->from).cross(other.to - other.from).norm() < 1e-12);
+		}
 	}
+	CHECK(ends == 2 * 12);
 	CHECK(std::abs(length - 4 * (2 + 3 + 4)) < 1e-10);
 	CHECK(contactBody<3>(*makeGrainTemplate<3>(recipe(0.4, 2)), 1, Vec<3>::Zero())
 		      .mesh->sharpEdge.empty());
@@ -161,6 +194,50 @@ TEST_CASE("cubes touch where their edges cross between nodes", "[contact]")
 		CHECK(std::abs(cubes.list.deepest - std::max(0., -gap / 0.5)) < 1e-12);
 	}
 	CHECK(CrossedCubes(0.03, 0.02).list.contacts.empty());
+}
+
+TEST_CASE("a bent edge is crossed at its nodes, too", "[contact]")
+{
+	const auto reference = cubeTemplate();
+	auto cube = contactBody<3>(*reference, 1, { 0, 0, std::sqrt(2) }, edgeDownAlongY);
+	int lowest = 0; // a node within the edge
+	for (int s = 0; s < cube.nodes(); ++s)
+		if (cube.position[s].squaredNorm() < cube.position[lowest].squaredNorm())
+			lowest = s;
+	const Vec<3> bottom = cube.position[lowest];
+	REQUIRE(std::abs(bottom[2]) < 1e-12);
+	for (const double bend : { -0.1, 0.1 })
+		for (const double overlap : { 0., 0.03, 0.06 }) {
+			auto bent = cube;
+			bent.position[lowest][2] += bend;
+			bent.updateGeometry();
+			const double top = bend + overlap;
+			for (double y = -0.02; y <= 0.02; y += 1e-3) {
+				const double at = bottom[1] + y;
+				const PlateSurface<3> plate { { Vec<3>(-3, at, top),
+								Vec<3>(3, at, top),
+								Vec<3>(0.1, at, -4) } };
+				int crossings = 0;
+				for (const auto& c : contactsWith<3>({ plate }, bent, 0.02))
+					crossings += c.key.isOfEdges();
+				CAPTURE(bend, overlap, y);
+				CHECK(crossings >= 1);
+				CHECK(crossings <= 2);
+			}
+		}
+}
+
+TEST_CASE("edges that overlap cross on the nearest way out", "[contact]")
+{
+	const auto reference = cubeTemplate();
+	const auto cube = contactBody<3>(*reference, 1, { 0, 0, std::sqrt(2) }, edgeDownAlongY);
+	const double dr = cube.pointSpacing;
+	const EdgeCrossing deep { { 0.5, 0.5 }, Vec<3>::UnitZ(), -dr };
+	CHECK(isWayOut(deep, { 0, 0.3, dr }, cube));
+	CHECK(!isWayOut(deep, { 0, 0.3, 0.1 * dr }, cube));
+	CHECK(!isWayOut(deep, { 0, 0.3, -0.1 * dr }, cube));
+	const EdgeCrossing shallow { { 0.5, 0.5 }, Vec<3>::UnitZ(), -0.1 * dr };
+	CHECK(isWayOut(shallow, { 0, 0.3, 0.01 * dr }, cube));
 }
 
 TEST_CASE("cubes that lie upon each other touch by nodes alone", "[contact]")

@@ -153,6 +153,9 @@ template <int dim> struct ContactCandidates {
 	/// With the nodes, where they need it. (In the plane round outlines are followed from the
 	/// facet that was the nearest.)
 	Rare<std::vector<Nearby>> nearby;
+	/// In space, of bodies with sharp edges: pieces of the first and of the second that may
+	/// cross (EdgeCrossing.hpp), if there are any.
+	Rare<std::vector<std::array<int, 2>>> edges;
 	double covered = 0;    ///< all nodes with a gap below this less `approached` are in it, m
 	double approached = 0; ///< no gap has lost more than this so far, m
 	/// At the last search: ContactOutline::carried of the first body less that of the second,
@@ -164,6 +167,7 @@ template <int dim> struct ContactCandidates {
 	{
 		nodes.clear();
 		if (nearby) nearby->clear();
+		edges.reset();
 	}
 };
 

@@ -1,6 +1,7 @@
 #include "contact/CornerSearch.hpp"
 #include "Fetch.hpp"
 #include "contact/CandidateFacets.hpp"
+#include "contact/EdgeCrossing.hpp"
 #include "contact/Gaps.hpp"
 #include "contact/OutlineEdges.hpp"
 #include "contact/PlaceOnOutline.hpp"
@@ -374,8 +375,13 @@ void findContactsAtCorners(const ContactOutline<dim>& first, const ContactOutlin
 	renewCandidates<dim>(first, second, reach, true, 0, list.candidates,
 			     [&](const auto& body, const auto& other, int side, double within) {
 				     findCandidates<dim>(body, other, side, within, list);
+				     if constexpr (dim == 3)
+					     if (side == 0)
+						     findCandidateEdges(body, other, within,
+									list.candidates);
 			     });
 	if (!list.candidates.nodes.empty()) measureCandidates(first, second, reach, list);
+	if constexpr (dim == 3) findCrossingEdges(first, second, reach, list);
 }
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \

@@ -14,10 +14,18 @@ namespace {
 /// of it between them, in dr.
 constexpr double heldByNodes = 0.1;
 
-/// Of pieces that lie in a row none is to lose the place between them.
+/// Of pieces that lie in a row none is to lose the place between them; of sides none is to be both
+/// before and behind.
 constexpr double rounding = 1e-9;
 
-bool isBetweenEnds(double share) { return share >= -rounding && share <= 1 + rounding; }
+/// So far past its end, in its length, a piece may have what is between it and the next.
+constexpr double mostPastEnd = 0.2;
+
+/// Overlaps, in dr, that are believed: what lies deeper may have a shorter way out.
+constexpr double trustedDepth = 0.25;
+
+/// Ways out are no longer than so many times the distance from what is nearest.
+constexpr double mostDetour = 4;
 
 /// Whether a direction leads out of the body at an edge, away from both sides.
 bool leadsOut(const ConvexEdge& edge, const Vec<3>& way)
@@ -30,13 +38,12 @@ bool leadsThroughSides(const ConvexEdge& edge, const Vec<3>& way)
 {
 	const auto& [a, b] = edge.side;
 	const double cosine = a.dot(b);
-	return way.dot(cosine * a - b) >= 0 && way.dot(cosine * b - a) >= 0;
+	return way.dot(cosine * a - b) >= -rounding && way.dot(cosine * b - a) >= -rounding;
 }
 
 } // namespace
 
-std::optional<std::array<double, 2>> nearestBetweenEnds(const EdgePiece& first,
-							const EdgePiece& second)
+std::optional<NearestPlaces> nearestPlaces(const EdgePiece& first, const EdgePiece& second)
 {
 	const Vec<3> a = first.to - first.from, b = second.to - second.from;
 	const Vec<3> apart = second.from - first.from;
@@ -44,17 +51,30 @@ std::optional<std::array<double, 2>> nearestBetweenEnds(const EdgePiece& first,
 	const double squared = across.squaredNorm();
 	if (!(squared > heldByNodes * heldByNodes * a.squaredNorm() * b.squaredNorm()))
 		return std::nullopt;
-	const double s = apart.cross(b).dot(across) / squared;
-	const double t = apart.cross(a).dot(across) / squared;
-	if (!isBetweenEnds(s) || !isBetweenEnds(t)) return std::nullopt;
-	return { { s, t } };
+	return NearestPlaces { apart.cross(b).dot(across) / squared,
+			       apart.cross(a).dot(across) / squared };
 }
 
-std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge& second)
+bool isBetweenEnds(double share) { return share >= -rounding && share <= 1 + rounding; }
+
+bool isOnPiece(double share, const ContactOutline<3>& body, int number, const EdgePiece& other)
 {
-	const auto shares = nearestBetweenEnds(first, second);
-	if (!shares) return std::nullopt;
-	const auto [s, t] = *shares;
+	if (isBetweenEnds(share)) return true;
+	const int end = share > 0.5;
+	if (std::abs(share - end) > mostPastEnd) return false;
+	const SharpEdge& sharp = body.mesh->sharpEdge[number];
+	const int next = sharp.next[end];
+	if (next < number) return false; // none, or it is that of the other
+	const auto nearest = nearestPlaces(pieceOf(body, next), other);
+	if (!nearest) return true;
+	const int joint = end == 0 ? sharp.from : sharp.to;
+	return body.mesh->sharpEdge[next].from == joint ? nearest->onFirst < -rounding
+							: nearest->onFirst > 1 + rounding;
+}
+
+std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge& second,
+				       const NearestPlaces& nearest)
+{
 	const Vec<3> a = first.to - first.from, b = second.to - second.from;
 	const Vec<3> across = a.cross(b).normalized();
 	for (const Vec<3>& normal : { across, Vec<3>(-across) }) {
@@ -62,9 +82,18 @@ std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge
 		if (!leadsOut(first, normal) || !leadsOut(second, -normal)) continue;
 		if (gap >= 0 ||
 		    (leadsThroughSides(first, normal) && leadsThroughSides(second, -normal)))
-			return EdgeCrossing { s, t, normal, gap };
+			return EdgeCrossing { nearest, normal, gap };
 	}
 	return std::nullopt;
+}
+
+bool isWayOut(const EdgeCrossing& crossing, const Vec<3>& x, const ContactOutline<3>& body)
+{
+	if (crossing.gap >= -trustedDepth * body.pointSpacing) return true;
+	if (!body.encloses(x)) return false;
+	const auto around = Box<3> { x, x }.grown(-crossing.gap);
+	const auto place = nearestPlace(x, body, facetsIn(body, around), anyFacet);
+	return -crossing.gap <= mostDetour * std::sqrt(place.squaredDistance);
 }
 
 EdgePiece pieceOf(const ContactOutline<3>& body, int number)
@@ -105,40 +134,54 @@ Contact<3> contactAt(const EdgeCrossing& crossing, const ContactOutline<3>& body
 std::vector<int> edgesNear(const ContactOutline<3>& body, const Box<3>& region, double reach)
 {
 	const Box<3> around = region.grown(reach + 0.5 * body.longestEdge);
-	return numbersThat(static_cast<int>(body.mesh->sharpEdge.size()), [&](int k) {
-		const EdgePiece piece = pieceOf(body, k);
-		return around.contains(0.5 * (piece.from + piece.to));
-	});
+	return numbersThat(static_cast<int>(body.mesh->sharpEdge.size()),
+			   [&](int k) { return around.contains(pieceOf(body, k).middle()); });
 }
 
-/// (What overlaps lies in the box of the other body. The sides at an edge are looked at last: few
-/// pieces cross.)
+/// (What overlaps lies in the box of the other body.)
+void findCandidateEdges(const ContactOutline<3>& first, const ContactOutline<3>& second,
+			double reach, ContactCandidates<3>& candidates)
+{
+	candidates.edges.reset();
+	const auto others = edgesNear(second, first.box, reach);
+	if (others.empty()) return;
+	const double within = reach + contactDepth(first, second) +
+			      0.5 * (first.longestEdge + second.longestEdge);
+	std::vector<std::array<int, 2>> near;
+	for (int e : edgesNear(first, second.box, reach)) {
+		const Vec<3> middle = pieceOf(first, e).middle();
+		for (int o : others)
+			if ((pieceOf(second, o).middle() - middle).squaredNorm() < within * within)
+				near.push_back({ e, o });
+	}
+	if (!near.empty()) candidates.edges.emplace() = std::move(near);
+}
+
+/// (The sides at an edge are looked at last: few pieces cross.)
 void findCrossingEdges(const ContactOutline<3>& first, const ContactOutline<3>& second,
 		       double reach, ContactList<3>& list)
 {
-	const auto others = edgesNear(second, first.box, reach);
-	if (others.empty()) return;
-	const double margin = marginOf(first, second, reach);
-	const double within = margin + first.longestEdge + second.longestEdge;
-	for (int e : edgesNear(first, second.box, reach)) {
-		const EdgePiece piece = pieceOf(first, e);
-		for (int o : others) {
-			const EdgePiece other = pieceOf(second, o);
-			if ((other.from - piece.from).squaredNorm() > within * within) continue;
-			if (!nearestBetweenEnds(piece, other)) continue;
-			const auto edge = edgeOf(first, e), otherEdge = edgeOf(second, o);
-			if (!edge || !otherEdge) continue;
-			const auto crossing = crossingOf(*edge, *otherEdge);
-			if (!crossing || crossing->gap >= reach || crossing->gap < -margin ||
-			    !isKept(crossing->gap, first, second, list))
-				continue;
-			Contact<3>& contact =
-				list.contacts.emplace_back(contactAt(*crossing, first, e));
-			contact.key = { ContactKey::edges, e, o };
-			const SharpEdge& sharp = second.mesh->sharpEdge[o];
-			static_cast<PlaceOnEdge<3>&>(contact) = { sharp.from, sharp.to,
-								  crossing->onSecond };
-		}
+	if (!list.candidates.edges) return;
+	const double deep = contactDepth(first, second);
+	for (const auto& [e, o] : *list.candidates.edges) {
+		const EdgePiece piece = pieceOf(first, e), other = pieceOf(second, o);
+		const auto nearest = nearestPlaces(piece, other);
+		if (!nearest || !isOnPiece(nearest->onFirst, first, e, other) ||
+		    !isOnPiece(nearest->onSecond, second, o, piece))
+			continue;
+		const auto edge = edgeOf(first, e), otherEdge = edgeOf(second, o);
+		if (!edge || !otherEdge) continue;
+		const auto crossing = crossingOf(*edge, *otherEdge, *nearest);
+		if (!crossing || crossing->gap >= reach || crossing->gap < -deep) continue;
+		if (!isWayOut(*crossing, other.at(nearest->onSecond), first) ||
+		    !isWayOut(*crossing, piece.at(nearest->onFirst), second))
+			continue;
+		list.noteOverlap(crossing->gap, 0.5 * (first.pointSpacing + second.pointSpacing));
+		Contact<3>& contact = list.contacts.emplace_back(contactAt(*crossing, first, e));
+		contact.key = { ContactKey::edges, e, o };
+		const SharpEdge& sharp = second.mesh->sharpEdge[o];
+		static_cast<PlaceOnEdge<3>&>(contact) = { sharp.from, sharp.to,
+							  crossing->onSecond };
 	}
 }
 

@@ -14,6 +14,9 @@ namespace softgrain {
 /// A straight piece of an edge.
 struct EdgePiece {
 	Vec<3> from, to;
+
+	Vec<3> middle() const { return at(0.5); }
+	Vec<3> at(double share) const { return from + share * (to - from); }
 };
 
 /// One where the body is convex, and the directions (unit, across it) in which the sides that meet
@@ -22,22 +25,35 @@ struct ConvexEdge : EdgePiece {
 	std::array<Vec<3>, 2> side;
 };
 
-/// Shares of the ways from `from` to `to` at which the lines of two pieces are nearest to each
-/// other, if both are between the ends, and the lines not parallel within 6 degrees.
-std::optional<std::array<double, 2>> nearestBetweenEnds(const EdgePiece& first,
-							const EdgePiece& second);
-
-/// The places at which two edges are nearest.
-struct EdgeCrossing {
+/// The places at which the lines of two pieces are nearest to each other.
+struct NearestPlaces {
 	double onFirst, onSecond; ///< shares of the ways from `from` to `to`
-	Vec<3> normal;            ///< unit, across both, from the first body to the second
-	double gap;               ///< m, negative for an overlap
 };
 
-/// None where one of the edges ends before, or where nodes hold what the edges do: where these are
-/// parallel within 6 degrees, or the normal does not lead out between the sides of both, by so
-/// much. Nor, of acute edges, where those that seem to overlap lie before a side of the other.
-std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge& second);
+/// None where the lines are parallel within 6 degrees: then nodes hold what edges do.
+std::optional<NearestPlaces> nearestPlaces(const EdgePiece& first, const EdgePiece& second);
+
+/// Whether a place is on a piece that ends where it ends.
+bool isBetweenEnds(double share);
+
+/// Whether a place is on a piece of an edge of an outline, nearest to `other`, or past an end and
+/// so far between this piece and the next: where an edge is bent inwards, places nearest to
+/// something that has come through are on neither.
+bool isOnPiece(double share, const ContactOutline<3>& body, int number, const EdgePiece& other);
+
+struct EdgeCrossing : NearestPlaces {
+	Vec<3> normal; ///< unit, across both, from the first body to the second
+	double gap;    ///< m, negative for an overlap
+};
+
+/// None where nodes hold what the edges do: where the normal does not lead out between the sides of
+/// both. Nor, of acute edges, where those that seem to overlap lie before a side of the other.
+std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge& second,
+				       const NearestPlaces& nearest);
+
+/// Whether edges that overlap deep, with a place `x` of the other body, are the way out of a body
+/// there, and not a side that is much nearer.
+bool isWayOut(const EdgeCrossing& crossing, const Vec<3>& x, const ContactOutline<3>& body);
 
 /// A piece of a sharp edge of an outline as it is now; none where the outline is not convex there.
 std::optional<ConvexEdge> edgeOf(const ContactOutline<3>& body, int number);
@@ -51,7 +67,12 @@ EdgePiece pieceOf(const ContactOutline<3>& body, int number);
 /// Edges of an outline that may come within `reach` (m) of a region.
 std::vector<int> edgesNear(const ContactOutline<3>& body, const Box<3>& region, double reach);
 
-/// Appends the contacts of edges that cross with a gap below `reach` (m, > 0) to `list`, in the
+/// Notes the pieces of two outlines that may cross with a gap below `reach` (m, > 0) while their
+/// bodies have come no nearer to each other than by that.
+void findCandidateEdges(const ContactOutline<3>& first, const ContactOutline<3>& second,
+			double reach, ContactCandidates<3>& candidates);
+
+/// Appends the contacts of those that cross with a gap below `reach` (m, > 0) to the list, in the
 /// order of their keys.
 void findCrossingEdges(const ContactOutline<3>& first, const ContactOutline<3>& second,
 		       double reach, ContactList<3>& list);

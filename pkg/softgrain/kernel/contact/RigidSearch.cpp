@@ -222,11 +222,16 @@ void crossingEdges(const ContactOutline<3>& body, double reach, RigidSeams<3>& s
 		const auto edge = edgeOf(body, e);
 		if (!edge) continue;
 		for (int r = 0; r < static_cast<int>(rigid.size()); ++r) {
-			const auto crossing = crossingOf(*edge, rigid[r]);
+			const auto nearest = nearestPlaces(*edge, rigid[r]);
+			if (!nearest || !isBetweenEnds(nearest->onSecond) ||
+			    !isOnPiece(nearest->onFirst, body, e, rigid[r]))
+				continue;
+			const auto crossing = crossingOf(*edge, rigid[r], *nearest);
 			if (!crossing || crossing->gap >= reach) continue;
-			const Vec<3> place =
-				rigid[r].from + crossing->onSecond * (rigid[r].to - rigid[r].from);
-			if (seams.hidesOnEdge(place, crossing->normal, turn)) continue;
+			const Vec<3> place = rigid[r].at(crossing->onSecond);
+			if (!isWayOut(*crossing, place, body) ||
+			    seams.hidesOnEdge(place, crossing->normal, turn))
+				continue;
 			Contact<3> contact = contactAt(*crossing, body, e);
 			constexpr bool isBehind = true; // deeper another way out is shorter
 			append({ ContactKey::edges, e, r }, contact, isBehind, body, list);

@@ -1,5 +1,4 @@
 #include "contact/Search.hpp"
-#include "contact/EdgeCrossing.hpp"
 #include "contact/OutlineSearch.hpp"
 #include "contact/PlaceOnOutline.hpp"
 #include "contact/RigidSearch.hpp"
@@ -215,10 +214,9 @@ void findContacts(const ContactOutline<dim>& first, const ContactOutline<dim>& s
 		carryImpulsesByName(last, list);
 		return;
 	}
-	if (first.isSurface()) {
+	if (first.isSurface())
 		findOutlineContacts(first, second, reach, list);
-		if constexpr (dim == 3) findCrossingEdges(first, second, reach, list);
-	} else
+	else
 		disksAgainstDisks(first, second, reach, list);
 	if (irregular && list.contacts.empty() && nestedIrregular(first, second))
 		list.deepest = std::numeric_limits<double>::infinity();

@@ -172,6 +172,27 @@ Vec<3> normalOf(const OutlineMesh<3>& mesh, int facet)
 	return (mesh.vertex[b] - from).cross(mesh.vertex[c] - from).normalized();
 }
 
+/// SharpEdge::next of all: where two pieces lie in a row.
+void joinSharpEdges(OutlineMesh<3>& mesh)
+{
+	constexpr double straight = 0.9;                                        // cosine
+	std::vector<std::vector<std::pair<int, int>>> ends(mesh.vertex.size()); // piece, which end
+	for (int k = 0; k < static_cast<int>(mesh.sharpEdge.size()); ++k) {
+		ends[mesh.sharpEdge[k].from].push_back({ k, 0 });
+		ends[mesh.sharpEdge[k].to].push_back({ k, 1 });
+	}
+	auto wayOff = [&](int k, int end) {
+		const SharpEdge& edge = mesh.sharpEdge[k];
+		const Vec<3> way = mesh.vertex[edge.to] - mesh.vertex[edge.from];
+		return Vec<3>((end == 0 ? 1 : -1) * way.normalized());
+	};
+	for (const auto& here : ends)
+		for (const auto& [k, end] : here)
+			for (const auto& [other, otherEnd] : here)
+				if (wayOff(k, end).dot(wayOff(other, otherEnd)) < -straight)
+					mesh.sharpEdge[k].next[end] = other;
+}
+
 /// OutlineMesh::sharpEdge of the facets that there are.
 void findSharpEdges(OutlineMesh<3>& mesh)
 {
@@ -194,6 +215,7 @@ void findSharpEdges(OutlineMesh<3>& mesh)
 							   { mate->second.facet, f },
 							   { mate->second.opposite, opposite } });
 		}
+	joinSharpEdges(mesh);
 }
 
 /// Rectangles of each face, in two triangles each; faces share the vertices on their edges.

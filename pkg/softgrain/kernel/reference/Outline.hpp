@@ -14,9 +14,10 @@ template <int dim> constexpr int mostPartners = dim == 2 ? 4 : 3;
 
 /// In 3D, where two sides of an outline meet at an angle: an edge of two facets.
 struct SharpEdge {
-	int from, to;                ///< vertices
-	std::array<int, 2> facet;    ///< those that it belongs to
-	std::array<int, 2> opposite; ///< their third vertices
+	int from, to;                       ///< vertices
+	std::array<int, 2> facet;           ///< those that it belongs to
+	std::array<int, 2> opposite;        ///< their third vertices
+	std::array<int, 2> next { -1, -1 }; ///< the piece that goes on from either end, if any
 };
 
 /// Closed piecewise linear outline: segments in 2D, triangles in 3D, oriented so that the
