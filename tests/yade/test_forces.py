@@ -17,6 +17,7 @@ from yade import (
     GenericSpheresContact,
     NormShearPhys,
     O,
+    Quaternion,
     Sphere,
     Wall,
     _utils,
@@ -24,6 +25,7 @@ from yade import (
 )
 
 import softgrain as sg
+from softgrain import finite_elements
 
 
 @pytest.fixture
@@ -116,6 +118,26 @@ def test_tractions_make_the_forces():
     assert on_floor["id"] == floor
     for name in ("area", "pressure", "traction"):
         assert on_floor[name] == pytest.approx(pairs[name][row], rel=1e-12)
+
+
+def test_area_of_contact():
+    """A disk squeezed between plates: finite elements have its width, which counts no node beside
+    it."""
+    material = soft_material(poisson=0.45, frictionAngle=0, massDamping=4000)
+    O.bodies.append(sg.soft_disk((0, 0, 0), RADIUS, material, zeta=0.1))
+    O.bodies[0].state.ori = Quaternion((0, 0, 1), 0.7)
+    walls = [add_wall(s * RADIUS, axis=1, velocity=(0, -0.1 * s, 0), friction=0) for s in (-1, 1)]
+    ready()
+    while walls[1].state.pos[1] > 0.8 * RADIUS:
+        run(1)
+    for wall in walls:
+        wall.state.vel = (0, 0, 0)
+    run(500)
+    pairs = sg.pair_forces()
+    exact = finite_elements.disk_between_plates("plane_strain")
+    force = np.linalg.norm(pairs["normal_force"], axis=1).mean() / (YOUNG * 2 * RADIUS)
+    width = 4 * RADIUS * np.interp(force, exact.force_over_ED, exact.contact_halfwidth_over_D)
+    assert pairs["area"].mean() == pytest.approx(width, rel=0.04)
 
 
 def test_what_is_not_there_after_loading(tmp_path):
