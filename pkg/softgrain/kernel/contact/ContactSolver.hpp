@@ -78,12 +78,13 @@ private:
 	/// Those of which this is true take part from now on; returns whether there are any.
 	template <class Is> bool select(Is&& is);
 	void noteIslands();
-	/// Of islands of rigid bodies alone: scales the impulses of the last step so that all
-	/// together exchange what they should, r . (u + b n) = 0, unless that is far less and would
-	/// violate more. Those of an impact do nothing any more; those that hold a heavy body on
-	/// light ones are soon as large as it takes.
+	/// (FirstImpulses.cpp) Of islands of rigid bodies alone: scales the impulses of the last
+	/// step so that all together exchange what they should, r . (u + b n) = 0, unless that is
+	/// far less and would violate more. Those of an impact do nothing any more; those that hold
+	/// a heavy body on light ones are soon as large as it takes.
 	void adjustImpulses();
-	void beginWithShares(); ///< IslandSweeps::firstShare
+	void findFirstShares(); ///< IslandSweeps::firstShare
+	void beginWithShares();
 	/// No contact has an impulse, and none needs one: sweeps would change nothing.
 	bool bearsNothing();
 	bool isLeft(const IslandSweeps& island) const
@@ -126,5 +127,13 @@ private:
 	std::vector<long> visits_;           ///< of contacts, by pairs on their own
 	SolverSettings settings_;
 };
+
+template <int dim> template <class Is> bool ContactSolver<dim>::select(Is&& is)
+{
+	bool any = false;
+	for (IslandSweeps& island : islands_)
+		any |= island.takesPart = is(island);
+	return any;
+}
 
 } // namespace softgrain

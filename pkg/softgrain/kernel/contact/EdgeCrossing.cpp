@@ -10,9 +10,12 @@ namespace softgrain {
 
 namespace {
 
-/// Sine of the angles within which nodes hold what the edges do: an edge sinks by less than half
-/// of it between them, in dr.
-constexpr double heldByNodes = 0.1;
+/// Sine of the angle within which edges are parallel: nodes hold what they do.
+constexpr double parallel = 0.1;
+
+/// Sine of the angle at least by which a normal leads out from a side: along a side nodes hold what
+/// edges do, which sink by less than half of it between them, in dr.
+constexpr double leastLean = 0.03;
 
 /// Of pieces that lie in a row none is to lose the place between them; of sides none is to be both
 /// before and behind.
@@ -30,7 +33,7 @@ constexpr double mostDetour = 4;
 /// Whether a direction leads out of the body at an edge, away from both sides.
 bool leadsOut(const ConvexEdge& edge, const Vec<3>& way)
 {
-	return way.dot(edge.side[0]) < -heldByNodes && way.dot(edge.side[1]) < -heldByNodes;
+	return way.dot(edge.side[0]) < -leastLean && way.dot(edge.side[1]) < -leastLean;
 }
 
 /// Whether what it leads out of there is behind both sides. (An edge of a plate has one.)
@@ -49,7 +52,7 @@ std::optional<NearestPlaces> nearestPlaces(const EdgePiece& first, const EdgePie
 	const Vec<3> apart = second.from - first.from;
 	const Vec<3> across = a.cross(b);
 	const double squared = across.squaredNorm();
-	if (!(squared > heldByNodes * heldByNodes * a.squaredNorm() * b.squaredNorm()))
+	if (!(squared > parallel * parallel * a.squaredNorm() * b.squaredNorm()))
 		return std::nullopt;
 	return NearestPlaces { apart.cross(b).dot(across) / squared,
 			       apart.cross(a).dot(across) / squared };
