@@ -118,8 +118,9 @@ void SoftGrainIntegrator::measureCriticalStep(Real enough)
 }
 
 /// Once: where rigid bodies touch by a stiffness that the step of the soft grains is too long for.
-/// (It becomes longer where stiff grains go, or the first soft ones come; bodies come, and now and
-/// then a material may have become stiffer.)
+/// (It becomes longer where stiff grains go, or the first soft ones come. Bodies come, and
+/// materials become stiffer without a word: all are looked at where their number has changed, and
+/// now and then.)
 void SoftGrainIntegrator::warnOfStiffSpheres()
 {
 	constexpr long stepsBetweenLooks = 100;

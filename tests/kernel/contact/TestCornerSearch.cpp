@@ -95,11 +95,12 @@ public:
 };
 
 /// Of some hundred steps; returns nodes that were measured, over those of a search from anew.
-template <int dim> double requireSameAsFresh(Wanderers<dim> grains, int steps)
+template <int dim>
+double requireSameAsFresh(Wanderers<dim> grains, int steps, int leastContactsOfEdges = 0)
 {
 	ContactList<dim> kept;
 	double testedKept = 0, testedFresh = 0;
-	int contacts = 0, deep = 0;
+	int contacts = 0, deep = 0, edges = 0;
 	for (int step = 0; step < steps; ++step) {
 		grains.step();
 		ContactList<dim> fresh;
@@ -116,11 +117,13 @@ template <int dim> double requireSameAsFresh(Wanderers<dim> grains, int steps)
 			CHECK(kept.contacts[k].gap == fresh.contacts[k].gap);
 			++contacts;
 			deep += fresh.contacts[k].gap < 0;
+			edges += fresh.contacts[k].key.isOfEdges();
 		}
 	}
 	CAPTURE(contacts, deep);
 	CHECK(contacts > steps / 2);
 	CHECK(deep > steps / 8);
+	CHECK(edges >= leastContactsOfEdges);
 	return testedKept / testedFresh;
 }
 
@@ -179,6 +182,14 @@ template <int dim> Wanderers<dim> blockAboutBall(int k)
 }
 
 } // namespace
+
+TEST_CASE("Corner search: edges that cross do not depend on when they were looked for", "[contact]")
+{
+	for (int k = 1; k < 5; ++k) {
+		const Wanderers<3> grains(block(0.5), block(0.4), 0.8, leaning<3>(k));
+		requireSameAsFresh(grains, 200, 5);
+	}
+}
 
 TEMPLATE_TEST_CASE_SIG("Corner search: a fine block beside a coarse ball", "[contact]",
 		       ((int dim), dim), 2, 3)

@@ -1,6 +1,7 @@
 #include "contact/EdgeCrossing.hpp"
 #include "contact/RigidLists.hpp"
 
+#include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
@@ -196,35 +197,72 @@ TEST_CASE("cubes touch where their edges cross between nodes", "[contact]")
 	CHECK(CrossedCubes(0.03, 0.02).list.contacts.empty());
 }
 
-TEST_CASE("a bent edge is crossed at its nodes, too", "[contact]")
-{
-	const auto reference = cubeTemplate();
-	auto cube = contactBody<3>(*reference, 1, { 0, 0, std::sqrt(2) }, edgeDownAlongY);
-	int lowest = 0; // a node within the edge
-	for (int s = 0; s < cube.nodes(); ++s)
-		if (cube.position[s].squaredNorm() < cube.position[lowest].squaredNorm())
-			lowest = s;
-	const Vec<3> bottom = cube.position[lowest];
-	REQUIRE(std::abs(bottom[2]) < 1e-12);
-	for (const double bend : { -0.1, 0.1 })
-		for (const double overlap : { 0., 0.03, 0.06 }) {
-			auto bent = cube;
-			bent.position[lowest][2] += bend;
-			bent.updateGeometry();
-			const double top = bend + overlap;
-			for (double y = -0.02; y <= 0.02; y += 1e-3) {
-				const double at = bottom[1] + y;
-				const PlateSurface<3> plate { { Vec<3>(-3, at, top),
-								Vec<3>(3, at, top),
-								Vec<3>(0.1, at, -4) } };
-				int crossings = 0;
-				for (const auto& c : contactsWith<3>({ plate }, bent, 0.02))
-					crossings += c.key.isOfEdges();
-				CAPTURE(bend, overlap, y);
-				CHECK(crossings >= 1);
-				CHECK(crossings <= 2);
+namespace {
+
+/// A cube on its edge along y, whose nodes are off by up to so much, up or down.
+struct BentCube {
+	std::shared_ptr<const GrainTemplate<3>> reference = cubeTemplate();
+	ContactBody<3> body;
+	std::vector<Vec<3>> edge; ///< its nodes, in a row
+
+	BentCube(double bend, Random& random)
+		: body(contactBody<3>(*reference, 1, { 0, 0, std::sqrt(2) }, edgeDownAlongY))
+	{
+		for (Vec<3>& x : body.position)
+			if (std::abs(x[2]) < 1e-9) {
+				x[2] += random.uniform(-bend, bend);
+				edge.push_back(x);
 			}
-		}
+		std::sort(edge.begin(), edge.end(),
+			  [](const Vec<3>& a, const Vec<3>& b) { return a[1] < b[1]; });
+		body.updateGeometry();
+	}
+	double heightAt(double y) const
+	{
+		std::size_t k = 1;
+		while (edge[k][1] < y)
+			++k;
+		const double share = (y - edge[k - 1][1]) / (edge[k][1] - edge[k - 1][1]);
+		return (1 - share) * edge[k - 1][2] + share * edge[k][2];
+	}
+};
+
+/// Those of edges; by the gap at their places they are the overlap that there is, or on the line of
+/// a piece a little past its end.
+int crossingsOf(const std::vector<Contact<3>>& contacts, double overlap)
+{
+	int found = 0;
+	for (const Contact<3>& c : contacts) {
+		if (!c.key.isOfEdges()) continue;
+		++found;
+		CHECK(std::abs(c.gap + overlap) < 0.03);
+	}
+	return found;
+}
+
+} // namespace
+
+TEST_CASE("a bent edge is crossed wherever", "[contact][rigid]")
+{
+	Random random(7);
+	for (int k = 0; k < 2000; ++k) {
+		const BentCube cube(0.05, random); // 0.1 dr
+		const double y = random.uniform(-0.8, 0.8), overlap = random.uniform(0.01, 0.1);
+		const double angle = random.uniform(-1, 1), top = cube.heightAt(y) + overlap;
+		CAPTURE(k, y, overlap, angle);
+		const Vec<3> along(3 * std::cos(angle), 3 * std::sin(angle), 0);
+		const Vec<3> place(0, y, top), foot(0.1, y, -4);
+		const PlateSurface<3> plate { { place - along, place + along, foot } };
+		CHECK(crossingsOf(contactsWith<3>({ plate }, cube.body, 0.02), overlap) >= 1);
+
+		// the same by another grain
+		const Mat<3> turn = turned(angle, Vec<3>::UnitZ()) * edgeUpAlongX;
+		const auto other =
+			contactBody<3>(*cube.reference, 1, { 0.1, y, top - std::sqrt(2) }, turn);
+		auto list = pairList<3>();
+		findContacts<3>(other, cube.body, 0.02, list);
+		CHECK(crossingsOf(list.contacts, overlap) >= 1);
+	}
 }
 
 TEST_CASE("edges that overlap cross on the nearest way out", "[contact]")
@@ -233,11 +271,14 @@ TEST_CASE("edges that overlap cross on the nearest way out", "[contact]")
 	const auto cube = contactBody<3>(*reference, 1, { 0, 0, std::sqrt(2) }, edgeDownAlongY);
 	const double dr = cube.pointSpacing;
 	const EdgeCrossing deep { { 0.5, 0.5 }, Vec<3>::UnitZ(), -dr };
-	CHECK(isWayOut(deep, { 0, 0.3, dr }, cube));
-	CHECK(!isWayOut(deep, { 0, 0.3, 0.1 * dr }, cube));
-	CHECK(!isWayOut(deep, { 0, 0.3, -0.1 * dr }, cube));
+	// the distance from the sides is 0.7 of the height above the edge
+	for (const double height : { 1., 0.9 })
+		CHECK(isWayOut(deep, { 0, 0.3, height * dr }, cube, dr));
+	for (const double height : { 0.8, 0.1, -0.1, -1. })
+		CHECK(!isWayOut(deep, { 0, 0.3, height * dr }, cube, dr));
+	CHECK(isWayOut(deep, { 0, 0.3, 0.1 * dr }, cube, 4 * dr));
 	const EdgeCrossing shallow { { 0.5, 0.5 }, Vec<3>::UnitZ(), -0.1 * dr };
-	CHECK(isWayOut(shallow, { 0, 0.3, 0.01 * dr }, cube));
+	CHECK(isWayOut(shallow, { 0, 0.3, 0.01 * dr }, cube, dr));
 }
 
 TEST_CASE("cubes that lie upon each other touch by nodes alone", "[contact]")

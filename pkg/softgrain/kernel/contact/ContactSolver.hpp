@@ -84,7 +84,7 @@ private:
 	/// a heavy body on light ones are soon as large as it takes.
 	void adjustImpulses();
 	void findFirstShares(); ///< IslandSweeps::firstShare
-	void beginWithShares();
+	void beginWithShares(); ///< in place of all of the impulses
 	/// No contact has an impulse, and none needs one: sweeps would change nothing.
 	bool bearsNothing();
 	bool isLeft(const IslandSweeps& island) const

@@ -14,21 +14,27 @@ namespace {
 constexpr double parallel = 0.1;
 
 /// Sine of the angle at least by which a normal leads out from a side: along a side nodes hold what
-/// edges do, which sink by less than half of it between them, in dr.
+/// edges do, which sink between them by no more than this, in dr of the coarser body. (With 0.1
+/// contacts of edges under load went on and off.)
 constexpr double leastLean = 0.03;
 
 /// Of pieces that lie in a row none is to lose the place between them; of sides none is to be both
 /// before and behind.
 constexpr double rounding = 1e-9;
 
-/// So far past its end, in its length, a piece may have what is between it and the next.
+/// So far past its end, in its length, a piece may have what is between it and the next. (Edges
+/// that are bent by 45 degrees and overlap by 0.25 dr.)
 constexpr double mostPastEnd = 0.2;
+/// The same from its middle.
+constexpr double mostFromMiddle = 0.5 + mostPastEnd;
 
 /// Overlaps, in dr, that are believed: what lies deeper may have a shorter way out.
 constexpr double trustedDepth = 0.25;
 
-/// Ways out are no longer than so many times the distance from what is nearest.
-constexpr double mostDetour = 4;
+/// The way out may be longer than that to what is nearest by so much: from a ridge of right angle
+/// it is 1.4 times as long. (With 2 a blade of facets in a soft bar had overlaps of edges twice as
+/// deep as it was, and the run stopped.)
+constexpr double mostDetour = 1.7;
 
 /// Whether a direction leads out of the body at an edge, away from both sides.
 bool leadsOut(const ConvexEdge& edge, const Vec<3>& way)
@@ -67,7 +73,7 @@ bool isOnPiece(double share, const ContactOutline<3>& body, int number, const Ed
 	if (std::abs(share - end) > mostPastEnd) return false;
 	const SharpEdge& sharp = body.mesh->sharpEdge[number];
 	const int next = sharp.next[end];
-	if (next < number) return false; // none, or it is that of the other
+	if (next < 0) return false;
 	const auto nearest = nearestPlaces(pieceOf(body, next), other);
 	if (!nearest) return true;
 	const int joint = end == 0 ? sharp.from : sharp.to;
@@ -90,9 +96,10 @@ std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge
 	return std::nullopt;
 }
 
-bool isWayOut(const EdgeCrossing& crossing, const Vec<3>& x, const ContactOutline<3>& body)
+bool isWayOut(const EdgeCrossing& crossing, const Vec<3>& x, const ContactOutline<3>& body,
+	      double spacing)
 {
-	if (crossing.gap >= -trustedDepth * body.pointSpacing) return true;
+	if (crossing.gap >= -trustedDepth * spacing) return true;
 	if (!body.encloses(x)) return false;
 	const auto around = Box<3> { x, x }.grown(-crossing.gap);
 	const auto place = nearestPlace(x, body, facetsIn(body, around), anyFacet);
@@ -136,7 +143,7 @@ Contact<3> contactAt(const EdgeCrossing& crossing, const ContactOutline<3>& body
 
 std::vector<int> edgesNear(const ContactOutline<3>& body, const Box<3>& region, double reach)
 {
-	const Box<3> around = region.grown(reach + 0.5 * body.longestEdge);
+	const Box<3> around = region.grown(reach + mostFromMiddle * body.longestEdge);
 	return numbersThat(static_cast<int>(body.mesh->sharpEdge.size()),
 			   [&](int k) { return around.contains(pieceOf(body, k).middle()); });
 }
@@ -149,7 +156,7 @@ void findCandidateEdges(const ContactOutline<3>& first, const ContactOutline<3>&
 	const auto others = edgesNear(second, first.box, reach);
 	if (others.empty()) return;
 	const double within = reach + contactDepth(first, second) +
-			      0.5 * (first.longestEdge + second.longestEdge);
+			      mostFromMiddle * (first.longestEdge + second.longestEdge);
 	std::vector<std::array<int, 2>> near;
 	for (int e : edgesNear(first, second.box, reach)) {
 		const Vec<3> middle = pieceOf(first, e).middle();
@@ -166,6 +173,7 @@ void findCrossingEdges(const ContactOutline<3>& first, const ContactOutline<3>& 
 {
 	if (!list.candidates.edges) return;
 	const double deep = contactDepth(first, second);
+	const double coarser = std::max(first.pointSpacing, second.pointSpacing);
 	for (const auto& [e, o] : *list.candidates.edges) {
 		const EdgePiece piece = pieceOf(first, e), other = pieceOf(second, o);
 		const auto nearest = nearestPlaces(piece, other);
@@ -176,8 +184,8 @@ void findCrossingEdges(const ContactOutline<3>& first, const ContactOutline<3>& 
 		if (!edge || !otherEdge) continue;
 		const auto crossing = crossingOf(*edge, *otherEdge, *nearest);
 		if (!crossing || crossing->gap >= reach || crossing->gap < -deep) continue;
-		if (!isWayOut(*crossing, other.at(nearest->onSecond), first) ||
-		    !isWayOut(*crossing, piece.at(nearest->onFirst), second))
+		if (!isWayOut(*crossing, other.at(nearest->onSecond), first, coarser) ||
+		    !isWayOut(*crossing, piece.at(nearest->onFirst), second, coarser))
 			continue;
 		list.noteOverlap(crossing->gap, 0.5 * (first.pointSpacing + second.pointSpacing));
 		Contact<3>& contact = list.contacts.emplace_back(contactAt(*crossing, first, e));

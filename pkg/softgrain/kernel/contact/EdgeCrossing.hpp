@@ -36,9 +36,9 @@ std::optional<NearestPlaces> nearestPlaces(const EdgePiece& first, const EdgePie
 /// Whether a place is on a piece that ends where it ends.
 bool isBetweenEnds(double share);
 
-/// Whether a place is on a piece of an edge of an outline, nearest to `other`, or past an end and
-/// so far between this piece and the next: where an edge is bent inwards, places nearest to
-/// something that has come through are on neither.
+/// Whether a place is on a piece of an edge of an outline, nearest to `other`, or a little past an
+/// end and between this piece and the next: where an edge is bent inwards, places nearest to
+/// something that has come through are on neither. Then both may have it.
 bool isOnPiece(double share, const ContactOutline<3>& body, int number, const EdgePiece& other);
 
 struct EdgeCrossing : NearestPlaces {
@@ -51,9 +51,11 @@ struct EdgeCrossing : NearestPlaces {
 std::optional<EdgeCrossing> crossingOf(const ConvexEdge& first, const ConvexEdge& second,
 				       const NearestPlaces& nearest);
 
-/// Whether edges that overlap deep, with a place `x` of the other body, are the way out of a body
-/// there, and not a side that is much nearer.
-bool isWayOut(const EdgeCrossing& crossing, const Vec<3>& x, const ContactOutline<3>& body);
+/// Whether a crossing is the way out of a body for a place `x` of the other one: within 0.25
+/// `spacing` (dr of the coarser body, m) it is, deeper where the body encloses x and nothing of its
+/// outline is much nearer.
+bool isWayOut(const EdgeCrossing& crossing, const Vec<3>& x, const ContactOutline<3>& body,
+	      double spacing);
 
 /// A piece of a sharp edge of an outline as it is now; none where the outline is not convex there.
 std::optional<ConvexEdge> edgeOf(const ContactOutline<3>& body, int number);

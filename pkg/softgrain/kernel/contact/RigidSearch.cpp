@@ -216,9 +216,10 @@ void crossingEdges(const ContactOutline<3>& body, double reach, RigidSeams<3>& s
 	const auto around = Box<3> { about.centre, about.centre }.grown(about.radius);
 	const double turn = body.pointSpacing / body.inradius;
 	const auto rigid = edgesOf(surface, body.pointSpacing);
-	for (int e : edgesNear(body, around, reach)) {
-		const Vec<3>& x = body.position[body.mesh->sharpEdge[e].from];
-		if (distanceTo<3>(surface, x) > reach + body.longestEdge) continue;
+	const double margin = marginOf(body, body, reach);
+	for (int e : edgesNear(body, around, margin)) {
+		const Vec<3> middle = pieceOf(body, e).middle();
+		if (distanceTo<3>(surface, middle) > margin + body.longestEdge) continue;
 		const auto edge = edgeOf(body, e);
 		if (!edge) continue;
 		for (int r = 0; r < static_cast<int>(rigid.size()); ++r) {
@@ -229,7 +230,7 @@ void crossingEdges(const ContactOutline<3>& body, double reach, RigidSeams<3>& s
 			const auto crossing = crossingOf(*edge, rigid[r], *nearest);
 			if (!crossing || crossing->gap >= reach) continue;
 			const Vec<3> place = rigid[r].at(crossing->onSecond);
-			if (!isWayOut(*crossing, place, body) ||
+			if (!isWayOut(*crossing, place, body, body.pointSpacing) ||
 			    seams.hidesOnEdge(place, crossing->normal, turn))
 				continue;
 			Contact<3> contact = contactAt(*crossing, body, e);
