@@ -42,6 +42,13 @@ void checkAfter(const Engine& engine)
 		       "takes the forces on the walls before it; see sg.insert_before_solve()");
 }
 
+/// The first live one of this kind in a stretch of O.engines.
+template <class Wanted, class Iterator> Iterator firstLive(Iterator begin, Iterator end)
+{
+	return std::find_if(begin, end,
+			    [](const auto& engine) { return liveOne<Wanted>(*engine); });
+}
+
 /// How many live ones of this kind there are in a stretch of O.engines.
 template <class Wanted, class Iterator> long countLive(Iterator begin, Iterator end)
 {
@@ -103,9 +110,7 @@ void checkEngineOrder(const Scene& scene, const SoftGrainIntegrator& integrator)
 	if (countLive<InteractionLoop>(begin, self) == 0)
 		refuse("there is no InteractionLoop before it in O.engines that is not dead: it "
 		       "finds the contacts. See sg.engines()");
-	const auto loop = std::find_if(
-		begin, self, [](const auto& engine) { return liveOne<InteractionLoop>(*engine); });
-	if (countLive<ForceResetter>(loop, self) > 0)
+	if (countLive<ForceResetter>(firstLive<InteractionLoop>(begin, self), self) > 0)
 		refuse("a ForceResetter stands between InteractionLoop and SoftGrainIntegrator in "
 		       "O.engines and would take away the forces of rigid bodies on each other: "
 		       "leave one before InteractionLoop");
@@ -116,9 +121,7 @@ void checkEngineOrder(const Scene& scene, const SoftGrainIntegrator& integrator)
 	if (newtons > 1)
 		refuse("O.engines holds two NewtonIntegrators, each of which carries State along: "
 		       "leave one, or set dead = True");
-	const auto newton = std::find_if(
-		self, end, [](const auto& engine) { return liveOne<NewtonIntegrator>(*engine); });
-	if (countLive<ForceResetter>(self, newton) > 0)
+	if (countLive<ForceResetter>(self, firstLive<NewtonIntegrator>(self, end)) > 0)
 		refuse("a ForceResetter stands between SoftGrainIntegrator and NewtonIntegrator in "
 		       "O.engines and would take away the reactions on rigid bodies: leave the one "
 		       "before SoftGrainIntegrator");
