@@ -27,13 +27,14 @@ def test_adhesive_disk(tmp_path):
         assert abs(row["energy_lost"]) < 0.01
 
 
-def test_pull_off_of_stiff_and_soft_disks():
+def test_pull_off_of_stiff_and_soft_disks(tmp_path):
     """Stiff ones let go at a point, which bears 2 sigma across sqrt(2 R delta) on either side; soft
     ones where it bears what Johnson, Kendall and Roberts found."""
-    stiff = adhesion.parse_options(["--young", "1e10"])
+    out = ["--out", str(tmp_path)]
+    stiff = adhesion.parse_options(["--young", "1e10", *out])
     point = 2 * stiff.cohesion * math.sqrt(2 * stiff.radius * stiff.range)
     assert adhesion.theory(stiff) == pytest.approx(point, rel=1e-3)
-    soft = adhesion.parse_options(["--cohesion", "3e5", "--range", "2e-5"])
+    soft = adhesion.parse_options(["--cohesion", "3e5", "--range", "2e-5", *out])
     E, w = soft.young / (1 - soft.poisson**2), soft.cohesion * soft.range
     jkr = adhesion.jkr_force(E, soft.radius, w)
     assert adhesion.theory(soft) == pytest.approx(jkr, rel=5e-3)

@@ -131,7 +131,7 @@ REFUSED = {
         "--ways triaxial:1": "--ways: triaxial needs --dim 3",
     },
     compare_rigid: {
-        "--grains 3": "--grains: '3' is not a whole number in [4, inf)",
+        "--grains 3": "--grains: '3' is not a whole number in [6, inf)",
         "--mu -1": "--mu: '-1' is not a number in [0, inf)",
         "--poisson 0.3": "--poisson: invalid choice: ",
         "--models springs": "--models: invalid choice: 'springs'",
