@@ -87,7 +87,8 @@ bool hasForcesOfLastStep(const Scene& scene)
 	if (!integrator || integrator->dead) return true;
 	if (integrator->hasPublishedSince(scene.iter)) return true; // or O.resetTime() was called
 	const long last = scene.iter - 1;
-	return last > 0 ? scene.forces.lastReset == last : integrator->hasPublishedIn(0);
+	return scene.forces.lastReset == std::max(last, 0L) &&
+	       (last > 0 || integrator->hasPublishedIn(0));
 }
 
 void checkEngineOrder(const Scene& scene, const SoftGrainIntegrator& integrator)

@@ -24,6 +24,8 @@ public:
 	{
 		return publishedIn_ >= step && !ownScene_.isGone();
 	}
+	/// Rigid spheres turned soft in this step.
+	void noteSoftened(long step) { softenedIn_ = step; }
 	py::dict energyDict() const;
 	py::dict contactProblem() const;
 	py::dict ratesDict() const;
@@ -122,6 +124,7 @@ private:
 	EnergyBooks energyBooks_;
 	softgrain::PhaseClock clock_;
 	long publishedIn_ = -1; ///< step in which it last came to its end
+	long softenedIn_ = -1;  ///< step in which spheres turned soft last
 	Real longestDt_ = 0;    ///< that the soft grains have asked for since it began to run, s
 	std::size_t bodiesLookedAt_ = 0; ///< by warnOfStiffSpheres
 	bool warnedOfPressure_ = false, warnedOfStiffness_ = false, warnedOfCollapse_ = false;

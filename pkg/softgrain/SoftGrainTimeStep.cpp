@@ -101,13 +101,15 @@ void SoftGrainIntegrator::followDeformation(Real undeformed, bool hasStepper)
 }
 
 /// For rigid spheres beside those that turned soft: the step of the script, or what is usual for
-/// the spheres that are left. They go on as before.
+/// the spheres that are left. They go on as before. (The force that turned the last of them was
+/// found for their step, acts for the one at hand, and is gone in the next.)
 Real SoftGrainIntegrator::longestBesideSpheres() const
 {
 	// of utils.PWaveTimeStep(), with which a column of stiff spheres on a soft grain stands
 	constexpr Real usualShare = 0.3;
-	return dtOfSpheres < 0 ? std::numeric_limits<Real>::infinity()
-			       : std::max(dtOfSpheres, usualShare * rigidTimeStep(*scene));
+	if (dtOfSpheres < 0) return std::numeric_limits<Real>::infinity();
+	if (softenedIn_ == scene->iter) return scene->dt;
+	return std::max(dtOfSpheres, usualShare * rigidTimeStep(*scene));
 }
 
 /// (To measure grains takes time: what matters is whether a step is stable.)

@@ -45,7 +45,10 @@ void SoftenWhenLoaded::action()
 	int lostBonds = 0;
 	for (const int id : loaded)
 		lostBonds += soften(*(*scene->bodies)[id]);
-	if (integrator) integrator->lostBonds += lostBonds;
+	if (integrator) {
+		integrator->lostBonds += lostBonds;
+		integrator->noteSoftened(scene->iter);
+	}
 	softened += loaded.size();
 	scene->doSort = true;
 }

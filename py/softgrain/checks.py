@@ -106,7 +106,7 @@ def number(name, value, admissible, unit=""):
 
     Args:
         name (str): of the argument, for the message.
-        value (float): to be checked.
+        value (float): to be checked; neither bool nor array.
         admissible (str): a range, such as '(0, inf)' or '[0, 1]'.
         unit (str): for the message.
 
@@ -116,15 +116,21 @@ def number(name, value, admissible, unit=""):
     Raises:
         ValueError: no number, or outside the range.
     """
-    try:
-        x = math.nan if isinstance(value, (str, bytes)) else float(value)
+    text = isinstance(value, (str, bytes))
+    try:  # True would be 1, an array of one number that number
+        x = math.nan if text or _is_bool(value) or np.ndim(value) else float(value)
     except (TypeError, ValueError, OverflowError):
         x = math.nan
     if not in_range(x, admissible):
+        shown = repr(value) if text else value
         raise ValueError(
-            f"{name} = {value} is outside the admissible range {admissible} {unit}".rstrip()
+            f"{name} = {shown} is outside the admissible range {admissible} {unit}".rstrip()
         )
     return x
+
+
+def _is_bool(value):
+    return isinstance(value, (bool, np.bool_))
 
 
 def index(name, value):
@@ -148,7 +154,7 @@ def index(name, value):
 def _whole(value):
     """TypeError for what is no whole number that YADE takes: a bool of Python would be taken for
     one."""
-    if isinstance(value, bool):
+    if _is_bool(value):
         raise TypeError("a bool")
     whole = operator.index(value)
     if not -(2**31) <= whole < 2**31:

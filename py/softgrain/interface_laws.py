@@ -46,6 +46,7 @@ def checked(interface):
                 raise ValueError(f"interface: bondAtTouch = {value!r}; admissible: True, False")
             attributes[name] = bool(value)
         elif isinstance(value, MatchMaker):
+            _refuse_unknown_materials(name, value)
             for of_pair in _values(value):
                 number(f"interface: {name}", of_pair, *_RANGES[name])
             attributes[name] = value
@@ -55,6 +56,16 @@ def checked(interface):
     _refuse_idle_attributes(attributes)
     _check_law_of_all_pairs(attributes)
     return attributes
+
+
+def _refuse_unknown_materials(name, match):
+    """YADE passes over what no material is."""
+    for index in (index for *pair, _ in match.matches for index in pair):
+        if index not in range(len(O.materials)):
+            raise ValueError(
+                f"interface: {name} is given for material {index:g}; admissible are ids of "
+                f"O.materials, whole numbers in [0, {len(O.materials)})"
+            )
 
 
 def longest_range(interface):

@@ -142,8 +142,8 @@ def cell_volume():
     grains = soft_bodies()
     if not O.periodic or not grains:
         raise ValueError(
-            "without an area (volume) given, a periodic cell with soft grains is needed, but "
-            + ("the scene has none" if O.periodic else "O.periodic is False")
+            "a periodic cell with soft grains is needed where no area (volume) of a box is given, "
+            "but " + ("the scene has none" if O.periodic else "O.periodic is False")
         )
     size = np.array(O.cell.hSize)
     return abs(np.linalg.det(size[:2, :2] if grains[0].shape.dim == 2 else size))

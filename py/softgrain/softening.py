@@ -83,8 +83,9 @@ def soften(
         list of int: ids of the soft grains, or of the bodies that are to become such.
 
     Raises:
-        ValueError: a body is neither sphere nor clump, is held (``x`` or ``y`` among its
-            ``blockedDOFs``, as by ``fixed=True``: a soft grain cannot be), a clump is in 3D, falls
+        ValueError: a body is neither sphere nor clump, is held (``x``, ``y`` or ``Z`` among its
+            ``blockedDOFs``, as by ``fixed=True``, in 3D any: a soft grain cannot be), waits already
+            to turn soft when loaded, a clump is in 3D, falls
             into parts or encloses a hole, the scene's dimension is not clear, an overlap is
             refused, grains would differ from others in ``dim``, ``contact`` or plane, or a
             parameter is out of its range. Nothing has been changed then.
@@ -97,6 +98,8 @@ def soften(
     _refuse_kept(shape)
     bodies = _rigid_grains(ids)
     dim = _dimension(bodies) if dim is None else dim
+    if dim == 3:
+        _refuse_blocked(bodies)
     material = soft_material(material)
     if when == "loaded":
         if overlap != "relax":
@@ -221,6 +224,7 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
         for body in bodies:
             require_plane(body)
     _require_alike(bodies, grain)
+    _refuse_waiting(ids)
     for body in bodies:
         _give_mass(body, grain, material.density)
     keep_material(material)
@@ -228,13 +232,32 @@ def _soften_when_loaded(bodies, grain, material, load, fraction):
     insert_before_solve(softener)
 
 
+def _softeners():
+    return [e for e in O.engines if isinstance(e, wrapper.SoftenWhenLoaded)]
+
+
+def _refuse_waiting(ids):
+    waiting = {i for softener in _softeners() for i in softener.ids}
+    twice = [i for i in ids if i in waiting]
+    if twice:
+        raise ValueError(
+            f"ids: body #{twice[0]} waits already to turn soft, for a SoftenWhenLoaded of "
+            "O.engines; take that out to soften it otherwise"
+        )
+
+
 def _require_alike(bodies, grain):
     """ValueError where spheres, once soft, would not fit with each other or with the soft grains
     that there are or will be, which is seen when the first of them turns."""
-    waiting = [e for e in O.engines if isinstance(e, wrapper.SoftenWhenLoaded) and e.shape]
     others = [(b, b.shape) for b in soft_bodies()[:1]]
     kept = range(len(O.bodies))  # the engine passes over ids of none
-    others += [(O.bodies[i], e.shape) for e in waiting for i in e.ids if i in kept and O.bodies[i]]
+    others += [
+        (O.bodies[i], e.shape)
+        for e in _softeners()
+        if e.shape
+        for i in e.ids
+        if i in kept and O.bodies[i]
+    ]
     for _, shape in others:
         for name in ("dim", "contact"):
             own, there = getattr(grain, name), getattr(shape, name)
@@ -288,16 +311,22 @@ def _rigid_grains(ids):
 
 
 def _is_held(body):
-    """Within the plane of 2D, whose spheres are kept in it by ``z``."""
-    return bool(set("xy") & set(body.state.blockedDOFs))
+    """In a motion within the plane of 2D, in which ``z``, ``X`` and ``Y`` keep spheres."""
+    return bool(set("xyZ") & set(body.state.blockedDOFs))
 
 
 def _refuse_held(body):
     raise ValueError(
         f"ids: body #{body.id} is held, blockedDOFs = {body.state.blockedDOFs!r}, and would be "
-        "free as a soft grain; admissible: neither 'x' nor 'y' among them (a layer lies in a plane "
-        "z = const)"
+        "free as a soft grain; admissible: neither 'x', 'y' nor 'Z' among them (a layer lies in a "
+        "plane z = const), nothing at all with dim = 3"
     )
+
+
+def _refuse_blocked(bodies):
+    for body in bodies:
+        if body.state.blockedDOFs:
+            _refuse_held(body)
 
 
 def _dimension(bodies):

@@ -101,10 +101,11 @@ def engines(
         list of Engine: for ``O.engines``.
 
     Raises:
-        ValueError: an attribute is out of its range, there is no grain and no verlet_distance, a
-            wall in a periodic cell, a rigid body with a ``SoftMat``, or ``interface`` is no dict,
-            or has an unknown attribute, one that does nothing without another, or numbers for all
-            pairs that do not fit together or to the contact geometry of the grains.
+        ValueError: an attribute is out of its range, or a result, there is no grain and no
+            verlet_distance, a wall in a periodic cell, a rigid body with a ``SoftMat``, or
+            ``interface`` is no dict, or has an unknown attribute or material, one that does nothing
+            without another, or numbers for all pairs that do not fit together or to the contact
+            geometry of the grains.
     """
     if rigid not in _RIGID_LAWS:
         raise ValueError(f"rigid = {rigid!r} is not one of {', '.join(map(repr, _RIGID_LAWS))}")
@@ -140,9 +141,21 @@ def engines(
             _physics_functors(interface),
             _laws(nonsmooth, interface),
         ),
-        made(wrapper.SoftGrainIntegrator, integrator),
+        _integrator(integrator),
         NewtonIntegrator(damping=0, gravity=gravity, prevVelGrad=_present_velocity_gradient()),
     ]
+
+
+def _integrator(attributes):
+    engine = made(wrapper.SoftGrainIntegrator, attributes)
+    for name in attributes:
+        try:
+            setattr(engine, name, getattr(engine, name))
+        except AttributeError:  # YADE's constructors set what scripts may only read
+            raise ValueError(
+                f"{name}: a result of SoftGrainIntegrator, which cannot be set"
+            ) from None
+    return engine
 
 
 def insert_before_solve(*engines):
@@ -154,12 +167,15 @@ def insert_before_solve(*engines):
         *engines (Engine): in this order.
 
     Raises:
-        ValueError: ``O.engines`` holds no ``SoftGrainIntegrator``, or an argument is no engine.
+        ValueError: ``O.engines`` holds no ``SoftGrainIntegrator``, or an argument is no engine, or
+            one that is there already.
     """
+    present = list(O.engines)
     for engine in engines:
         if not isinstance(engine, Engine):
             raise ValueError(f"engines: {engine!r} is no engine")
-    present = list(O.engines)
+        if engine in present:
+            raise ValueError(f"engines: {engine!r} is in O.engines already, and would act twice")
     places = [k for k, e in enumerate(present) if isinstance(e, wrapper.SoftGrainIntegrator)]
     if not places:
         raise ValueError(
@@ -313,7 +329,7 @@ def critical_time_step():
     refuse_background_run("critical_time_step")
     step = _softgrain.criticalTimeStep()
     if not step > 0:
-        raise ValueError("critical_time_step: the scene has no soft grain")
+        raise ValueError("the scene has no soft grain, and so no critical time step")
     return step
 
 

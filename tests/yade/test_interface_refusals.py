@@ -6,7 +6,7 @@ import re
 import pytest
 from interface_scenes import BOND, COHESION, SIDE, add_block, damped, interaction
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
-from yade import MatchMaker, O
+from yade import FrictMat, MatchMaker, O
 
 import softgrain as sg
 
@@ -28,9 +28,20 @@ def of_all(value):
 )
 def test_numbers_are_refused_at_once(name, value, admissible):
     add_block(0)
-    message = f"interface: {name} = {value} is outside the admissible range {admissible}"
+    shown = repr(value) if isinstance(value, str) else value
+    message = f"interface: {name} = {shown} is outside the admissible range {admissible}"
     with pytest.raises(ValueError, match=re.escape(message)):
         sg.engines(interface={name: value})
+
+
+@pytest.mark.parametrize("pair", [(0, 7), (-1, 0), (0.5, 0)])
+def test_materials_that_are_none_are_refused_at_once(pair):
+    add_block(0)
+    O.materials.append(FrictMat())
+    message = r"interface: cohesion is given for material .*admissible are ids of .*\[0, 1\)"
+    match = MatchMaker(matches=((*pair, 1e3),), algo="zero")
+    with pytest.raises(ValueError, match=message):
+        sg.engines(interface={"cohesion": match, "cohesionRange": 1e-4})
 
 
 @pytest.mark.parametrize(
@@ -62,7 +73,8 @@ def test_what_does_not_fit_together_is_refused_at_once(law, message, matched):
 
 def test_what_depends_on_the_pair_is_left_to_the_step():
     add_block(0)
-    none = MatchMaker(matches=((7, 8, 1e3),), algo="zero")
+    other = O.materials.append(FrictMat())
+    none = MatchMaker(matches=((other, other, 1e3),), algo="zero")
     for law in (
         {"cohesion": none, "cohesionRange": 1e-4},
         {"cohesion": 1e3, "cohesionRange": none},

@@ -147,13 +147,14 @@ def test_walls_that_are_pushed_twice_are_refused(times):
     ready()
     first = insert_controller(walls, goal=(STRESS, STRESS, 0))
     second = first if times == "one twice" else sg.WallStressController(walls=walls)
-    sg.insert_before_solve(second)
+    O.engines = [second, *O.engines]
     with pytest.raises(RuntimeError, match=f"push body #{walls[0]} .*would add up"):
         run(1)
     O.engines = [e for e in O.engines if not isinstance(e, sg.WallStressController)]
     second = sg.WallStressController(walls=walls, goal=(STRESS, STRESS, 0), dead=True)
-    for controller in (first, second):
-        sg.insert_before_solve(controller)
+    sg.insert_before_solve(first, second)
+    with pytest.raises(ValueError, match="is in O.engines already, and would act twice"):
+        sg.insert_before_solve(first)
     run(1)
 
 

@@ -41,6 +41,10 @@ def other_collider():
     O.engines = engines
 
 
+def no_collider():
+    O.engines = [e for e in O.engines if not isinstance(e, yade.InsertionSortCollider)]
+
+
 def soft_clump():
     other = sg.soft_disk((5 * RADIUS, 0, 0), RADIUS, soft_material(), zeta=0.3)
     O.bodies.append(other)
@@ -207,6 +211,7 @@ REFUSED = [
     (dead_loop, "no InteractionLoop before it in O.engines that is not dead"),
     (loop_behind, "no InteractionLoop before it"),
     (wall_in_the_plane, "#0: a Wall of axis = 2 lies in the plane"),
+    (no_collider, "#0 of shape SoftGrain: O.engines holds no collider that bounds it"),
     (other_collider, "SpatialQuickSortCollider: .*InsertionSortCollider"),
     (lambda: add_engine(TriaxialStressController(), 4), "internalCompaction = True: soft grains"),
     (lambda: add_engine(PeriTriaxController(dynCell=True, mass=0), 4), r"mass = 0.0+: YADE would"),

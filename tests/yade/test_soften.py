@@ -374,6 +374,17 @@ def test_held_spheres_stay_rigid(when):
     assert isinstance(floor.shape, Sphere) and floor.state.vel.norm() == 0
 
 
+@pytest.mark.parametrize("dim, blocked", [(2, "zXYZ"), (3, "Z"), (3, "zXY")])
+def test_what_a_sphere_may_not_do_is_not_forgotten(dim, blocked):
+    ball = utils.sphere((0, 0, 0), RADIUS, material=FrictMat(density=1000))
+    ball.state.blockedDOFs = blocked
+    O.bodies.append(ball)
+    O.engines = sg.engines()
+    with pytest.raises(ValueError, match=f"#0 is held, blockedDOFs = '{blocked}'"):
+        sg.soften([0], soft_material(), ZETA, dim=dim)
+    assert isinstance(ball.shape, Sphere) and ball.state.blockedDOFs == blocked
+
+
 def test_run_with_overlaps_from_the_start_goes_on_after_loading(tmp_path):
     """The first steps work them off at full speed, whenever the scene was saved."""
     for x in (0, 1.997 * RADIUS):

@@ -115,6 +115,17 @@ def test_soften_when_loaded_needs_an_integrator():
             sg.soften(when="loaded", load=load)
 
 
+def test_spheres_that_wait_already():
+    add_rigid_disk((0, 0, 0), RADIUS)
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    O.dt = 1e-6
+    sg.soften(when="loaded", material=soft_material(), zeta=0.25)
+    engines = len(O.engines)
+    with pytest.raises(ValueError, match="#0 waits already to turn soft"):
+        sg.soften(when="loaded", material=soft_material(), zeta=0.25)
+    assert len(O.engines) == engines
+
+
 def test_load_without_meaning():
     add_rigid_disk((0, 0, 0), RADIUS)
     with pytest.raises(ValueError, match="load = 0.01: .* when='now'"):
@@ -216,6 +227,29 @@ def test_step_after_the_last_sphere_has_turned():
     run_until_softened(2)
     run(3)
     assert O.dt > 1e-5
+
+
+@pytest.mark.parametrize("dim", (2, 3))
+@pytest.mark.parametrize("young", (1e7, 5e10))
+def test_the_force_that_turns_the_last_spheres_acts_for_their_step(dim, young):
+    """Not for that of the soft grains, which is up to some hundred times as long."""
+    for x, speed in ((0, 0.5), (2.01 * RADIUS, -0.5)):
+        if dim == 2:
+            add_rigid_disk((x, 0, 0), RADIUS, (speed, 0, 0), density=1000, young=young)
+        else:
+            sphere = utils.sphere((x, 0, 0), RADIUS, material=rigid_material(young=young))
+            sphere.state.vel = (speed, 0, 0)
+            O.bodies.append(sphere)
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    O.dt = 0.3 * utils.PWaveTimeStep()
+    sg.soften(material=soft_material(), zeta=0.25, dim=dim, when="loaded")
+    run_until_softened(2)
+    second = O.bodies[1].state
+    assert second.vel[0] == pytest.approx(-0.5, rel=0.1)
+    while O.time < 0.02:
+        run(10)
+    assert O.dt > 1e-5
+    assert 0.8 < second.vel[0] / 0.5 < 1
 
 
 @pytest.mark.parametrize("end", ("turned soft", "erased"))

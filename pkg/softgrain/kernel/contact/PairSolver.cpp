@@ -1,6 +1,7 @@
 #include "contact/PairSolver.hpp"
 #include "Fetch.hpp"
 #include "contact/CoulombCone.hpp"
+#include "contact/Lever.hpp"
 #include "contact/PairSum.hpp"
 #include "contact/Pressure.hpp"
 #include "lanes/Lanes.hpp"
@@ -110,8 +111,39 @@ template <int dim> void PairSolver<dim>::engageInterface()
 	frictions_ = interface_->frictions(friction_);
 	interface_->engage(
 		constraints_, list_->contacts, contactAreas<dim>(*first_, second_, list_->contacts),
-		!second_, [this](const Constraint& c, const Vec<dim>& p) { applyImpulse(c, p); },
+		!second_,
+		[this](const Constraint& c, const Vec<dim>& p) {
+			applyImpulse(c, p);
+			const BodySide<dim>& side = otherSide(c);
+			forEachLever(c, [&](int node, const Vec<dim>& a) {
+				side.push(side.velocity, node, p.dot(a) * c.normal);
+			});
+		},
 		[this](const Constraint& c) { return velocityBefore(c); });
+}
+
+template <int dim>
+template <class Visit>
+void PairSolver<dim>::forEachLever(const Constraint& c, Visit&& visit) const
+{
+	const std::size_t k = numberOf(c);
+	if (!interface_ || interface_->history[k].bond != Bond::whole) return;
+	if (c.partners < mostPartners<dim>) return; // of a plane, which does not turn
+	std::array<Vec<dim>, mostPartners<dim>> places;
+	for (std::size_t i = 0; i < places.size(); ++i)
+		places[i] = other(c)->position[c.partner[i]];
+	const Levers<dim> levers = leversOf(places, c.normal, list_->contacts[k].gap);
+	for (std::size_t i = 0; i < places.size(); ++i)
+		visit(c.partner[i], levers[i]);
+}
+
+template <int dim>
+Vec<dim> PairSolver<dim>::velocityAcross(const Constraint& c, const Vec<dim>& u,
+					 const Vec<dim>* other) const
+{
+	Vec<dim> v = u;
+	forEachLever(c, [&](int node, const Vec<dim>& a) { v += a * c.normal.dot(other[node]); });
+	return v;
 }
 
 template <int dim>
@@ -135,8 +167,7 @@ double PairSolver<dim>::couplingOf(const Constraint& c, const Constraint& d) con
 
 template <int dim> Vec<dim> PairSolver<dim>::velocityBefore(const Constraint& c) const
 {
-	return relativeVelocity(c, own(c)->velocityBefore.data(),
-				c.partners > 0 ? other(c)->velocityBefore.data() : nullptr,
+	return relativeVelocity(c, own(c)->velocityBefore.data(), otherBefore(c),
 				drift_[c.onFirst]);
 }
 
@@ -342,7 +373,9 @@ template <int dim> void PairSolver<dim>::finish()
 			overlaps.add(c.impulse.dot(c.normal), velocity(c).dot(c.normal));
 		const Vec<dim> r =
 			interface_ ? interface_->remember(k,
-							  { c.normal, c.impulse, velocity(c),
+							  { c.normal, c.impulse,
+							    velocityAcross(c, velocity(c),
+									   otherSide(c).velocity),
 							    spinOfOther(c), list_->contacts[k].gap,
 							    own(c)->pointSpacing, c.isOnEdge() },
 							  friction_)
@@ -353,6 +386,9 @@ template <int dim> void PairSolver<dim>::finish()
 				 [&](int node, double w) { own(c)->impulse[node] += w * r; });
 		for (int i = 0; i < c.partners; ++i)
 			other(c)->impulse[c.partner[i]] -= c.weight[i] * r;
+		forEachLever(c, [&](int node, const Vec<dim>& a) {
+			other(c)->impulse[node] += interface_->history[k].pull.dot(a) * c.normal;
+		});
 	}
 	list_->impulse =
 		sum.total(constraints_, [this](const Constraint& c) { return placeOf(c); });
@@ -398,8 +434,8 @@ template <int dim> ContactWork PairSolver<dim>::work() const
 		work.impact.after -= 0.5 * normal.dot(after);
 		work.friction.before -= 0.5 * (r - normal).dot(before);
 		work.friction.after -= 0.5 * (r - normal).dot(after);
-		work.cohesion.before -= 0.5 * p.dot(before);
-		work.cohesion.after -= 0.5 * p.dot(after);
+		work.cohesion.before -= 0.5 * p.dot(velocityAcross(c, before, otherBefore(c)));
+		work.cohesion.after -= 0.5 * p.dot(velocityAcross(c, after, otherSide(c).velocity));
 		const double driven = 0.5 * (r + p).dot(drift_[c.onFirst]);
 		(second_ ? work.cell : work.planes) += { driven, driven };
 	}

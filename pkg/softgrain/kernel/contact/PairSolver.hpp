@@ -118,6 +118,11 @@ private:
 	/// W between two contacts.
 	double couplingOf(const Constraint& c, const Constraint& d) const;
 	Vec<dim> velocityBefore(const Constraint& c) const;
+	/// Those of the nodes of the other body; null for a plane.
+	const Vec<dim>* otherBefore(const Constraint& c) const
+	{
+		return c.partners > 0 ? other(c)->velocityBefore.data() : nullptr;
+	}
 	/// From velocities of the nodes of the body on which the impulse acts, and of the other.
 	Vec<dim> relativeVelocity(const Constraint& c, const Vec<dim>* own, const Vec<dim>* other,
 				  const Vec<dim>& drift) const;
@@ -138,6 +143,11 @@ private:
 	/// As the first body sees it, m.
 	Vec<dim> placeOf(const Constraint& c) const;
 	double spinOfOther(const Constraint& c) const; ///< ContactOutcome::spin
+	/// Of a bond: calls with the nodes that bear it and their levers (Lever.hpp).
+	template <class Visit> void forEachLever(const Constraint& c, Visit&& visit) const;
+	/// u less what is no slip, as both bodies turn; from u and the velocities of the other.
+	Vec<dim> velocityAcross(const Constraint& c, const Vec<dim>& u,
+				const Vec<dim>* other) const;
 	/// Adds what an impulse does to velocities of the nodes of both bodies.
 	void push(const Constraint& c, const Vec<dim>& J, Vec<dim>* own, Vec<dim>* other) const;
 	void describe(PairProblem<dim>& problem) const;

@@ -1,0 +1,88 @@
+"""Bonds of grains that turn together: no slip, no damage, no moment by themselves."""
+
+import math
+
+import numpy as np
+import pytest
+from interface_scenes import SIDE, damped, interaction
+from scenes import ready, run
+from yade import O
+
+import softgrain as sg
+
+#: Bonds with a gap, over dr, as tension or the way in which they were made leaves one.
+GAP = 1 / 125
+BOND = dict(bondStrength=1e5, bondEnergy=50.0, bondStiffness=2e8)
+
+
+def turning_pair(dim, zeta, spin):
+    """Two blocks, bonded across a gap, that turn freely about their common centre."""
+    gap = GAP * zeta * SIDE / 2
+    sides = (SIDE,) * dim
+    for sign in (-1, 1):
+        place = (sign * (SIDE + gap) / 2, 0, 0)
+        O.bodies.append(sg.soft_block(place, sides, damped(), zeta=zeta))
+    ready(interface=BOND, tolerance=1e-4, maxSweeps=500)
+    run(3)
+    for body in sg.soft_bodies():
+        body.state.vel = (0, spin * body.state.pos[0], 0)
+        body.state.angVel = (0, 0, spin)
+    run(1)
+    return gap
+
+
+def turn_of(body):
+    return 2 * math.atan2(body.state.ori[2], body.state.ori[3])
+
+
+def aside():
+    """How far the second block has gone past the first one."""
+    first, second = sg.soft_bodies()
+    way, angle = np.array(second.state.pos - first.state.pos), turn_of(first)
+    return -math.sin(angle) * way[0] + math.cos(angle) * way[1]
+
+
+def angular_momentum():
+    return sum(
+        body.state.inertia[2] * body.state.angVel[2]
+        + body.state.mass * np.cross(body.state.pos, body.state.vel)[2]
+        for body in sg.soft_bodies()
+    )
+
+
+@pytest.mark.parametrize("dim, zeta", [(2, 0.25), (2, 0.125), (3, 0.5)])
+def test_a_bonded_pair_turns_as_one(dim, zeta):
+    spin = 5 if dim == 2 else 20
+    gap = turning_pair(dim, zeta, spin)
+    momentum, start = angular_momentum(), O.time
+    while O.time - start < math.pi / 2 / spin:
+        run(20)
+    assert turn_of(sg.soft_bodies()[0]) == pytest.approx(math.pi / 2, rel=0.05)
+    assert abs(aside()) < 0.02 * gap * math.pi / 2
+    assert angular_momentum() == pytest.approx(momentum, rel=1e-6 if dim == 2 else 1e-4)
+    contacts = interaction().geom.contacts()
+    assert (contacts["bond"] == 1).all() and contacts["damage"].max() == 0
+
+
+def test_bonds_that_turn_are_not_damaged():
+    """Three blocks that cannot give way to each other, at 2 % of the strength of their bonds."""
+    zeta, spin = 0.25, 10
+    gap = GAP * zeta * SIDE / 2
+    O.bodies.append(sg.soft_block((0, -(SIDE + gap) / 2, 0), (2 * SIDE, SIDE), damped(), zeta=zeta))
+    for sign in (-1, 1):
+        place = (sign * (SIDE + gap) / 2, (SIDE + gap) / 2, 0)
+        O.bodies.append(sg.soft_block(place, (SIDE, SIDE), damped(), zeta=zeta))
+    ready(interface=dict(bondStrength=2e3, bondEnergy=0.1), tolerance=1e-4, maxSweeps=500)
+    O.trackEnergy = True
+    run(3)
+    for body in sg.soft_bodies():
+        body.state.vel = (-spin * body.state.pos[1], spin * body.state.pos[0], 0)
+        body.state.angVel = (0, 0, spin)
+    run(1)
+    balance, start = sg.Balance(), O.time
+    while O.time - start < math.pi / spin:
+        run(50)
+    damage = [i.geom.contacts()["damage"].max() for i in O.interactions if i.isReal]
+    assert len(damage) == 3 and max(damage) == 0
+    assert sg.integrator().lostBonds == 0
+    assert balance.error() < 1e-4
