@@ -4,6 +4,7 @@
 #include "TouchedBodies.hpp"
 #include "Yade.hpp"
 
+#include <algorithm>
 #include <map>
 #include <typeinfo>
 

@@ -3,10 +3,9 @@
 //
 // A node at the gap g before the place y that bears its contact is y + g n. If both bodies turn as
 // one, that moves with
-//     sum_i w_i v_i - sum_i a_i (n . v_i),    a_i = g grad w_i,    dn/dt = - sum_i grad w_i (n .
-//     v_i),
-// so the second sum is no slip. And p on the node is borne by -w_i p + (p . a_i) n on the nodes i:
-// then it does no work as they turn, and leaves no moment.
+//     sum_i w_i v_i - sum_i a_i (n . v_i),    a_i = g grad w_i,
+// since dn/dt = - sum_i grad w_i (n . v_i): the second sum is no slip. And p on the node is borne
+// by -w_i p + (p . a_i) n on the nodes i: then it does no work as they turn, and leaves no moment.
 #pragma once
 
 #include "Vector.hpp"
@@ -27,8 +26,7 @@ inline Levers<2> leversOf(const std::array<Vec<2>, mostPartners<2>>& x, const Ve
 	constexpr double leastShare = 0.25; // of its length, across the normal, squared
 	Levers<2> a;
 	a.fill(Vec<2>::Zero());
-	const Vec<2> edge =
-		x[2] - x[1]; // the facet; beside it the nodes that the curve passes next
+	const Vec<2> edge = x[2] - x[1]; // the facet, between the nodes beside it
 	const Vec<2> along = edge - edge.dot(n) * n;
 	if (along.squaredNorm() < leastShare * edge.squaredNorm()) return a;
 	a[2] = gap / along.squaredNorm() * along;

@@ -139,10 +139,10 @@ void PairSolver<dim>::forEachLever(const Constraint& c, Visit&& visit) const
 
 template <int dim>
 Vec<dim> PairSolver<dim>::velocityAcross(const Constraint& c, const Vec<dim>& u,
-					 const Vec<dim>* other) const
+					 const Vec<dim>* bearing) const
 {
 	Vec<dim> v = u;
-	forEachLever(c, [&](int node, const Vec<dim>& a) { v += a * c.normal.dot(other[node]); });
+	forEachLever(c, [&](int node, const Vec<dim>& a) { v += a * c.normal.dot(bearing[node]); });
 	return v;
 }
 

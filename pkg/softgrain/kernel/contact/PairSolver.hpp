@@ -145,9 +145,10 @@ private:
 	double spinOfOther(const Constraint& c) const; ///< ContactOutcome::spin
 	/// Of a bond: calls with the nodes that bear it and their levers (Lever.hpp).
 	template <class Visit> void forEachLever(const Constraint& c, Visit&& visit) const;
-	/// u less what is no slip, as both bodies turn; from u and the velocities of the other.
+	/// u less what is no slip, as both bodies turn; from u and the velocities of the other
+	/// body.
 	Vec<dim> velocityAcross(const Constraint& c, const Vec<dim>& u,
-				const Vec<dim>* other) const;
+				const Vec<dim>* bearing) const;
 	/// Adds what an impulse does to velocities of the nodes of both bodies.
 	void push(const Constraint& c, const Vec<dim>& J, Vec<dim>* own, Vec<dim>* other) const;
 	void describe(PairProblem<dim>& problem) const;
