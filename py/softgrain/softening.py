@@ -85,10 +85,10 @@ def soften(
     Raises:
         ValueError: a body is neither sphere nor clump, is held (``x``, ``y`` or ``Z`` among its
             ``blockedDOFs``, as by ``fixed=True``, in 3D any: a soft grain cannot be), waits already
-            to turn soft when loaded, a clump is in 3D, falls
-            into parts or encloses a hole, the scene's dimension is not clear, an overlap is
-            refused, grains would differ from others in ``dim``, ``contact`` or plane, or a
-            parameter is out of its range. Nothing has been changed then.
+            to turn soft when loaded, a clump is in 3D, falls into parts or encloses a hole, the
+            scene's dimension is not clear, an overlap is refused, grains would differ from others
+            in ``dim``, ``contact`` or plane, or a parameter is out of its range. Nothing has been
+            changed then.
         RuntimeError: a run is going on in the background. Nothing has been changed then.
     """
     refuse_background_run("soften")
@@ -237,6 +237,7 @@ def _softeners():
 
 
 def _refuse_waiting(ids):
+    """ValueError for bodies that would be turned by two engines."""
     waiting = {i for softener in _softeners() for i in softener.ids}
     twice = [i for i in ids if i in waiting]
     if twice:
@@ -324,6 +325,7 @@ def _refuse_held(body):
 
 
 def _refuse_blocked(bodies):
+    """ValueError in 3D, where no motion of a sphere is one that a soft grain could not have."""
     for body in bodies:
         if body.state.blockedDOFs:
             _refuse_held(body)

@@ -147,6 +147,7 @@ def engines(
 
 
 def _integrator(attributes):
+    """With these settings; ValueError for what is no attribute, of another type, or a result."""
     engine = made(wrapper.SoftGrainIntegrator, attributes)
     for name in attributes:
         try:

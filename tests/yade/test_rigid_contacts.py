@@ -233,8 +233,7 @@ def test_box_at_rest():
     held = sum(O.forces.f(i)[2] for i in range(5))
     assert held == pytest.approx(-GRAVITY * mass, rel=1e-3)
     integrator = sg.integrator()
-    # none so far; where many collide the residual, over what is exchanged, may not be reached
-    assert integrator.cappedSteps <= 2 and integrator.residual < 0.01
+    assert integrator.cappedSteps == 0 and integrator.residual < 0.01
     assert integrator.largestOverlap < 0.03
     assert utils.unbalancedForce() < 0.01
 

@@ -11,41 +11,16 @@
 #include "Vector.hpp"
 #include "reference/Outline.hpp"
 
-#include <Eigen/Geometry>
 #include <array>
 
 namespace softgrain {
 
-/// a_i of the nodes of a contact's place.
+/// a_i of the nodes of a contact's place; no unit.
 template <int dim> using Levers = std::array<Vec<dim>, mostPartners<dim>>;
 
-/// From the positions of these nodes. Zero where the facet stands so steep to the contact, as about
-/// a corner, that it does not tell how the normal turns.
-inline Levers<2> leversOf(const std::array<Vec<2>, mostPartners<2>>& x, const Vec<2>& n, double gap)
-{
-	constexpr double leastShare = 0.25; // of its length, across the normal, squared
-	Levers<2> a;
-	a.fill(Vec<2>::Zero());
-	const Vec<2> edge = x[2] - x[1]; // the facet, between the nodes beside it
-	const Vec<2> along = edge - edge.dot(n) * n;
-	if (along.squaredNorm() < leastShare * edge.squaredNorm()) return a;
-	a[2] = gap / along.squaredNorm() * along;
-	a[1] = -a[2];
-	return a;
-}
-
-inline Levers<3> leversOf(const std::array<Vec<3>, mostPartners<3>>& x, const Vec<3>& n, double gap)
-{
-	constexpr double leastShare = 0.5; // of its area, across the normal
-	Levers<3> a;
-	a.fill(Vec<3>::Zero());
-	const Vec<3> u = x[1] - x[0], v = x[2] - x[0], area = u.cross(v);
-	const double across = area.dot(n);
-	if (std::abs(across) < leastShare * area.norm()) return a;
-	a[1] = gap / across * v.cross(n);
-	a[2] = gap / across * n.cross(u);
-	a[0] = -a[1] - a[2];
-	return a;
-}
+/// From the positions of these nodes, m. Zero where the facet is steeper than 60 degrees to the
+/// contact, as about a corner: it does not tell how the normal turns.
+Levers<2> leversOf(const std::array<Vec<2>, mostPartners<2>>& x, const Vec<2>& n, double gap);
+Levers<3> leversOf(const std::array<Vec<3>, mostPartners<3>>& x, const Vec<3>& n, double gap);
 
 } // namespace softgrain

@@ -1,5 +1,4 @@
 #include "contact/PairSolver.hpp"
-#include "Fetch.hpp"
 #include "contact/CoulombCone.hpp"
 #include "contact/Lever.hpp"
 #include "contact/PairSum.hpp"
@@ -8,7 +7,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 namespace softgrain {
 
@@ -201,59 +199,6 @@ void PairSolver<dim>::push(const Constraint& c, const Vec<dim>& J, Vec<dim>* own
 	forOwnNodes<dim>(c, c.node,
 			 [&](int node, double w) { ownSide(c).push(ownVelocity, node, w * J); });
 	if (c.partners > 0) otherSide(c).push(otherVelocity, c, J, -1);
-}
-
-template <int dim> void PairSolver<dim>::findStretch(BodySide<dim>& side, bool ofFirst) const
-{
-	side.firstRead = std::numeric_limits<int>::max();
-	side.endOfRead = 0;
-	for (const Constraint& c : constraints_) {
-		auto note = [&](int node, double = 1) {
-			side.firstRead = std::min(side.firstRead, node);
-			side.endOfRead = std::max(side.endOfRead, node + 1);
-		};
-		if (c.onFirst == ofFirst)
-			forOwnNodes<dim>(c, c.node, note);
-		else
-			note(c.partner[0]);
-	}
-}
-
-template <int dim> void PairSolver<dim>::fetchConstraints() const
-{
-	fetchBytes(constraints_.begin(), constraints_.end());
-}
-
-template <int dim> void PairSolver<dim>::fetchBodies() const
-{
-	for (const ContactBody<dim>* body : { first_, second_ }) {
-		if (!body) continue;
-		fetchBytes(&body->pointSpacing, &body->pointSpacing + 1);
-		fetchBytes(&body->delassus, &body->velocityBefore);
-	}
-}
-
-/// Of nodes that feel the contacts from farther off than this only time is lost.
-template <int dim> void PairSolver<dim>::fetchVelocities() const
-{
-	constexpr int nodesAside = 8;
-	for (const BodySide<dim>* side : { &firstSide_, &secondSide_ }) {
-		if (!side->velocity) continue;
-		fetchBytes(side->velocity + std::max(side->firstRead - nodesAside, 0),
-			   side->velocity + side->endOfRead + nodesAside);
-	}
-}
-
-template <int dim> void PairSolver<dim>::fetchResults() const
-{
-	fetchBytes(list_->contacts.data(), list_->contacts.data() + list_->contacts.size());
-	fetchBytes(&list_->impulse, &list_->impulse + 1);
-	for (const BodySide<dim>* side : { &firstSide_, &secondSide_ }) {
-		if (!side->body) continue;
-		for (const auto* field : { &side->body->position, &side->body->impulse })
-			fetchBytes(field->data() + side->firstRead,
-				   field->data() + side->endOfRead);
-	}
 }
 
 /// (Each contact waits for the impulse of the one before it, and what that does to the nodes would
