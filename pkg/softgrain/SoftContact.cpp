@@ -29,8 +29,8 @@ void SoftGeom::bind(const std::shared_ptr<softgrain::GrainAssembly>& present, in
 	pair->restore(records);
 	pair->restoreAccount(account);
 	pair->restoreInterface(history);
-	if (isTurned) pair->swapGrains();
 	pair->restoreRest(rest);
+	if (isTurned) pair->swapGrains();
 }
 
 /// Keys, impulses and how they turn; the others are found anew by the search.

@@ -35,7 +35,7 @@ public:
 		((vector<Real>, savedTwists, , Attr::hidden, "Turns about them in the step after they were solved, when saved [rad]."))
 		((Real, savedAccount, 0, Attr::hidden, "What overlaps have lately taken from the bodies, when saved [J]."))
 		((int, savedGrace, softgrain::stepsOfAccount, Attr::hidden, "Steps left, when saved, in which overlaps that were there from the start are worked off at full speed."))
-		((vector<Real>, savedRest, , Attr::hidden, "What a sleeping pair goes on from when saved; else empty."))
+		((vector<Real>, savedRest, , Attr::hidden, "What a pair of which a grain sleeps goes on from when saved; else empty."))
 		((vector<Real>, savedInterface, , Attr::hidden, "What an interface law remembers when saved; else empty.")),
 		createIndex();,
 		.def("contacts", &SoftGeom::contactArrays, "Contact points within reach, a dict of arrays: point (n, 3), in a periodic cell beside the grain *first* [m], normal (n, 3) on the grain that owns the node, gap (n,) [m], impulse (n, 3) of the last step on that grain, reaction and tractions of :yref:`SoftInterface` together [N s], force (n, 3) the same over the time it acted [N, 2D N/m], area (n,) share of the node in the outline [m², 2D m], pressure (n,) and shear (n, 3), the tangential traction, on that grain at the node, from all impulses of the pair averaged over about one spacing of background nodes [Pa] (all three 0 unless the geometry is 'surface'; forces of single nodes scatter, see doc/theory.md), side (n,) 0 if the node belongs to the grain *first*, 1 otherwise, node (n,), -1 where two sharp edges cross, which stand for no area, bond (n,) 0 if there never was one, 1 while it holds, 2 once it is broken, damage (n,) of the bond in [0, 1].")

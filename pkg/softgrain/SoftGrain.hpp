@@ -89,7 +89,7 @@ public:
 		.def("nodeVelocities", &SoftGrain::nodalVelocitiesArray, "Velocities of the background nodes (formulation 'updated': of the material points) half a step ago: array (n, dim) [m/s].")
 		.def("points", &SoftGrain::pointArrays, "Fields at the material points, a dict of arrays: position (n, 3) [m], F (n, 3, 3) deformation gradient [-], cauchy (n, 3, 3) Cauchy stress [Pa], volume (n,) present volume [m³, 2D m²].")
 		.def("isRigid", &SoftGrain::movesRigidly, "Whether the grain moves as a rigid body: undeformed and untouched, so that nothing of it needs to be computed (:yref:`SoftGrainIntegrator.rigidMotion`).")
-		.def("isAsleep", &SoftGrain::sleeps, "Whether the grain sleeps: at rest, like all that it touches, and left as it is until something changes (:yref:`SoftGrainIntegrator.sleep`).")
+		.def("isAsleep", &SoftGrain::sleeps, "Whether the grain sleeps: at rest, and left as it is until something changes (:yref:`SoftGrainIntegrator.sleep`).")
 		.def("energy", &SoftGrain::energyDict, "Energies of the grain [J, 2D J/m], a dict: kinetic (of the present velocities), elastic (at the beginning of the last step; 0 before the first).")
 		.def("undeformedVolume", &SoftGrain::undeformedVolume, "Volume of the undeformed grain [m³] (2D: area [m²]).")
 		.def("volume", &SoftGrain::presentVolume, "Present volume [m³] (2D: area [m²]), Σ Vp0 J.")

@@ -64,6 +64,15 @@ def rest():
         assert O.iter < 30000
 
 
+def all_wake(most=500):
+    """Who was touched is awake now, and soon are all who feel it."""
+    assert not all(asleep())
+    began = O.iter
+    while any(asleep()):
+        run(1)
+        assert O.iter - began < most
+
+
 def forces():
     """And torques over the radius, on all bodies, as YADE shows them after a step."""
     return np.array([[*O.forces.f(b.id), *(O.forces.t(b.id) / RADIUS)] for b in O.bodies])

@@ -20,6 +20,7 @@ from scenes import (
 from sleep_scenes import (
     FLOORS,
     GRAVITY,
+    all_wake,
     asleep,
     box_below,
     forces,
@@ -81,6 +82,12 @@ def test_nothing_is_done():
     assert balance.error() < before + 1e-9
 
 
+def load(share):
+    """The disk on top by a share of its weight more."""
+    top = sg.soft_bodies()[2]
+    O.forces.setPermF(top.id, (0, -share * GRAVITY * top.state.mass, 0))
+
+
 def push_a_disk():
     sg.soft_bodies()[2].state.vel = (0.1, 0, 0)
 
@@ -98,7 +105,7 @@ def turn_gravity():
 
 
 def load_a_disk():
-    O.forces.setPermF(sg.soft_bodies()[2].id, (0, -1, 0))
+    load(0.1)
 
 
 def move_a_wall():
@@ -163,8 +170,68 @@ def test_woken_by(change, floor, loaded, tmp_path):
         O.load(str(tmp_path / "asleep.yade.bz2"))
     change()
     run(1)
-    assert not any(asleep())
+    if change is erase_an_interaction:  # it is made anew at once
+        assert not all(asleep())
+        return
+    all_wake()
+    run(1)
     assert sg.integrator().sleepingGrains == 0
+
+
+@on_all_floors
+def test_who_does_not_feel_it_sleeps_on(floor):
+    """What holds a sleeper beside one that is awake is little, and nothing is lost of what that
+    does to it."""
+    heap(floor=floor)
+    rest()
+    engine, steps = sg.integrator(), 400
+    nodes = [body.shape.nodes() for body in sg.soft_bodies()]
+    before, swept = forces(), engine.totalGrainSteps
+    load(1e-3)
+    run(1)
+    assert asleep() == [True, True, False]
+    assert (engine.activeGrains, engine.sleepingGrains) == (1, 2)
+    balance = sg.Balance()
+    run(steps)
+    assert asleep() == [True, True, False]
+    assert engine.totalGrainSteps - swept == steps + 1
+    for k in (0, 1):
+        np.testing.assert_array_equal(sg.soft_bodies()[k].shape.nodes(), nodes[k])
+    more = forces() - before
+    weight = GRAVITY * sg.soft_bodies()[2].state.mass
+    np.testing.assert_allclose(more[:2, :2].sum(axis=0), (0, -1e-3 * weight), atol=1e-4 * weight)
+    np.testing.assert_array_equal(more[3:], 0)
+    assert balance.error() < 1e-9
+    rest()
+    load(0.1)
+    run(1)
+    all_wake()
+
+
+@pytest.mark.parametrize("suffix", ("yade.bz2", "xml.gz"))
+def test_saved_while_some_sleep(suffix, tmp_path):
+    """A loaded run goes on with the same bits: who sleeps beside one that is awake sleeps on, and
+    is woken in the same step."""
+    heap(floor=box_below)
+    rest()
+    sg.soft_bodies()[2].state.vel = (1e-5, 0, 0)
+    run(10)
+    assert asleep() == [True, True, False]
+    O.save(str(tmp_path / f"scene.{suffix}"))
+
+    def go_on():
+        run(20)
+        states = [present_state(), {"forces": forces(), "asleep": np.array(asleep())}]
+        assert asleep() == [True, True, False]
+        push_a_disk()
+        run(1)
+        all_wake()
+        return [*states, {"steps": np.array([O.iter])}, present_state()]
+
+    after = go_on()
+    O.load(str(tmp_path / f"scene.{suffix}"))
+    for found, expected in zip(go_on(), after):
+        assert_same_bits(found, expected)
 
 
 def test_sleepers_sleep_on_while_others_come_and_go():
@@ -188,7 +255,7 @@ def test_sleepers_sleep_on_while_others_come_and_go():
     while all(asleep()[:3]):
         run(1)
         assert O.iter < 40000
-    assert not any(asleep())
+    all_wake()
 
 
 def test_woken_by_a_falling_disk():
@@ -206,7 +273,7 @@ def test_woken_by_a_falling_disk():
     while sum(asleep()) == 3:
         run(1)
         assert O.iter < 60000
-    assert sum(asleep()) == 0
+    all_wake()
     run(100)
     assert sg.integrator().activeGrains == 4
 
@@ -311,7 +378,7 @@ def test_woken_by_a_period_that_changes():
     rest()
     O.cell.hSize = Matrix3(7.9 * RADIUS, 0, 0, 0, 30 * RADIUS, 0, 0, 0, 1)
     run(1)
-    assert not any(asleep())
+    all_wake()
 
 
 def test_another_condition_before_saving(tmp_path):

@@ -77,9 +77,10 @@ public:
 	virtual void restore(const std::vector<ContactRecord>& saved) = 0;
 	virtual OverlapAccount account() const = 0; ///< for a save
 	virtual void restoreAccount(const OverlapAccount& saved) = 0;
-	/// What a sleeping pair has to be saved with besides its records; empty if awake.
+	/// What a pair of which a grain sleeps has to be saved with besides its records; else
+	/// empty.
 	virtual std::vector<double> rest() const = 0;
-	/// After `restore`: the pair sleeps on.
+	/// After `restore`: who sleeps goes on to do so.
 	virtual void restoreRest(const std::vector<double>& saved) = 0;
 };
 

@@ -136,6 +136,11 @@ public:
 			list.contacts[k] = entries[k].first;
 			if (list.interface) list.interface->history[k] = entries[k].second;
 		}
+		list.impulse.normal *= -1;
+		list.impulse.shear *= -1;
+		std::swap(list.atRest[0], list.atRest[1]);
+		for (auto& atRest : list.atRest)
+			if (atRest) atRest->force *= -1;
 	}
 	SumOfImpulses impulse() const override
 	{
@@ -208,7 +213,7 @@ public:
 
 	std::vector<double> rest() const override
 	{
-		if (!list.isAsleep()) return {};
+		if (list.rest.changed || !list.isKeptForSleepers()) return {};
 		const PairImpulse<dim>& sum = list.impulse;
 		std::vector<double> numbers { list.rest.kick, list.friction,
 					      static_cast<double>(sum.active) };
@@ -220,6 +225,11 @@ public:
 		append(sum.point);
 		append(sum.moment);
 		append((list.interface ? list.interface->law : InterfaceLaw()).numbers());
+		for (const auto& force : list.atRest) {
+			numbers.push_back(force.has_value());
+			append(force ? force->force : Vec<dim>::Zero().eval());
+			append(force ? force->point : Vec<dim>::Zero().eval());
+		}
 		append(list.rest.placeOfSecond);
 		return numbers;
 	}
@@ -228,9 +238,9 @@ public:
 		if (saved.empty()) return;
 		PairImpulse<dim>& sum = list.impulse;
 		InterfaceLaw::Numbers law;
-		const long scalars = 3, spins = sum.moment.size();
+		const long scalars = 3, spins = sum.moment.size(), forces = 2 * (1 + 2 * dim);
 		const long size = static_cast<long>(saved.size());
-		if (size < scalars + 3 * dim + spins + static_cast<long>(law.size())) {
+		if (size < scalars + 3 * dim + spins + static_cast<long>(law.size()) + forces) {
 			noteUnreadable("it was saved asleep", saved);
 			return;
 		}
@@ -249,6 +259,13 @@ public:
 		if (list.interface) { // what it rests with, to be compared with the one to come
 			list.interface->law = InterfaceLaw::fromNumbers(law);
 			lawUnknown_ = false;
+		}
+		for (auto& atRest : list.atRest) {
+			ForceAtRest<dim> force;
+			const bool has = *from++ != 0;
+			take(force.force);
+			take(force.point);
+			if (has) atRest.emplace() = force;
 		}
 		list.rest = { saved[0], { from, saved.end() }, false, false };
 	}

@@ -189,6 +189,12 @@ struct PairRest {
 	bool kept = false;    ///< impulses were those of the step before in the last step
 };
 
+/// What a pair did to a grain when that fell asleep, in balance with all else that acts on it.
+template <int dim> struct ForceAtRest {
+	Vec<dim> force = Vec<dim>::Zero(); ///< on the first body of the pair, N
+	Vec<dim> point = Vec<dim>::Zero(); ///< where, m
+};
+
 /// All contacts of two bodies, sorted by key.
 template <int dim> struct ContactList {
 	int first = -1; ///< index of the first body
@@ -205,10 +211,16 @@ template <int dim> struct ContactList {
 	PairImpulse<dim> impulse; ///< of the last step, if there are contacts
 	OverlapAccount account;
 	PairRest rest;
+	/// With another grain, by its two grains: of one that sleeps. (Of one that is awake it
+	/// means nothing.)
+	std::array<Rare<ForceAtRest<dim>>, 2> atRest;
 	ContactCandidates<dim> candidates;
 	int tested = 0; ///< nodes that the last search measured against the other body
 
+	int grain(int side) const { return side == 0 ? first : second; } ///< negative: none
 	bool isAsleep() const { return rest.kick > 0 && !rest.changed; }
+	/// It holds what was when one of its grains fell asleep.
+	bool isKeptForSleepers() const { return rest.kick > 0 || atRest[0] || atRest[1]; }
 	/// Whether the second body is a plane or a rigid body that neither moves nor is moved by
 	/// impulses, as far as it is known.
 	bool hasStillSupport() const

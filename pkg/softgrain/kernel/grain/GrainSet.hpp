@@ -132,6 +132,12 @@ public:
 	virtual bool isBalanced(int /*g*/, double /*kick*/) const { return false; }
 	/// At the same time: what the step does to the grain as a whole, and its load of that.
 	virtual WholeImpulses wholeImpulses(int g, double kick, const BodyLoad<dim>& load) const;
+	/// Asleep: whether it may sleep on while forces on it differ by so much from those with
+	/// which it fell asleep, N.
+	virtual bool bears(int /*g*/, double /*force*/, const BodyLoad<dim>& /*load*/) const
+	{
+		return false;
+	}
 	/// Whether its load has driven it while it was at rest: what nothing bears, if it is
 	/// little, is told by what has come together.
 	virtual bool isDriven(int /*g*/, const BodyLoad<dim>& /*load*/) { return false; }

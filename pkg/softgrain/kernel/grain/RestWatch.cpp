@@ -9,6 +9,10 @@ namespace {
 /// Kinetic over elastic energy up to which a grain is calm: forces are then balanced to its root.
 constexpr double calmShare = 1e-8;
 
+/// Of the force that would store the elastic energy, had the grain the stiffness of its slowest
+/// vibration: ten times what trembles in grains that are calm.
+constexpr double borneShare = 1e-3;
+
 } // namespace
 
 RestWatch::RestWatch(const Damping& damping, double slowest)
@@ -18,6 +22,13 @@ RestWatch::RestWatch(const Damping& damping, double slowest)
 	const double omega = 2 * std::numbers::pi / slowest;
 	const double overdamped = 1 + damping.mass / omega + damping.stiffness * omega;
 	share_ = calmShare / (overdamped * overdamped);
+}
+
+bool RestWatch::bears(double force, double mass, double elasticEnergy) const
+{
+	const double omega = 2 * std::numbers::pi / period_;
+	const double scale = borneShare * omega;
+	return force * force <= scale * scale * 2 * mass * elasticEnergy;
 }
 
 } // namespace softgrain

@@ -29,6 +29,9 @@ public:
 		const double radians = 2 * std::numbers::pi * kick / period_;
 		return energyOfChange <= share_ * radians * radians * elasticEnergy;
 	}
+	/// Whether a grain at rest bears, without being computed, that a force on it is not what it
+	/// was when it fell asleep, N; `mass` is that of the grain.
+	bool bears(double force, double mass, double elasticEnergy) const;
 	/// After a further time dt; returns the time since the grain became calm, in periods.
 	double count(bool calm, double dt)
 	{

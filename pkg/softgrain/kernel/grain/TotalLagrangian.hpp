@@ -50,6 +50,7 @@ public:
 	double watchRest(int g, double dt) override;
 	bool isBalanced(int g, double kick) const override;
 	WholeImpulses wholeImpulses(int g, double kick, const BodyLoad<dim>& load) const override;
+	bool bears(int g, double force, const BodyLoad<dim>& load) const override;
 	bool isDriven(int g, const BodyLoad<dim>& load) override;
 	Vec<dim> fallAsleep(int g) override;
 	void wake(int g) override;

@@ -14,6 +14,10 @@ namespace {
 /// doc/decisions/0014-inactive-grains.md.)
 constexpr double drivingShare = 1e-4;
 
+/// Of the load of a sleeping grain, what forces on it may differ by: beside what squeezes a grain a
+/// weight may be small.
+constexpr double borneLoadShare = 1e-2;
+
 } // namespace
 
 template <int dim>
@@ -143,6 +147,14 @@ WholeImpulses TotalLagrangian<dim>::wholeImpulses(int g, double kick,
 	return { sizeOf(momentaOf(g, change)), impulseOf(load, kick, g, change) };
 }
 
+template <int dim>
+bool TotalLagrangian<dim>::bears(int g, double force, const BodyLoad<dim>& load) const
+{
+	const double mass = batch_.mass(g), weight = mass * load.acceleration.norm();
+	if (weight > 0 && force > borneLoadShare * weight) return false;
+	return rest_[g].bears(force, mass, batch_.report[g].elasticEnergy);
+}
+
 template <int dim> void TotalLagrangian<dim>::watchFromNow(int g, const WholeGrain<dim>& whole)
 {
 	rest_[g].watchFromNow();
@@ -219,6 +231,7 @@ template <int dim> void TotalLagrangian<dim>::writeNodes(int g) const
 	template void TotalLagrangian<dim>::computeFirst(std::vector<int>);                        \
 	template double TotalLagrangian<dim>::watchRest(int, double);                              \
 	template bool TotalLagrangian<dim>::isBalanced(int, double) const;                         \
+	template bool TotalLagrangian<dim>::bears(int, double, const BodyLoad<dim>&) const;        \
 	template bool TotalLagrangian<dim>::isDriven(int, const BodyLoad<dim>&);                   \
 	template WholeImpulses TotalLagrangian<dim>::wholeImpulses(int, double,                    \
 								   const BodyLoad<dim>&) const;    \

@@ -1,8 +1,8 @@
 // Which grains of a system are computed, which move as rigid bodies, and which sleep.
 //
-// Whole islands, connected by contacts within reach, fall asleep and wake together, so that no
-// contact lies between a grain that is solved and one that is not
-// (doc/decisions/0014-inactive-grains.md).
+// A grain at rest among grains at rest falls asleep. Beside one that is awake a sleeper is held
+// where it is, and remembers what the pair did to it when it fell asleep: once that changes by more
+// than it bears, it wakes (doc/decisions/0014-inactive-grains.md).
 //
 // Falling asleep is an impulse on every node, at t_n after the contacts were solved, that brings it
 // to rest: positions, internal forces and contact impulses stay those of t_n, and the work of that
@@ -18,7 +18,7 @@
 
 namespace softgrain {
 
-/// What grains lost by falling asleep in a step.
+/// What grains lost by falling asleep in a step, and what sleepers took up beside others.
 struct DroppedMotion {
 	double momentum = 0; ///< sum over the grains, N s
 	double energy = 0;   ///< kinetic, J
@@ -38,8 +38,7 @@ public:
 	/// Wakes sleeping grains whose load is another. So many threads share the calls of
 	/// `loadOf(g)`, which must throw nothing.
 	template <class LoadOf> void setLoads(LoadOf&& loadOf, int threads);
-	/// A grain about which something was changed by hand; the grains that it rests with follow
-	/// in the next step.
+	/// A grain about which something was changed by hand.
 	void wake(int g);
 	/// What a sleeping grain is saved with besides its state: the load under which it sleeps
 	/// and the number of its pairs in contact. Empty if it is awake.
@@ -50,33 +49,50 @@ public:
 	/// more, which is noted.
 	bool isSearchDue(ContactList<dim>& list) const;
 
-	/// At the beginning of a step in which forces act for `kick`: wakes islands in which
+	/// At the beginning of a step in which forces act for `kick`: wakes grains about which
 	/// something changed.
 	void wakeChanged(const std::vector<ContactList<dim>*>& lists, double kick, bool sleep);
 	/// Then: grains that are touched, or spin too fast, are computed; undeformed ones without
 	/// contact move rigidly, and sleep if they do not move and nothing drives them.
 	void chooseRigidGrains(const std::vector<char>& touched, const StepSettings& settings);
-	/// Then, in step number `step`, with the lists of those who are awake: which grains will
-	/// fall asleep at the end of it, if forces balance then.
+	/// Then, with the lists of those who are awake: which grains sleep beside them.
+	void noteSleepersBesideAwake(const std::vector<ContactList<dim>*>& lists);
+	const std::vector<int>& besideAwake() const { return besideAwake_; }
+	/// Then, in step number `step`: which grains will fall asleep at the end of it, if forces
+	/// balance then.
 	void findRested(const std::vector<ContactList<dim>*>& lists,
 			const std::vector<char>& touched, const StepSettings& settings, long step);
 	const std::vector<int>& rested() const { return rested_; }
 	/// With the new velocities, before the grains move.
 	DroppedMotion fallAsleep(const std::vector<ContactList<dim>*>& lists, double kick);
+	/// At the end of the step: wakes sleepers that are pushed otherwise than when they fell
+	/// asleep by more than they bear. Returns what others were pushed otherwise, summed over
+	/// them, N s.
+	double wakeStrained(const std::vector<ContactList<dim>*>& lists, double kick);
 
 private:
+	struct Changes {
+		std::vector<int> grains; ///< to be woken
+		bool ofPairs = false;    ///< a pair kept for sleepers may be one no more
+	};
+
+	bool sleepBoth(const ContactList<dim>& list) const;
 	bool liesStill(const ContactList<dim>& list) const;
-	std::vector<int> changedGrains(const std::vector<ContactList<dim>*>& lists,
-				       bool sleep) const;
+	bool isHeldBesideAwake(const ContactList<dim>& list, int side) const;
+	Changes changesOf(const std::vector<ContactList<dim>*>& lists, bool sleep) const;
 	Islands islandsInContact(const std::vector<ContactList<dim>*>& lists) const;
+	void endRestOf(const std::vector<ContactList<dim>*>& lists, double kick);
+	void keepAmongRested(const std::vector<ContactList<dim>*>& lists);
 	void keepBalanced(const std::vector<ContactList<dim>*>& lists, double kick);
 	bool mayComeToRest(const StepSettings& settings, std::vector<double>& periods);
+	void noteRest(ContactList<dim>& list, double kick, const std::vector<char>& fellAsleep);
 
 	Grains<dim>& grains_;
 	Surfaces<dim>& surfaces_;
-	std::vector<int> rested_;  ///< falling asleep in the step at hand
-	std::vector<int> resting_; ///< by sleeping grain: its pairs in contact; -1: woken
-	bool damped_ = false;      ///< a grain has damping
+	std::vector<int> rested_;      ///< falling asleep in the step at hand
+	std::vector<int> besideAwake_; ///< asleep, in contact with one that is awake
+	std::vector<int> resting_;     ///< by sleeping grain: its pairs in contact; -1: woken
+	bool damped_ = false;          ///< a grain has damping
 };
 
 template <int dim>

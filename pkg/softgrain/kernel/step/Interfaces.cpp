@@ -61,7 +61,7 @@ double rigidAreaMobility(const ContactList<dim>& list, const ContactBody<dim>& b
 template <int dim> void Interfaces<dim>::noteSleepers(const std::vector<ContactList<dim>*>& lists)
 {
 	bondsAsleep_ = std::any_of(lists.begin(), lists.end(), [](const ContactList<dim>* list) {
-		return list->isAsleep() && hasBond(*list);
+		return list->isKeptForSleepers() && hasBond(*list);
 	});
 }
 

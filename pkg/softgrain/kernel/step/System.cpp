@@ -114,12 +114,15 @@ template <int dim>
 void System<dim>::predictVelocities(const std::vector<char>& touched, const StepSettings& settings)
 {
 	const double kick = kickTime(settings.dt);
+	const bool tracksBefore = settings.trackEnergy || interfaces_.rebound();
 	finite_.resize(grains());
 	grains_.forEachOf(grains_.awake(), settings.threads, [&](int g, GrainSet<dim>& set, int k) {
 		set.predictVelocities(k, kick, grains_.loads()[g]);
 		finite_[g] = set.hasFiniteVelocities(k);
-		if (touched[g]) gatherContacts(g, settings.trackEnergy || interfaces_.rebound());
+		if (touched[g]) gatherContacts(g, tracksBefore);
 	});
+	grains_.forEachOf(activity_.besideAwake(), settings.threads,
+			  [&](int g, auto&&...) { gatherContactsAtRest(g, tracksBefore); });
 	stopAtInfinite();
 }
 
@@ -141,6 +144,16 @@ template <int dim> void System<dim>::gatherContacts(int g, bool trackEnergy)
 	set.contactVelocities(k, body.velocity);
 	if (trackEnergy) set.contactVelocitiesBefore(k, body.velocityBefore);
 	body.prepareSolve();
+}
+
+/// Of a grain that sleeps beside one that is awake: it is held where it is, whatever pushes it.
+template <int dim> void System<dim>::gatherContactsAtRest(int g, bool trackEnergy)
+{
+	gatherContacts(g, trackEnergy);
+	ContactBody<dim>& body = surfaces_.bodies()[g];
+	body.delassusScale = 0;
+	std::fill(body.velocity.begin(), body.velocity.end(), Vec<dim>::Zero());
+	std::fill(body.velocityBefore.begin(), body.velocityBefore.end(), Vec<dim>::Zero());
 }
 
 /// Before anything moves, if the solve has led to what is no number: velocities were finite before.
@@ -195,6 +208,7 @@ void System<dim>::chooseInactiveGrains(std::vector<ContactList<dim>*>& lists,
 	interfaces_.noteSleepers(lists);
 	std::erase_if(lists,
 		      [](ContactList<dim>* list) { return list->rest.kept = list->isAsleep(); });
+	activity_.noteSleepersBesideAwake(lists);
 	activity_.findRested(lists, touched, settings, steps_);
 	report.activeGrains = static_cast<int>(grains_.active().size());
 	report.sleepingGrains = static_cast<int>(grains_.asleep().size());
@@ -308,6 +322,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	clock.end("solve");
 	checkImpulses(report.solver, touched);
 	move(lists, touched, settings, report);
+	report.dropped.momentum += activity_.wakeStrained(lists, report.kick);
 	clock.end("move");
 	if (settings.trackEnergy) {
 		balanceEnergy(settings, report);

@@ -47,7 +47,7 @@ struct StepReport {
 	double kick = 0; ///< time over which the forces at t_n acted; impulse / kick is a force, s
 	int activeGrains = 0; ///< computed, not moved as rigid bodies nor asleep
 	int sleepingGrains = 0;
-	DroppedMotion dropped; ///< by falling asleep
+	DroppedMotion dropped; ///< by falling asleep, and by sleepers
 };
 
 /// What a run needs besides the nodal state and the impulses to go on from where another stopped.
@@ -139,6 +139,7 @@ private:
 				  StepReport& report);
 	void predictVelocities(const std::vector<char>& touched, const StepSettings& settings);
 	void gatherContacts(int g, bool trackEnergy);
+	void gatherContactsAtRest(int g, bool trackEnergy);
 	void stopAtInfinite() const;
 	void checkImpulses(const SolverReport& solved, const std::vector<char>& touched);
 	void move(const std::vector<ContactList<dim>*>& lists, const std::vector<char>& touched,
