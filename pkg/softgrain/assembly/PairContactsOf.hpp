@@ -216,7 +216,8 @@ public:
 		if (list.rest.changed || !list.isKeptForSleepers()) return {};
 		const PairImpulse<dim>& sum = list.impulse;
 		std::vector<double> numbers { list.rest.kick, list.friction,
-					      static_cast<double>(sum.active) };
+					      static_cast<double>(sum.active),
+					      static_cast<double>(list.rest.placeOfSecond.size()) };
 		auto append = [&](const auto& part) {
 			numbers.insert(numbers.end(), part.begin(), part.end());
 		};
@@ -238,9 +239,11 @@ public:
 		if (saved.empty()) return;
 		PairImpulse<dim>& sum = list.impulse;
 		InterfaceLaw::Numbers law;
-		const long scalars = 3, spins = sum.moment.size(), forces = 2 * (1 + 2 * dim);
+		const long scalars = 4, spins = sum.moment.size(), forces = 2 * (1 + 2 * dim);
 		const long size = static_cast<long>(saved.size());
-		if (size < scalars + 3 * dim + spins + static_cast<long>(law.size()) + forces) {
+		const long numbers =
+			scalars + 3 * dim + spins + static_cast<long>(law.size()) + forces;
+		if (size < numbers || static_cast<double>(size - numbers) != saved[3]) {
 			noteUnreadable("it was saved asleep", saved);
 			return;
 		}

@@ -237,7 +237,8 @@ void Activity<dim>::findRested(const std::vector<ContactList<dim>*>& lists,
 	std::vector<IslandAtRest> found(grains_.count());
 	for (const ContactList<dim>* list : lists)
 		if (!list->image.velocity.isZero(0))
-			found[islands.of(list->first)].disturbed = true;
+			for (int g : { list->first, list->second })
+				if (g >= 0) found[islands.of(g)].disturbed = true;
 	for (int g : grains_.active())
 		++found[islands.of(g)].grains;
 	for (const ContactList<dim>* list : lists) {
@@ -259,7 +260,6 @@ void Activity<dim>::findRested(const std::vector<ContactList<dim>*>& lists,
 		    periods[g] >= island.calmPeriods)
 			rested_.push_back(g);
 	}
-	keepAmongRested(lists);
 }
 
 /// Grains that touch none but those who rest, and sleepers.
@@ -353,25 +353,32 @@ void Activity<dim>::noteRest(ContactList<dim>& list, double kick,
 }
 
 template <int dim>
-double Activity<dim>::wakeStrained(const std::vector<ContactList<dim>*>& lists, double kick)
+double Activity<dim>::wakeStrained(const std::vector<ContactList<dim>*>& lists,
+				   const std::vector<ContactList<dim>*>& sleeping, double kick)
 {
 	double held = 0; // N
 	if (besideAwake_.empty()) return held;
 	std::vector<double> change(grains_.count(), 0); // N
-	for (const ContactList<dim>* list : lists) {
-		if (list->contacts.empty() || !list->isKeptForSleepers()) continue;
-		const ForceAtRest<dim> now = forceOf(*list, kick);
+	auto addChanges = [&](const ContactList<dim>& list, double ofKick) {
+		if (list.contacts.empty() || list.second < 0) return 0.;
+		const ForceAtRest<dim> now = forceOf(list, ofKick);
+		double sum = 0;
 		for (int side : { 0, 1 }) {
-			const int g = list->grain(side);
-			if (!grains_.isListedAsleep(g) || !list->atRest[side]) continue;
-			const ForceAtRest<dim>& then = *list->atRest[side];
+			const int g = list.grain(side);
+			if (!list.atRest[side] || !grains_.isListedAsleep(g)) continue;
+			const ForceAtRest<dim>& then = *list.atRest[side];
 			const double more = (now.force - then.force).norm();
 			const double lever = (now.point - then.point).norm() /
 					     surfaces_.bodies()[g].outerRadius();
 			change[g] += more + lever * then.force.norm();
-			held += more;
+			sum += more;
 		}
-	}
+		return sum;
+	};
+	for (const ContactList<dim>* list : lists)
+		held += addChanges(*list, kick);
+	for (const ContactList<dim>* list : sleeping) // neighbours that woke and sleep again
+		addChanges(*list, list->rest.kick);
 	for (int g : besideAwake_)
 		if (!grains_.setOf(g).bears(grains_.indexInSet(g), change[g], grains_.loads()[g]))
 			wake(g);

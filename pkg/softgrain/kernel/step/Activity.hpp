@@ -58,17 +58,18 @@ public:
 	/// Then, with the lists of those who are awake: which grains sleep beside them.
 	void noteSleepersBesideAwake(const std::vector<ContactList<dim>*>& lists);
 	const std::vector<int>& besideAwake() const { return besideAwake_; }
-	/// Then, in step number `step`: which grains will fall asleep at the end of it, if forces
-	/// balance then.
+	/// Then, in step number `step`: which grains rest, and will fall asleep at the end of it if
+	/// forces balance then and all that they touch do so, too.
 	void findRested(const std::vector<ContactList<dim>*>& lists,
 			const std::vector<char>& touched, const StepSettings& settings, long step);
 	const std::vector<int>& rested() const { return rested_; }
 	/// With the new velocities, before the grains move.
 	DroppedMotion fallAsleep(const std::vector<ContactList<dim>*>& lists, double kick);
-	/// At the end of the step: wakes sleepers that are pushed otherwise than when they fell
-	/// asleep by more than they bear. Returns what others were pushed otherwise, summed over
-	/// them, N s.
-	double wakeStrained(const std::vector<ContactList<dim>*>& lists, double kick);
+	/// At the end of the step: wakes sleepers beside others that are pushed otherwise than when
+	/// they fell asleep by more than they bear; `sleeping` are the lists of sleepers alone.
+	/// Returns how much others push them otherwise, summed over them, N s.
+	double wakeStrained(const std::vector<ContactList<dim>*>& lists,
+			    const std::vector<ContactList<dim>*>& sleeping, double kick);
 
 private:
 	struct Changes {

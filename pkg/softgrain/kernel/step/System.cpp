@@ -121,8 +121,9 @@ void System<dim>::predictVelocities(const std::vector<char>& touched, const Step
 		finite_[g] = set.hasFiniteVelocities(k);
 		if (touched[g]) gatherContacts(g, tracksBefore);
 	});
-	grains_.forEachOf(activity_.besideAwake(), settings.threads,
-			  [&](int g, auto&&...) { gatherContactsAtRest(g, tracksBefore); });
+	if (!activity_.besideAwake().empty())
+		grains_.forEachOf(activity_.besideAwake(), settings.threads,
+				  [&](int g, auto&&...) { gatherContactsAtRest(g, tracksBefore); });
 	stopAtInfinite();
 }
 
@@ -206,8 +207,12 @@ void System<dim>::chooseInactiveGrains(std::vector<ContactList<dim>*>& lists,
 	activity_.wakeChanged(lists, report.kick, settings.sleep);
 	activity_.chooseRigidGrains(touched, settings);
 	interfaces_.noteSleepers(lists);
-	std::erase_if(lists,
-		      [](ContactList<dim>* list) { return list->rest.kept = list->isAsleep(); });
+	sleeping_.clear();
+	std::erase_if(lists, [this](ContactList<dim>* list) {
+		list->rest.kept = list->isAsleep();
+		if (list->rest.kept) sleeping_.push_back(list);
+		return list->rest.kept;
+	});
 	activity_.noteSleepersBesideAwake(lists);
 	activity_.findRested(lists, touched, settings, steps_);
 	report.activeGrains = static_cast<int>(grains_.active().size());
@@ -322,7 +327,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	clock.end("solve");
 	checkImpulses(report.solver, touched);
 	move(lists, touched, settings, report);
-	report.dropped.momentum += activity_.wakeStrained(lists, report.kick);
+	report.dropped.momentum += activity_.wakeStrained(lists, sleeping_, report.kick);
 	clock.end("move");
 	if (settings.trackEnergy) {
 		balanceEnergy(settings, report);

@@ -47,7 +47,7 @@ struct StepReport {
 	double kick = 0; ///< time over which the forces at t_n acted; impulse / kick is a force, s
 	int activeGrains = 0; ///< computed, not moved as rigid bodies nor asleep
 	int sleepingGrains = 0;
-	DroppedMotion dropped; ///< by falling asleep, and by sleepers
+	DroppedMotion dropped; ///< by falling asleep, and taken up by sleepers
 };
 
 /// What a run needs besides the nodal state and the impulses to go on from where another stopped.
@@ -157,7 +157,8 @@ private:
 	ContactSolver<dim> solver_;
 	std::vector<RigidPartner<dim>> partners_; ///< of the step at hand
 	std::vector<RigidContact<dim>> rigidContacts_;
-	std::vector<char> finite_; ///< by grain, of the step at hand
+	std::vector<ContactList<dim>*> sleeping_; ///< left out of the step at hand
+	std::vector<char> finite_;                ///< by grain, of the step at hand
 	long steps_ = 0;
 	double lastStep_ = 0, lastKick_ = 0;                           ///< s
 	double longestKick_ = std::numeric_limits<double>::infinity(); ///< s
