@@ -219,6 +219,11 @@ template <int dim> struct ContactList {
 
 	int grain(int side) const { return side == 0 ? first : second; } ///< negative: none
 	bool isAsleep() const { return rest.kick > 0 && !rest.changed; }
+	/// Of its impulses of the last step, which acted for `kick`.
+	ForceAtRest<dim> meanForce(double kick) const
+	{
+		return { (impulse.normal + impulse.shear) / kick, impulse.point };
+	}
 	/// It holds what was when one of its grains fell asleep.
 	bool isKeptForSleepers() const { return rest.kick > 0 || atRest[0] || atRest[1]; }
 	/// Whether the second body is a plane or a rigid body that neither moves nor is moved by
