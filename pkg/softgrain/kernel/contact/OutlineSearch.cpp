@@ -128,7 +128,7 @@ std::optional<Contact<dim>> ballOnOutline(const Vec<dim>& centre, double radius,
 	const auto facets = facetsIn(body, Box<dim> { centre, centre }.grown(margin));
 	if (facets.empty()) return std::nullopt;
 	const PlaceOnOutline<dim> place = nearestPlace(centre, body, facets, anyFacet);
-	Contact<dim> contact;
+	Contact<dim> contact {};
 	if (radius > 0)
 		leanOnOutline(centre, body, place, contact);
 	else {

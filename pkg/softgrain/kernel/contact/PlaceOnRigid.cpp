@@ -154,7 +154,8 @@ Place<dim> placeOnSurface(const PlateSurface<dim>& plate, const Vec<dim>& x,
 	const double size = (plate.corner[1] - plate.corner[0]).norm();
 	const Vec<dim> beyond = (x - foot) - height * normal;
 	const bool isBeyond = beyond.norm() > edgeMargin * size;
-	const Place<dim> edge = isBeyond ? placeBeyondEdge<dim>(foot, x, facing) : std::nullopt;
+	Place<dim> edge;
+	if (isBeyond) edge = placeBeyondEdge<dim>(foot, x, facing);
 	const double facedMore = facesMore<dim>(-normal, facing) ? -1 : 1;
 	for (const double side : { facedMore, -facedMore }) {
 		const double depth = -side * height;

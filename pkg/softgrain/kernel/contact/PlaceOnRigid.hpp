@@ -27,11 +27,11 @@ template <int dim> struct SurfacePlace {
 	/// On a side of a block: directions (unit) across the edges next to it, towards the
 	/// middle, and how far those edges are the other way, m; negative beyond them.
 	struct Edge {
-		Vec<dim> inwards;
-		double away;
+		Vec<dim> inwards = Vec<dim>::Zero();
+		double away = 0;
 	};
 	bool isOnBlock = false;
-	std::array<Edge, dim - 1> edges;
+	std::array<Edge, dim - 1> edges {};
 };
 
 /// Cosine of the angle by which an outline faces against a direction (unit): 1 where head-on.
