@@ -1,12 +1,12 @@
 // The shared object is both: an extension module of Python and a plugin of YADE. Importing it
 // registers our classes with a YADE that has already started.
-#include "Engines.hpp"
-#include "Hardening.hpp"
-#include "PythonContactProblem.hpp"
-#include "SceneAssembly.hpp"
-#include "SoftGrainIntegrator.hpp"
-#include "WallStressController.hpp"
 #include "Yade.hpp"
+#include "checks/Engines.hpp"
+#include "classes/SoftGrainIntegrator.hpp"
+#include "classes/WallStressController.hpp"
+#include "python/PythonContactProblem.hpp"
+#include "scene/Hardening.hpp"
+#include "scene/SceneAssembly.hpp"
 
 #include <malloc.h>
 

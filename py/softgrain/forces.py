@@ -8,7 +8,7 @@ metre of thickness and areas are lengths.
 import numpy as np
 from yade import O, wrapper
 
-from softgrain.observe import soft_bodies
+from softgrain.observe import is_soft, soft_bodies
 
 #: Forces of all contact points of a pair together.
 _SUMS = ("normal_force", "shear_force")
@@ -123,7 +123,7 @@ def _beside_owners(points, owners, others):
     if not O.periodic:
         return points
     grains = [
-        int(owner if isinstance(O.bodies[int(owner)].shape, wrapper.SoftGrain) else other)
+        int(owner if is_soft(O.bodies[int(owner)]) else other)
         for owner, other in zip(owners, others)
     ]
     centres = np.array([O.bodies[grain].state.pos for grain in grains]).reshape(-1, 3)

@@ -10,7 +10,7 @@ from softgrain import _softgrain
 from softgrain.checks import number
 from softgrain.filling import fill
 from softgrain.materials import found_material
-from softgrain.observe import bodies_of, soft_bodies, unscaled_mass
+from softgrain.observe import bodies_of, is_soft, soft_bodies, unscaled_mass
 from softgrain.overlaps import Ball, overlap_factor
 from softgrain.softening import drop_interactions, look_anew
 from softgrain.time_loop import critical_time_step, refuse_background_run
@@ -111,7 +111,7 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
 def _grains(ids):
     bodies = soft_bodies() if ids is None else bodies_of(ids)
     for body in bodies:
-        if not isinstance(body.shape, wrapper.SoftGrain):
+        if not is_soft(body):
             raise ValueError(f"ids: body #{body.id} is no soft grain")
         if not isinstance(body.material, wrapper.SoftMat):
             raise ValueError(f"ids: the material of soft grain #{body.id} is no SoftMat")

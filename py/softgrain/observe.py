@@ -11,16 +11,20 @@ from softgrain.checks import array, index, indices, number
 from softgrain.time_loop import integrators
 
 
+def is_soft(body):
+    """Whether a body is a soft grain (None, and what is no body, is not)."""
+    return isinstance(getattr(body, "shape", None), wrapper.SoftGrain)
+
+
 def soft_bodies():
     """All bodies with a soft shape, by id."""
-    return [b for b in O.bodies if b and isinstance(b.shape, wrapper.SoftGrain)]
+    return [b for b in O.bodies if is_soft(b)]
 
 
 def has_own_motion(body):
     """Whether forces move a body by itself: a soft grain, or a rigid body that is neither held nor
     a member of a clump. (YADE gives mass to bodies that are held, too.)"""
-    is_soft = isinstance(body.shape, wrapper.SoftGrain)
-    return is_soft or (body.dynamic and not body.isClumpMember)
+    return is_soft(body) or (body.dynamic and not body.isClumpMember)
 
 
 def some_soft_bodies(asker):
@@ -82,7 +86,7 @@ def grain_area(body):
     Raises:
         ValueError: the body is no soft grain.
     """
-    if not isinstance(getattr(body, "shape", None), wrapper.SoftGrain):
+    if not is_soft(body):
         raise ValueError(f"body = {body!r} is no soft grain")
     return body.shape.volume()
 
@@ -174,7 +178,7 @@ def cell_stress(source="contacts"):
     if source not in ("contacts", "grains"):
         raise ValueError(f"source = {source!r} is unknown; known: 'contacts', 'grains'")
     volume = cell_volume()
-    rigid = [b for b in O.bodies if b and b.shape and not isinstance(b.shape, wrapper.SoftGrain)]
+    rigid = [b for b in O.bodies if b and b.shape and not is_soft(b)]
     if source == "grains" and rigid:
         raise ValueError(f"source = 'grains': body #{rigid[0].id} is rigid, its stress unknown")
     total = _contact_moments() if source == "contacts" else _integral_of_stress()

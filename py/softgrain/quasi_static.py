@@ -13,7 +13,7 @@ from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 from softgrain import _softgrain, time_loop
 from softgrain.checks import number
 from softgrain.materials import found_material
-from softgrain.observe import has_own_motion, some_soft_bodies, unscaled_mass
+from softgrain.observe import has_own_motion, is_soft, some_soft_bodies, unscaled_mass
 
 #: Grains whose kinetic energy is below this share of the elastic one count as at rest.
 AT_REST = 1e-3
@@ -87,7 +87,7 @@ def _net_forces(bodies):
 
 def _free_part(body, force):
     """Without what those who hold a body bear, and what acts across the plane of a 2D grain."""
-    if isinstance(body.shape, wrapper.SoftGrain):
+    if is_soft(body):
         return force if body.shape.dim == 3 else Vector3(force[0], force[1], 0)
     blocked = body.state.blockedDOFs
     return Vector3(*(0 if axis in blocked else f for axis, f in zip("xyz", force)))
@@ -95,7 +95,7 @@ def _free_part(body, force):
 
 def _weighed_mass(body):
     """As gravity has it: mass scaling makes no weight."""
-    if isinstance(body.shape, wrapper.SoftGrain):
+    if is_soft(body):
         return unscaled_mass(body)
     return body.state.mass
 

@@ -5,11 +5,11 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from yade import O, wrapper
+from yade import O
 
 from softgrain.forces import contact_forces, pair_forces
 from softgrain.grain_mesh import filled, outline_polygon, shell
-from softgrain.observe import soft_bodies, some_soft_bodies, von_mises
+from softgrain.observe import is_soft, soft_bodies, some_soft_bodies, von_mises
 
 
 def write_vtk(prefix, what=("grains", "points", "contacts", "pairs")):
@@ -128,7 +128,7 @@ def _contacts():
     """(Points lie beside their owner, or the grain that a rigid owner touches.)"""
     fields = contact_forces()
     owners = zip(fields["owner"], fields["other"])
-    return _beside(fields, [a if _is_soft(a) else b for a, b in owners])
+    return _beside(fields, [a if is_soft(O.bodies[int(a)]) else b for a, b in owners])
 
 
 def _pairs():
@@ -139,10 +139,6 @@ def _pairs():
 def _beside(fields, ids):
     shifts = np.array([_into_cell(int(k)) for k in ids]).reshape(-1, 3)
     return fields.pop("point") + shifts, None, fields, {}
-
-
-def _is_soft(body_id):
-    return isinstance(O.bodies[int(body_id)].shape, wrapper.SoftGrain)
 
 
 def _into_cell(body_id):

@@ -5,11 +5,11 @@ every name a script has for them. In scenes of rigid bodies alone they are YADE'
 import math
 
 import numpy as np
-from yade import Matrix3, O, Sphere, Vector3, utils, wrapper
+from yade import Matrix3, O, Sphere, Vector3, utils
 
 from softgrain import _host
 from softgrain.checks import number
-from softgrain.observe import bodies_of, cell_volume, has_own_motion, soft_bodies
+from softgrain.observe import bodies_of, cell_volume, has_own_motion, is_soft, soft_bodies
 from softgrain.quasi_static import unbalanced_force
 
 _of_yade = {
@@ -81,7 +81,7 @@ def aabbExtrema(cutoff=0.0, centers=False):
     if not soft_bodies():
         return _of_yade["aabbExtrema"](cutoff, centers)
     cutoff = number("cutoff", cutoff, "[0, 1]")
-    ends = np.array([_ends(b, centers) for b in O.bodies if b and (_is_soft(b) or _is_sphere(b))])
+    ends = np.array([_ends(b, centers) for b in O.bodies if b and (is_soft(b) or _is_sphere(b))])
     low, high = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
     cut = cutoff / 2 * (high - low)
     return Vector3(low + cut), Vector3(high - cut)
@@ -107,12 +107,13 @@ def fabricTensor(cutoff=0.0, splitTensor=False, thresholdForce=math.nan, extrema
     if not soft_bodies():
         return _of_yade["fabricTensor"](cutoff, splitTensor, thresholdForce, list(extrema))
     low, high = np.array(extrema if len(extrema) else aabbExtrema(cutoff))
+    rounding = 1e-9 * np.linalg.norm(high - low)  # contacts with walls lie on their box
     normals, forces = [], []
     for i in O.interactions:
         if not (i.isReal and i.phys.normalForce.squaredNorm() > 0):
             continue
         place = np.array(i.geom.contactPoint)
-        if np.all((low <= place) & (place <= high)):
+        if np.all((low - rounding <= place) & (place <= high + rounding)):
             normals.append(i.geom.normal)
             forces.append(-i.phys.normalForce.dot(i.geom.normal))
     normals, forces = np.reshape(normals, (-1, 3)), np.array(forces)
@@ -168,7 +169,7 @@ def growParticle(bodyID, multiplier, updateMass=True):
         ValueError: the body is a soft grain, or there is none.
     """
     (body,) = bodies_of([bodyID])
-    if _is_soft(body):
+    if is_soft(body):
         raise ValueError(f"bodyID = {bodyID}: a soft grain does not grow; admissible: spheres")
     _of_yade["growParticle"](bodyID, multiplier, updateMass)
 
@@ -182,7 +183,7 @@ def _ends(body, centers):
     place, radius = np.array(body.state.pos), body.shape.radius
     if centers:
         return place, place
-    if not _is_soft(body):
+    if not is_soft(body):
         return place - radius, place + radius
     outline = np.array(body.shape.outline())
     # with 'points' of the middles of disks (balls) of diameter dr = zeta R
@@ -193,16 +194,12 @@ def _ends(body, centers):
     return outline.min(axis=0) - thick, outline.max(axis=0) + thick
 
 
-def _is_soft(body):
-    return isinstance(body.shape, wrapper.SoftGrain)
-
-
 def _kinetic_energy(body):
     velocity, spin = body.state.vel, body.state.angVel
     if O.periodic:
         velocity, spin = O.cell.getFluctuationVelocity(body), spin - O.cell.getSpin()
     whole = _energy_of_whole(body, velocity, spin)
-    if not _is_soft(body):
+    if not is_soft(body):
         return whole
     vibration = body.shape.energy()["kinetic"] - _energy_of_whole(
         body, body.state.vel, body.state.angVel

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "Vector.hpp"
-#include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
+#include "contact/ContactList.hpp"
 #include "grain/Batch.hpp"
 #include "reference/GrainTemplate.hpp"
 

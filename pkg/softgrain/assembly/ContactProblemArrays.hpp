@@ -1,7 +1,7 @@
 // A contact problem of either dimension as plain arrays: what goes to files and to Python.
 #pragma once
 
-#include "contact/ContactSolver.hpp"
+#include "contact/solve/ContactSolver.hpp"
 
 #include <vector>
 

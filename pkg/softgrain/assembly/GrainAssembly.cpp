@@ -1,7 +1,7 @@
 #include "assembly/GrainAssembly.hpp"
 #include "assembly/PairContactsOf.hpp"
 #include "assembly/RigidInKernel.hpp"
-#include "contact/SelfOverlap.hpp"
+#include "contact/search/SelfOverlap.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -97,7 +97,7 @@ public:
 		ContactList<dim>& list = listOn(pair, g, wall);
 		list.clearContacts();
 		list.rest.changed = true; // a grain that slept on it is to wake
-		countLostBonds(list);
+		countVanishedBonds(list);
 	}
 
 	/// Called where nothing may be thrown.
@@ -114,7 +114,7 @@ public:
 		if (!found.surface) {
 			list.clearContacts();
 			list.deepest = found.refused ? std::numeric_limits<double>::infinity() : 0;
-			countLostBonds(list);
+			countVanishedBonds(list);
 			return;
 		}
 		describe(*list.rigid, *found.surface, body, list.image.shift);
@@ -148,7 +148,7 @@ public:
 		}
 		report.work.pairs = searchedPairs_.exchange(0);
 		report.work.candidates = testedCandidates_.exchange(0);
-		report.work.lostBonds += lostBonds_.exchange(0); // less those that went on
+		report.work.lostBonds = vanishedBonds_.exchange(0) - report.work.handedOnBonds;
 		return report;
 	}
 	ContactProblemArrays contactProblem() const override
@@ -202,7 +202,8 @@ public:
 	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity,
 			 const Vec3& angularVelocity) override
 	{
-		system_.activity().wake(g);
+		const double rim = parameters(g).radius * angularVelocity.norm();
+		system_.activity().jolt(g, velocity.norm() + rim, system_.lastKick());
 		system_.setOf(g).moveRigidly(
 			system_.indexInSet(g), rotationToKernel<dim>(turn), toKernel<dim>(shift),
 			toKernel<dim>(velocity),
@@ -383,12 +384,13 @@ private:
 			searchedPairs_.fetch_add(1, std::memory_order_relaxed);
 			testedCandidates_.fetch_add(list.tested, std::memory_order_relaxed);
 		}
-		countLostBonds(list);
+		countVanishedBonds(list);
 	}
-	void countLostBonds(ContactList<dim>& list) const
+	void countVanishedBonds(ContactList<dim>& list) const
 	{
 		if (!list.interface) return;
-		lostBonds_.fetch_add(list.interface->takeLostBonds(), std::memory_order_relaxed);
+		vanishedBonds_.fetch_add(list.interface->takeLostBonds(),
+					 std::memory_order_relaxed);
 	}
 
 	const GrainParameters<dim>& parameters(int g) const
@@ -407,7 +409,7 @@ private:
 	}
 
 	mutable std::atomic<long> searchedPairs_ = 0, testedCandidates_ = 0,
-				  lostBonds_ = 0; ///< since the last step
+				  vanishedBonds_ = 0; ///< since the last step
 	System<dim> system_;
 	Templates<dim> templates_;
 	/// Where the impulses of the system's rigid contacts go, in the step at hand.

@@ -4,9 +4,12 @@
 #include "Fetch.hpp"
 #include "assembly/SpaceVectors.hpp"
 #include "contact/Contact.hpp"
+#include "contact/Interface.hpp"
+#include "contact/OverlapAccount.hpp"
 #include "contact/Pressure.hpp"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace softgrain {
@@ -82,6 +85,9 @@ public:
 	virtual std::vector<double> rest() const = 0;
 	/// After `restore`: who sleeps goes on to do so.
 	virtual void restoreRest(const std::vector<double>& saved) = 0;
+	/// For checkInterface (searches run in parallel, where nothing may be thrown): "it was
+	/// saved with", and how many figures.
+	virtual void noteUnreadable(const std::string& what, std::size_t figures) = 0;
 };
 
 } // namespace softgrain

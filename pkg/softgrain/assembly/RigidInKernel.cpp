@@ -143,7 +143,7 @@ template <int dim> RigidPartner<dim> partnerOf(const RigidMotionDescription& d)
 	p.velocityBefore = toKernel<dim>(d.velocity);
 	p.spinBefore = angularToKernel<dim>(d.angularVelocity);
 	p.inverseMass = toKernel<dim>(d.inverseMass);
-	p.inverseInertia = d.inverseInertia.bottomRightCorner<p.spins, p.spins>();
+	p.inverseInertia = d.inverseInertia.bottomRightCorner<spins<dim>, spins<dim>>();
 	return p;
 }
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "assembly/RigidDescriptions.hpp"
-#include "contact/Contact.hpp"
-#include "contact/RigidContact.hpp"
 #include "contact/RigidPartner.hpp"
+#include "contact/RigidSide.hpp"
 #include "contact/RigidSurface.hpp"
+#include "contact/solve/RigidContact.hpp"
 
 #include <optional>
 #include <vector>

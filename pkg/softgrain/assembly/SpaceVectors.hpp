@@ -37,14 +37,14 @@ template <int dim> Mat3 toSpace(const Mat<dim>& m)
 	result.topLeftCorner<dim, dim>() = m;
 	return result;
 }
-template <int dim> typename WholeGrain<dim>::Angular angularToKernel(const Vec3& omega)
+template <int dim> Spin<dim> angularToKernel(const Vec3& omega)
 {
 	if constexpr (dim == 2)
-		return typename WholeGrain<2>::Angular(omega[2]);
+		return Spin<2>(omega[2]);
 	else
 		return omega;
 }
-template <int dim> Vec3 angularToSpace(const typename WholeGrain<dim>::Angular& omega)
+template <int dim> Vec3 angularToSpace(const Spin<dim>& omega)
 {
 	if constexpr (dim == 2)
 		return Vec3(0, 0, omega[0]);

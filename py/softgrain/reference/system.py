@@ -248,8 +248,9 @@ class System:
 
 
 def in_sweep_order(contacts):
-    """Sort contacts as ``contact/SweepPlan.hpp`` says: tasks (the pairs within a cluster of bodies,
-    then those between two) by colours, each task having the first that none of its clusters has.
+    """Sort contacts as ``contact/solve/SweepPlan.hpp`` says: tasks (the pairs within a cluster of
+    bodies, then those between two) by colours, each task having the first that none of its clusters
+    has.
 
     Args:
         contacts (list): of (pair, contact), the contacts of a pair side by side; a pair is (grain,

@@ -1,4 +1,4 @@
-#include "contact/Contact.hpp"
+#include "contact/ContactList.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>

@@ -99,7 +99,7 @@ TEST_CASE("a contact hands on its history to a surface that moves alike", "[inte
 		for (RigidPartner<2>& partner : s.partners)
 			partner.spin[0] = 3;
 		s.partners[1].centre = Vec<2>(2, 1);
-		s.partners[1].velocity = turned<2>(s.partners[1].spin, s.partners[1].centre);
+		s.partners[1].velocity = spinCross<2>(s.partners[1].spin, s.partners[1].centre);
 	};
 	CHECK(holdsWhere(turnTogether));
 	CHECK_FALSE(holdsWhere([&](Seam& s) {

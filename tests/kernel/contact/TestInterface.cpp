@@ -1,6 +1,6 @@
 #include "Helpers.hpp"
-#include "contact/ContactSolver.hpp"
 #include "contact/Interface.hpp"
+#include "contact/solve/ContactSolver.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>

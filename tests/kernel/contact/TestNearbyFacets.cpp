@@ -43,7 +43,7 @@ TEST_CASE("Nearby facets: the nearest in their order, and how far all others wer
 
 TEST_CASE("Nearby facets: nothing is known before any are noted", "[contact]")
 {
-	const NearbyFacets<2> nearby;
+	const NearbyFacets<2> nearby {};
 	CHECK(nearby.count() == 0);
 	CHECK(nearby.distanceOfOthers() == 0);
 }

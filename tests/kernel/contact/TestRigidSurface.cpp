@@ -1,6 +1,6 @@
 #include "Helpers.hpp"
-#include "contact/PlaceOnRigid.hpp"
-#include "contact/RigidTips.hpp"
+#include "contact/search/PlaceOnRigid.hpp"
+#include "contact/search/RigidTips.hpp"
 
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>

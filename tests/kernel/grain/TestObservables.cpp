@@ -14,7 +14,7 @@ TEST_CASE("Observables: spin matrix is the cross product", "[grain]")
 	Random random(1);
 	const Vec<3> omega = random.vector<3>(), r = random.vector<3>();
 	CHECK((spinMatrix<3>(omega) * r - omega.cross(r)).norm() < 1e-15);
-	const Eigen::Matrix<double, 1, 1> rate(2.);
+	const Spin<2> rate(2.);
 	CHECK((spinMatrix<2>(rate) * Vec<2>(1, 0) - Vec<2>(0, 2)).norm() == 0); // counter-clockwise
 	CHECK((spinMatrix<2>(rate) * Vec<2>(0, 1) - Vec<2>(-2, 0)).norm() == 0);
 }
@@ -28,7 +28,7 @@ TEMPLATE_TEST_CASE_SIG("Observables: a grain moving as a rigid body", "[grain]",
 	Batch<dim> batch(makeGrainTemplate<dim>(recipe(dim == 2 ? 0.11 : 0.25)), Law::neoHookean,
 			 usualCondition<dim>, { paperGrain<dim>(), grain });
 	const int g = 1;
-	typename WholeGrain<dim>::Angular omega;
+	Spin<dim> omega;
 	for (int a = 0; a < omega.size(); ++a)
 		omega[a] = random.uniform(-50, 50);
 	const Mat<dim> Q = random.rotation<dim>();

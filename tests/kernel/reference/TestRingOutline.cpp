@@ -1,5 +1,5 @@
 #include "Helpers.hpp"
-#include "contact/Search.hpp"
+#include "contact/search/Search.hpp"
 #include "reference/Quadrature.hpp"
 #include "reference/RingOutline.hpp"
 

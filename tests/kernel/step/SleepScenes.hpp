@@ -93,6 +93,17 @@ template <int dim> void advance(Scene<dim>& scene, int steps)
 		scene.advance(dt);
 }
 
+/// Adds a velocity as a script does.
+template <int dim> void kick(Scene<dim>& scene, int g, const Vec<dim>& velocity)
+{
+	System<dim>& system = scene.system;
+	system.activity().jolt(g, velocity.norm(), system.lastKick());
+	system.setOf(g).moveRigidly(system.indexInSet(g), Mat<dim>::Identity(), Vec<dim>::Zero(),
+				    velocity, Mat<dim>::Zero());
+	system.surfaces().update(g);
+	system.invalidateForces();
+}
+
 /// Of a plane on its grains, of the last step that solved them, N.
 template <int dim> Vec<dim> reaction(const Scene<dim>& scene, int plane)
 {
@@ -116,7 +127,7 @@ template <int dim> double weightOf(const Scene<dim>& scene, int grains)
 template <int dim> double total(const Scene<dim>& scene)
 {
 	const EnergyBalance& e = scene.system.energy();
-	return e.kinetic + e.elastic + e.friction + e.impact + e.damping + e.sleep - e.planes -
+	return e.kinetic + e.elastic + e.friction + e.impact + e.damping + e.sleep - e.walls -
 	       e.loads;
 }
 

@@ -55,7 +55,7 @@ Compression compress(const TemplateRecipe& r, double speed,
 			impulse / span / (E * std::pow(D, dim - 1)) / reference.force - 1);
 	}
 	const EnergyBalance& e = scene.system.energy();
-	result.imbalance = (e.planes - e.impact - e.friction - e.kinetic - e.elastic) / e.planes;
+	result.imbalance = (e.walls - e.impact - e.friction - e.kinetic - e.elastic) / e.walls;
 	result.kineticShare = e.kinetic / e.elastic;
 	result.deepest = scene.deepest;
 	result.steps = scene.steps;

@@ -136,7 +136,7 @@ TEMPLATE_TEST_CASE_SIG("Damping: rigid motion goes on as without", "[damping]", 
 {
 	auto run = [](const Damping& damping, bool rigidMotion) {
 		auto batch = singleGrain<dim>(coarse<dim>(), dampedGrain<dim>(damping));
-		typename WholeGrain<dim>::Angular omega;
+		Spin<dim> omega;
 		omega.setZero();
 		omega[omega.size() - 1] = 1;
 		batch.place(0, Mat<dim>::Identity(), Vec<dim>::Constant(3), spinMatrix<dim>(omega));
@@ -361,8 +361,8 @@ TEST_CASE("Damping: energies and critical step have the same bits with any numbe
 		scene.add(std::move(batch));
 		for (int g = 0; g < count; ++g) {
 			scene.system.loads()[g].acceleration = random.vector<2>(10);
-			scene.system.loads()[g].angular = spinMatrix<2>(
-				Eigen::Matrix<double, 1, 1>(random.uniform(-100, 100)));
+			scene.system.loads()[g].angular =
+				spinMatrix<2>(Spin<2>(random.uniform(-100, 100)));
 		}
 		std::vector<double> found;
 		for (int n = 0; n < 5; ++n) {

@@ -212,7 +212,7 @@ TEST_CASE("Formulations: force of a disk between planes", "[step]")
 		}
 		const double error = impulse / span / expected - 1;
 		const EnergyBalance& e = scene.system.energy();
-		const double lost = (e.planes - e.impact - e.kinetic - e.elastic) / e.planes;
+		const double lost = (e.walls - e.impact - e.kinetic - e.elastic) / e.walls;
 		CAPTURE(static_cast<int>(scheme.formulation), error, lost, scene.deepest);
 		CHECK(std::abs(error) < 0.02);
 		CHECK(std::abs(lost) < 0.02);

@@ -104,7 +104,7 @@ TEMPLATE_TEST_CASE_SIG("Free flight: momenta are conserved to rounding", "[step]
 TEMPLATE_TEST_CASE_SIG("Free rotation: nothing but centrifugal stress", "[step]", ((int dim), dim),
 		       2, 3)
 {
-	typename WholeGrain<dim>::Angular omega;
+	Spin<dim> omega;
 	omega.setZero();
 	omega[omega.size() - 1] = 200; // rho omega^2 R^2 = 4 kPa on E = 1 MPa
 	auto batch = singleGrain<dim>(recipe(dim == 2 ? 0.15 : 0.3));
@@ -278,7 +278,7 @@ TEMPLATE_TEST_CASE_SIG("Body loads: weight and angular acceleration of a free gr
 	Scene<dim> scene;
 	scene.settings.trackEnergy = true;
 	scene.add(singleGrain<dim>(recipe(0.3)));
-	typename WholeGrain<dim>::Angular rate;
+	Spin<dim> rate;
 	rate.setZero();
 	rate[rate.size() - 1] = 50;
 	const Vec<dim> g = -9.81 * Vec<dim>::Unit(1);
@@ -293,6 +293,6 @@ TEMPLATE_TEST_CASE_SIG("Body loads: weight and angular acceleration of a free gr
 	const EnergyBalance& e = scene.system.energy();
 	CHECK(e.loads > 0);
 	CHECK(std::abs(e.kinetic + e.elastic - e.loads) < 1e-6 * e.loads);
-	CHECK(e.planes == 0);
+	CHECK(e.walls == 0);
 	CHECK(e.impact == 0);
 }

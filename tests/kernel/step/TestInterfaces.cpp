@@ -69,7 +69,7 @@ template <int dim> void pull(Scene<dim>& scene, double traction)
 template <int dim> double totalEnergy(const EnergyBalance& e)
 {
 	return e.kinetic + e.elastic + e.friction + e.impact + e.damping + e.sleep + e.cohesion -
-	       e.planes - e.loads;
+	       e.walls - e.loads;
 }
 
 /// Mean traction at which the faces come apart when the load grows by `rate` [Pa/s].

@@ -59,7 +59,7 @@ double stored(const EnergyBalance& e) { return e.kinetic + e.elastic; }
 /// What stays constant.
 double balance(const EnergyBalance& e)
 {
-	return stored(e) + e.friction + e.impact + e.damping - e.planes - e.loads;
+	return stored(e) + e.friction + e.impact + e.damping - e.walls - e.loads;
 }
 
 /// Largest deviation of a small vibration of a slow disk from what the step of n dt makes of it,
@@ -139,7 +139,7 @@ Squeeze squeeze(bool multirate)
 	}
 	result.noise = std::sqrt(changes / (0.5 * scene.steps));
 	const EnergyBalance& e = scene.system.energy();
-	result.imbalance = balance(e) / e.planes;
+	result.imbalance = balance(e) / e.walls;
 	return result;
 }
 

@@ -22,15 +22,15 @@ template <int dim> Batch<dim> grainsAt(const TemplateRecipe& r, const std::vecto
 	return Batch<dim>(makeGrainTemplate<dim>(r), Law::neoHookean, usualCondition<dim>, grains);
 }
 
-template <int dim> typename WholeGrain<dim>::Angular spinOf(double rate)
+template <int dim> Spin<dim> spinOf(double rate)
 {
-	typename WholeGrain<dim>::Angular omega = WholeGrain<dim>::Angular::Zero();
+	Spin<dim> omega = Spin<dim>::Zero();
 	omega[omega.size() - 1] = rate;
 	if (dim == 3) omega[0] = 0.6 * rate;
 	return omega;
 }
 
-template <int dim> Mat<dim> turnOf(const typename WholeGrain<dim>::Angular& angle)
+template <int dim> Mat<dim> turnOf(const Spin<dim>& angle)
 {
 	if constexpr (dim == 2)
 		return Eigen::Rotation2Dd(angle[0]).toRotationMatrix();
@@ -78,14 +78,14 @@ template <int dim> Scene<dim> threeThatMeet(bool rigid, const Scheme& scheme = {
 }
 
 /// Angular momentum of all grains about the origin of space.
-template <int dim> typename WholeGrain<dim>::Angular angularMomentum(const Scene<dim>& scene)
+template <int dim> Spin<dim> angularMomentum(const Scene<dim>& scene)
 {
-	typename WholeGrain<dim>::Angular sum = WholeGrain<dim>::Angular::Zero();
+	Spin<dim> sum = Spin<dim>::Zero();
 	for (int g = 0; g < scene.system.grains(); ++g) {
 		const auto w = scene.whole(g);
 		const Vec<dim> place =
 			scene.system.setOf(g).parameters(scene.laneOf(g)).origin + w.centre;
-		sum += w.angularMomentum + w.mass * detail::cross(place, w.velocity);
+		sum += w.angularMomentum + w.mass * moment<dim>(place, w.velocity);
 	}
 	return sum;
 }
@@ -203,7 +203,7 @@ TEMPLATE_TEST_CASE_SIG("Rigid motion: body loads, and the energy they bring", "[
 	scene.settings.trackEnergy = true;
 	scene.add(grainsAt<dim>(brick(dim, 0.35), { Vec<dim>::Zero() }));
 	const Vec<dim> g = -9.81 * Vec<dim>::Unit(1);
-	typename WholeGrain<dim>::Angular alpha = WholeGrain<dim>::Angular::Zero();
+	Spin<dim> alpha = Spin<dim>::Zero();
 	alpha[alpha.size() - 1] = 50; // about a principal axis
 	scene.system.loads()[0] = { g, spinMatrix<dim>(alpha) };
 	for (int n = 0; n < 300; ++n)
@@ -348,7 +348,7 @@ TEST_CASE("Rigid motion: a torque that spins a grain too fast wakes it", "[rigid
 {
 	Scene<2> scene;
 	scene.add(grainsAt<2>(recipe(0.3), { Vec<2>::Zero() }));
-	scene.system.loads()[0].angular = spinMatrix<2>(Eigen::Matrix<double, 1, 1>(1e4));
+	scene.system.loads()[0].angular = spinMatrix<2>(Spin<2>(1e4));
 	int active = 0;
 	while (scene.time < 1e-2) // to 100/s
 		active += scene.advance(2e-5).activeGrains;
@@ -368,7 +368,7 @@ TEST_CASE("Rigid motion: motions that are added by hand", "[rigid]")
 	const auto before = scene.whole(0);
 	const Mat<2> turn = rotationBy<2>(0.4);
 	scene.system.setOf(0).moveRigidly(0, turn, { 0.1, 0.2 }, { -3, 4 },
-					  spinMatrix<2>(Eigen::Matrix<double, 1, 1>(7)));
+					  spinMatrix<2>(Spin<2>(7)));
 	scene.system.surfaces().update(0);
 	const auto after = scene.whole(0);
 	CHECK((after.centre - before.centre - Vec<2>(0.1, 0.2)).norm() < 1e-14);

@@ -144,7 +144,7 @@ TEST_CASE("energy of a grain and a free ball closes", "[rigid]")
 	const double end =
 		e.kinetic + e.elastic + e.friction + e.impact + kinetic(mixed.partner[0]);
 	CHECK(std::abs(end - start) < 0.01 * start);
-	CHECK(std::abs(e.planes - (start - kinetic(mixed.partner[0]))) < 1e-10 * start);
+	CHECK(std::abs(e.walls - (start - kinetic(mixed.partner[0]))) < 1e-10 * start);
 }
 
 TEST_CASE("a ball rests on a grain, which rests on a plane", "[rigid]")

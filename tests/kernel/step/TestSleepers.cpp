@@ -50,14 +50,19 @@ Scene<2> bed(bool sleep)
 	return scene;
 }
 
-std::vector<double> centres(const Scene<2>& scene)
+std::vector<double> ofWholes(const Scene<2>& scene, Vec<2> WholeGrain<2>::* what)
 {
 	std::vector<double> numbers;
 	for (int g = 0; g < all; ++g) {
-		const Vec<2> x = scene.whole(g).centre;
-		numbers.insert(numbers.end(), { x[0], x[1] });
+		const Vec<2> v = scene.whole(g).*what;
+		numbers.insert(numbers.end(), { v[0], v[1] });
 	}
 	return numbers;
+}
+
+std::vector<double> centres(const Scene<2>& scene)
+{
+	return ofWholes(scene, &WholeGrain<2>::centre);
 }
 
 } // namespace
@@ -80,6 +85,30 @@ TEST_CASE("Sleep: a load on one of many wakes those that feel it, with the same 
 	for (int plane : { -1, -2, -3 })
 		CHECK((reaction(with, plane) - reaction(without, plane)).norm() < forces * weight);
 	CHECK(std::abs(total(with) - total(without)) < 1e-5 * with.system.energy().elastic);
+}
+
+TEST_CASE("Sleep: what is pushed of a sudden hands on what it does without sleep", "[sleep]")
+{
+	const bool byHand = GENERATE(true, false);
+	const auto velocities = [](const Scene<2>& scene) {
+		return ofWholes(scene, &WholeGrain<2>::velocity);
+	};
+	Scene<2> with = bed(true), without = bed(false);
+	advance(without, rest(with, all));
+	for (Scene<2>* scene : { &with, &without }) {
+		if (byHand)
+			kick(*scene, below + 3, { 0.6, -0.8 });
+		else
+			loadMore(*scene, below + 3, 20.);
+	}
+	double fastest = 0, dropped = 0;
+	for (int n = 0; n < 20; ++n) {
+		dropped += with.advance(0.5 * with.system.criticalTimeStep()).dropped.momentum;
+		advance(without, 1);
+		fastest = std::max(fastest, without.whole(below + 3).velocity.norm());
+		CHECK(farthest(velocities(with), velocities(without)) < 2e-3 * fastest);
+	}
+	CHECK(dropped < 0.01 * without.whole(below + 3).mass * fastest);
 }
 
 TEMPLATE_TEST_CASE_SIG("Sleep: one that is held beside another gets no velocity, and wakes in time",

@@ -32,7 +32,7 @@ TEST_CASE("Surfaces: reach by speeds and spacings", "[step]")
 	const double spin = 500;
 	for (int k : { 0, 1 })
 		scene.batchOf(k).place(k, Mat<2>::Identity(), { 30, 0 },
-				       spinMatrix<2>(Eigen::Matrix<double, 1, 1>(k * spin)));
+				       spinMatrix<2>(Spin<2>(k * spin)));
 	scene.system.updateSurfaces(1);
 	CHECK(std::abs(scene.system.surfaces().reach(0, 1, {}, dt) / (2 * dt * 0.005 * spin) - 1) <
 	      0.02); // 18 nodes

@@ -383,8 +383,8 @@ TEST_CASE("System: sums of work go on from a saved state", "[step]")
 	for (int n = 0; n < 30; ++n)
 		second.advance(2e-5);
 	CHECK(second.state() == whole.state());
-	CHECK(second.system.energy().planes == whole.system.energy().planes);
+	CHECK(second.system.energy().walls == whole.system.energy().walls);
 	CHECK(second.system.energy().impact == whole.system.energy().impact);
 	CHECK(second.system.energy().kinetic == whole.system.energy().kinetic);
-	CHECK(whole.system.energy().planes > 0);
+	CHECK(whole.system.energy().walls > 0);
 }

@@ -93,8 +93,9 @@ template <int dim> struct ContactOutline {
 	double bulge() const { return 0.3 * longestEdge; }
 	/// Of a ball about the centre of the box that holds the outline, m.
 	double outerRadius() const { return circumradius + nodeRadius + bulge(); }
-	/// Whether a ball, or a grain that may hold one, is inside this grain or on it, concentric,
-	/// where no place near an outline tells. For grains whose box has its centre inside them.
+	/// Whether a ball (or a grain that may hold one) lies inside this grain, or about the same
+	/// centre, so that no node is near an outline. For grains whose box has its centre inside
+	/// them.
 	bool holds(const Vec<dim>& centre, double radius) const;
 	/// Outward area vectors of the nodes: of the adjacent facets, an equal share each,
 	/// m^(dim-1).
@@ -147,5 +148,19 @@ private:
 	bool isSharp_;
 	const std::vector<int>* sides_ = nullptr; ///< facets that meet at a corner or a bend
 };
+
+/// How deep a node may lie in the other grain and still be a contact, m: from deeper it would be
+/// pushed to whichever side is nearest.
+template <int dim> double contactDepth(const ContactOutline<dim>& a, const ContactOutline<dim>& b)
+{
+	constexpr double deepestContact = 1.5; // in dr
+	return deepestContact * std::max(a.pointSpacing, b.pointSpacing);
+}
+
+/// Mean dr of two grains, m.
+template <int dim> double meanSpacing(const ContactOutline<dim>& a, const ContactOutline<dim>& b)
+{
+	return 0.5 * (a.pointSpacing + b.pointSpacing);
+}
 
 } // namespace softgrain

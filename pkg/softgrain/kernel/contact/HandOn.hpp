@@ -1,8 +1,8 @@
 // What contacts with a floor of several rigid surfaces remember, from surface to surface.
 #pragma once
 
-#include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
+#include "contact/ContactList.hpp"
 #include "contact/RigidPartner.hpp"
 
 #include <vector>

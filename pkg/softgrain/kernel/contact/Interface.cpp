@@ -91,7 +91,14 @@ Vec<dim> PairInterface<dim>::remember(std::size_t k, const ContactOutcome<dim>& 
 template <int dim> bool PairInterface<dim>::bondsAtTouch(const ContactOutcome<dim>& now) const
 {
 	return law.hasBond() && law.bondAtTouch &&
-	       (now.reaction.dot(now.normal) > 0 || now.gap < touchingGap * now.pointSpacing);
+	       touches<dim>(now.reaction, now.gap, now.pointSpacing);
+}
+
+template <int dim> double PairInterface<dim>::damage(std::size_t k) const
+{
+	const ContactHistory<dim>& h = history[k];
+	if (h.bond == Bond::broken || !law.hasBond()) return 1;
+	return 1 - law.secantStiffness(h.largest) / law.stiffness();
 }
 
 template <int dim> void PairInterface<dim>::bondOnce(std::size_t k, const ContactOutcome<dim>& now)
@@ -153,6 +160,9 @@ template <int dim> bool PairInterface<dim>::restore(const std::vector<double>& n
 {
 	constexpr int each = numbersEach<dim>;
 	if (numbers.size() % each != 0) return false;
+	for (std::size_t bond = 2 * dim + 2; bond < numbers.size(); bond += each)
+		if (!(numbers[bond] >= 0 && numbers[bond] <= static_cast<int>(Bond::broken)))
+			return false;
 	history.resize(numbers.size() / each);
 	for (std::size_t k = 0; k < history.size(); ++k) {
 		ContactHistory<dim>& h = history[k];

@@ -22,6 +22,12 @@ inline constexpr double touchingGap = 0.01;
 
 template <int dim> struct Contact;
 
+/// Whether a contact with this reaction touches, as far as bonds are concerned.
+template <int dim> bool touches(const Vec<dim>& reaction, double gap, double pointSpacing)
+{
+	return !reaction.isZero(0) || gap <= touchingGap * pointSpacing;
+}
+
 enum class Bond : int { none, whole, broken };
 
 /// What a contact with an interface law remembers.
@@ -111,6 +117,8 @@ public:
 	}
 	/// Contact k is bonded from now on.
 	void bondNow(std::size_t k, double gap);
+	/// Share of the stiffness of the bond of contact k that is gone.
+	double damage(std::size_t k) const;
 
 	/// Before contacts are searched anew, and after that, for each that is there again: its
 	/// number then and now.
@@ -125,7 +133,7 @@ public:
 	/// Bonds that were whole when their contact vanished, since this was last asked.
 	long takeLostBonds() { return std::exchange(lost_, 0); }
 
-	/// History as numbers, and back; false, and nothing done, if there are too few or too many.
+	/// History as numbers, and back; false, and nothing done, if that they cannot be.
 	std::vector<double> numbers() const;
 	bool restore(const std::vector<double>& numbers);
 

@@ -3,6 +3,7 @@
 
 #include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
+#include "contact/Interface.hpp"
 
 #include <Eigen/Core>
 

@@ -1,40 +1,17 @@
 // Motion of a rigid body that soft grains touch: what an impulse on it does to its velocities.
 #pragma once
 
+#include "Spin.hpp"
 #include "Vector.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 
 namespace softgrain {
 
-/// Angular quantities: a vector in 3D, its component along z in 2D.
-template <int dim> using Spin = Eigen::Matrix<double, dim == 2 ? 1 : 3, 1>;
-
-/// omega x arm.
-template <int dim> Vec<dim> turned(const Spin<dim>& omega, const Vec<dim>& arm)
-{
-	if constexpr (dim == 2)
-		return Vec<2>(-omega[0] * arm[1], omega[0] * arm[0]);
-	else
-		return omega.cross(arm);
-}
-
-/// arm x J.
-template <int dim> Spin<dim> moment(const Vec<dim>& arm, const Vec<dim>& J)
-{
-	if constexpr (dim == 2)
-		return Spin<2>(cross(arm, J));
-	else
-		return arm.cross(J);
-}
-
 /// Whatever is held (a degree of freedom, or the whole body) has an inverse mass or inertia of 0
 /// there and moves as prescribed.
 template <int dim> struct RigidPartner {
-	static constexpr int spins = Spin<dim>::RowsAtCompileTime;
-
 	Vec<dim> centre = Vec<dim>::Zero();         ///< of mass, m
 	Vec<dim> velocity = Vec<dim>::Zero();       ///< at t_n + dt/2, being solved, m/s
 	Spin<dim> spin = Spin<dim>::Zero();         ///< the same, 1/s
@@ -44,8 +21,7 @@ template <int dim> struct RigidPartner {
 	Spin<dim> spinBefore = Spin<dim>::Zero();   ///< 1/s
 	Vec<dim> inverseMass = Vec<dim>::Zero();    ///< along each axis of space, 1/kg
 	/// In the axes of space, 1/(kg m^2).
-	Eigen::Matrix<double, spins, spins> inverseInertia =
-		Eigen::Matrix<double, spins, spins>::Zero();
+	Inertia<dim> inverseInertia = Inertia<dim>::Zero();
 
 	Vec<dim> shift = Vec<dim>::Zero();  ///< out of overlaps, besides its motion, m
 	Spin<dim> turn = Spin<dim>::Zero(); ///< the same, rad
@@ -55,10 +31,13 @@ template <int dim> struct RigidPartner {
 	/// Whether it moves as it stands, impulses apart.
 	bool hasVelocity() const { return !velocity.isZero(0) || !spin.isZero(0); }
 	/// Of its point at `arm` from the centre.
-	Vec<dim> velocityAt(const Vec<dim>& arm) const { return velocity + turned<dim>(spin, arm); }
+	Vec<dim> velocityAt(const Vec<dim>& arm) const
+	{
+		return velocity + spinCross<dim>(spin, arm);
+	}
 	Vec<dim> velocityBeforeAt(const Vec<dim>& arm) const
 	{
-		return velocityBefore + turned<dim>(spinBefore, arm);
+		return velocityBefore + spinCross<dim>(spinBefore, arm);
 	}
 	/// The velocities are those without impulses.
 	void noteFree()
@@ -68,7 +47,7 @@ template <int dim> struct RigidPartner {
 	}
 	Vec<dim> freeVelocityAt(const Vec<dim>& arm) const
 	{
-		return freeVelocity + turned<dim>(freeSpin, arm);
+		return freeVelocity + spinCross<dim>(freeSpin, arm);
 	}
 	void push(const Vec<dim>& arm, const Vec<dim>& J)
 	{
@@ -85,7 +64,7 @@ template <int dim> struct RigidPartner {
 	Vec<dim> heldAt(const Vec<dim>& arm, const Vec<dim>& v, const Spin<dim>& omega) const
 	{
 		const Vec<dim> held = (inverseMass.array() == 0).select(v, 0);
-		return held + turned<dim>(heldOf(omega), arm);
+		return held + spinCross<dim>(heldOf(omega), arm);
 	}
 	/// Sum of mass times the product of two velocities of the body, where it is free, J.
 	double massProduct(const Vec<dim>& v, const Spin<dim>& omega, const Vec<dim>& v2,
@@ -96,12 +75,12 @@ template <int dim> struct RigidPartner {
 			if (inverseMass[a] > 0) product += v[a] * v2[a] / inverseMass[a];
 		const Spin<dim> held =
 			(inverseInertia.diagonal().array() == 0).template cast<double>();
-		Eigen::Matrix<double, spins, spins> solvable = inverseInertia;
+		Inertia<dim> solvable = inverseInertia;
 		solvable.diagonal() += held;
 		const Spin<dim> turning = omega2 - held.cwiseProduct(omega2);
 		return product + omega.dot(solvable.inverse() * turning);
 	}
-	Vec<dim> shiftAt(const Vec<dim>& arm) const { return shift + turned<dim>(turn, arm); }
+	Vec<dim> shiftAt(const Vec<dim>& arm) const { return shift + spinCross<dim>(turn, arm); }
 	bool isDisplaced() const { return !shift.isZero(0) || !turn.isZero(0); }
 	/// As `push`, by an impulse times a time, kg m.
 	void displace(const Vec<dim>& arm, const Vec<dim>& J)
@@ -117,7 +96,7 @@ template <int dim> struct RigidPartner {
 		for (int a = 0; a < dim; ++a) {
 			const Vec<dim> J = Vec<dim>::Unit(a);
 			W.col(a) = inverseMass.cwiseProduct(J) +
-				   turned<dim>(inverseInertia * moment<dim>(arm, J), arm);
+				   spinCross<dim>(inverseInertia * moment<dim>(arm, J), arm);
 		}
 		return W;
 	}

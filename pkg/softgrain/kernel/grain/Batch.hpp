@@ -105,8 +105,8 @@ template <int dim> struct Batch {
 	std::vector<GrainParameters<dim>> grain;
 	std::vector<double> pointScale; ///< R^dim: Vp0 of grain over Vp0 of template
 	std::vector<double> massScale;  ///< rho R^dim: nodal mass of grain over that of template
-	/// LameConstants::isochoricShare; where volumes are projected 1, which is safe, until
-	/// `findIsochoricShares`. For the next `arrange`.
+	/// LameConstants::isochoricShare; before `findIsochoricShares` 1 where volumes are
+	/// projected, which is safe. For the next `arrange`.
 	std::vector<double> isochoricShare;
 	std::vector<LameConstants> lame; ///< per block; empty lanes repeat the block's first grain
 

@@ -1,7 +1,7 @@
 #include "grain/Damper.hpp"
 #include "grain/BulkPass.hpp"
 #include "grain/Observables.hpp"
-#include "material/NeoHookean.hpp"
+#include "material/Kinematics.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -116,7 +116,7 @@ private:
 	SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void evaluate(int group, bool projected, Lanes& stretch)
 	{
 		auto &F = F_.tensor[group], &rate = rate_.tensor[group];
-		stretch = larger(detail::largestSquaredStretch(F), stretch);
+		stretch = larger(largestSquaredStretch(F), stretch);
 		const Lanes trace =
 			projected ? trace_.at(positions_, F_, group) : traceOf<dim>(F, rate);
 		becomeStress<dim>(F, rate, viscosity_, trace, positions_.volume(F_, group));

@@ -19,6 +19,12 @@ template <int dim> struct BodyLoad {
 	Mat<dim> angular = Mat<dim>::Zero();      ///< skew, 1/s^2
 
 	bool isZero() const { return acceleration.isZero(0) && angular.isZero(0); }
+	/// Largest acceleration by which it differs within a radius, m/s^2.
+	double difference(const BodyLoad& o, double radius) const
+	{
+		return (acceleration - o.acceleration).norm() +
+		       radius * (angular - o.angular).norm();
+	}
 	bool operator==(const BodyLoad& o) const
 	{
 		return acceleration == o.acceleration && angular == o.angular;
@@ -99,11 +105,11 @@ public:
 	/// Square of the highest frequency as deformed now over that of the undeformed grain, at
 	/// least 1: a bound, or what was measured of a deformation alike (Stiffening).
 	virtual double stiffening(int g) const = 0;
-	/// Whether it may be less than known.
+	/// Whether it may be less than `stiffening` says.
 	virtual bool mayMeasureStiffening(int) const { return false; }
-	/// Finds out, or that with its damping the critical step of the grain is long enough, of
-	/// grains side by side; may be called for different grains at a time. Returns how often it
-	/// computed the forces of a grain.
+	/// Measures the stiffening of these grains, which lie side by side, until it is known or
+	/// the critical step, with damping, is known to be long enough. May be called for different
+	/// grains at a time. Returns how often it computed the forces of a grain.
 	virtual int measureStiffening(const std::vector<DueMeasurement>&) { return 0; }
 	/// How much faster damping acts in the grain as deformed now, >= 1 (Damper).
 	virtual double rateStiffening(int) const { return 1; }
@@ -133,7 +139,7 @@ public:
 	/// At the same time: what the step does to the grain as a whole, and its load of that.
 	virtual WholeImpulses wholeImpulses(int g, double kick, const BodyLoad<dim>& load) const;
 	/// Asleep: whether it may sleep on while forces on it differ by so much from those with
-	/// which it fell asleep, N.
+	/// which it fell asleep, N; a small share of this load is the most.
 	virtual bool bears(int /*g*/, double /*force*/, const BodyLoad<dim>& /*load*/) const
 	{
 		return false;

@@ -20,7 +20,8 @@ template <int dim, class LawEvaluator> struct PointwiseLaw {
 	{
 		LawEvaluator::evaluate(point, lame);
 	}
-	/// The volumetric strain that the stress was computed with, plane strain and 3D.
+	/// The volumetric strain that the stress was computed with; in plane stress its in-plane
+	/// part.
 	template <class Side>
 	double theta(const Side&, const Strip<dim>&, int, int lane,
 		     const PointLanes<dim>& point) const
@@ -180,8 +181,7 @@ template <int dim> void computeInternalForce(Batch<dim>& batch, int threads)
 }
 
 template <int dim>
-PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Condition condition,
-				 const LameConstants& lame)
+PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, const OutOfPlane& out)
 {
 	PointResponse<dim> r;
 	Mat<dim> P;
@@ -191,14 +191,10 @@ PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Conditi
 			P(a, b) = point.P[a][b][lane];
 		}
 	r.J = point.J[lane];
-	r.cauchy = P * r.F.transpose() / r.J;
-	if (condition == Condition::planeStrain)
-		r.cauchy33 = lame.lambda[lane] * std::log(r.J) / r.J;
-	if (condition == Condition::planeStress) {
-		// forces are per unit reference thickness, Cauchy stress per present one
-		r.F33 = expOf(detail::thicknessStrain(lnOf(point.J), lame.lambda, lame.mu))[lane];
-		r.cauchy /= r.F33;
-	}
+	r.F33 = out.stretch[lane];
+	r.cauchy33 = out.stress[lane];
+	// forces are per unit reference thickness, Cauchy stress per present one
+	r.cauchy = P * r.F.transpose() / r.J / r.F33;
 	return r;
 }
 
@@ -206,18 +202,21 @@ template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<di
 {
 	const GrainTemplate<dim>& reference = *batch.reference;
 	const auto& shapes = reference.pointShapes;
-	const ElasticConstants& c = batch.grain[g].constants;
-	const LameConstants lame = LameConstants::ofAll(c);
 	std::vector<PointResponse<dim>> responses(reference.points());
-	visitPoints(batch, g, [&](int p, const PointLanes<dim>& point, int lane, double theta) {
+	auto note = [&](int p, const PointLanes<dim>& point, int lane, const OutOfPlane& out) {
 		PointResponse<dim>& r = responses[p];
-		r = pointResponse(point, lane, batch.condition, lame);
+		r = pointResponse(point, lane, out);
 		r.position = batch.grain[g].origin;
 		for (int k = shapes.begin(p); k < shapes.end(p); ++k)
 			r.position += shapes.value[k].N * batch.x.get(g, shapes.column[k]);
 		r.volume = batch.pointScale[g] * reference.pointVolume[p] * r.J;
-		if (batch.condition == Condition::planeStrain)
-			r.cauchy33 = c.lambda() * theta / r.J;
+	};
+	withLaw<dim>(batch.law, batch.condition, [&](auto law) {
+		const LameConstants lame = LameConstants::ofAll(batch.grain[g].constants);
+		visitPoints(
+			batch, g, [&](int p, const PointLanes<dim>& point, int lane, double theta) {
+				note(p, point, lane, law.outOfPlane(point, lame, Lanes {} + theta));
+			});
 	});
 	return responses;
 }
@@ -234,8 +233,8 @@ template <int dim> double presentVolume(const Batch<dim>& batch, int g)
 
 #define SOFTGRAIN_INSTANTIATE(dim)                                                                 \
 	template void computeInternalForce<dim>(Batch<dim>&, int);                                 \
-	template PointResponse<dim> pointResponse<dim>(const PointLanes<dim>&, int, Condition,     \
-						       const LameConstants&);                      \
+	template PointResponse<dim> pointResponse<dim>(const PointLanes<dim>&, int,                \
+						       const OutOfPlane&);                         \
 	template std::vector<PointResponse<dim>> pointResponses<dim>(const Batch<dim>&, int);      \
 	template double presentVolume<dim>(const Batch<dim>&, int);
 SOFTGRAIN_INSTANTIATE(2)

@@ -22,8 +22,7 @@ template <int dim> struct PointResponse {
 };
 /// From an evaluated lane; position and volume are left to the caller.
 template <int dim>
-PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, Condition condition,
-				 const LameConstants& lame);
+PointResponse<dim> pointResponse(const PointLanes<dim>& point, int lane, const OutOfPlane& out);
 /// At every material point of grain `g`.
 template <int dim> std::vector<PointResponse<dim>> pointResponses(const Batch<dim>& batch, int g);
 /// Present area (volume) sum_p Vp0 J_p, m^2 (m^3).

@@ -23,17 +23,6 @@ template <> Mat<3> detail::nearestRotation(const Mat<3>& A)
 	return U * svd.matrixV().transpose();
 }
 
-template <> Mat<2> spinMatrix<2>(const Eigen::Matrix<double, 1, 1>& omega)
-{
-	return (Mat<2>() << 0, -omega[0], omega[0], 0).finished();
-}
-
-template <> Mat<3> spinMatrix<3>(const Vec<3>& omega)
-{
-	return (Mat<3>() << 0, -omega[2], omega[1], omega[2], 0, -omega[0], -omega[1], omega[0], 0)
-		.finished();
-}
-
 namespace {
 
 /// Nodes of a grain of the plane.
@@ -86,7 +75,6 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void sumUp(const PlaneNodes& node, PlaneSums&
 
 template <> WholeGrain<2> wholeGrain(const Batch<2>& batch, int g)
 {
-	using Scalar = WholeGrain<2>::Angular;
 	const GrainTemplate<2>& reference = *batch.reference;
 	const PlaneNodes node { reference.nodeMass, batch.x.of(g), batch.v.of(g),
 				reference.nodePosition.data() };
@@ -98,8 +86,8 @@ template <> WholeGrain<2> wholeGrain(const Batch<2>& batch, int g)
 	whole.mass = scale * sums.mass;
 	whole.centre = node.x[node.middle()] + x;
 	whole.velocity = node.v[node.middle()] + v;
-	whole.angularMomentum = scale * (Scalar(sums.spin) - sums.mass * detail::cross(x, v));
-	whole.inertia = scale * (Scalar(sums.inertia) - sums.mass * detail::pointInertia(x));
+	whole.angularMomentum = scale * (Spin<2>(sums.spin) - sums.mass * moment<2>(x, v));
+	whole.inertia = scale * (Inertia<2>(sums.inertia) - sums.mass * detail::pointInertia(x));
 	whole.angularVelocity = whole.angularMomentum / whole.inertia(0, 0);
 	whole.rotation = detail::nearestRotation<2>(sums.motion - x * sums.X.transpose());
 	return whole;

@@ -1,6 +1,7 @@
 // The grain as a whole: what a rigid body would show.
 #pragma once
 
+#include "Spin.hpp"
 #include "grain/Batch.hpp"
 
 #include <Eigen/Dense>
@@ -16,19 +17,15 @@ template <int dim> struct RigidVelocities {
 	Vec<dim> at(const Vec<dim>& x) const { return velocity + spin * (x - centre); }
 };
 
-/// Momenta and mean motion of one grain. Angular quantities are vectors in 3D; in 2D they are
-/// stored in the one out-of-plane component.
+/// Momenta and mean motion of one grain.
 template <int dim> struct WholeGrain {
-	using Angular = Eigen::Matrix<double, dim == 2 ? 1 : 3, 1>;
-
 	double mass = 0;                      ///< kg (2D: kg/m)
 	Vec<dim> centre = Vec<dim>::Zero();   ///< centre of mass relative to the grain's origin, m
 	Vec<dim> velocity = Vec<dim>::Zero(); ///< of the centre of mass, m/s
-	Angular angularMomentum = Angular::Zero(); ///< about the centre of mass
-	Eigen::Matrix<double, Angular::RowsAtCompileTime, Angular::RowsAtCompileTime>
-		inertia;                           ///< present
-	Angular angularVelocity = Angular::Zero(); ///< inertia^-1 angularMomentum, 1/s
-	Mat<dim> rotation = Mat<dim>::Identity();  ///< mean rotation: nearest to the motion X -> x
+	Spin<dim> angularMomentum = Spin<dim>::Zero(); ///< about the centre of mass
+	Inertia<dim> inertia = Inertia<dim>::Zero();   ///< present
+	Spin<dim> angularVelocity = Spin<dim>::Zero(); ///< inertia^-1 angularMomentum, 1/s
+	Mat<dim> rotation = Mat<dim>::Identity(); ///< mean rotation: nearest to the motion X -> x
 
 	/// Of a rigid body with these momenta.
 	RigidVelocities<dim> rigidVelocities() const;
@@ -62,11 +59,6 @@ template <int dim> Vec<dim> momentum(const Batch<dim>& batch, const NodalField<d
 /// Whether all components at the nodes of grain `g` are finite.
 template <int dim> bool isFinite(const NodalField<dim>& field, int g, int nodes);
 
-/// Skew matrix of a rotation rate: spin(omega) r = omega x r.
-template <int dim> Mat<dim> spinMatrix(const typename WholeGrain<dim>::Angular& omega);
-template <> Mat<2> spinMatrix<2>(const Eigen::Matrix<double, 1, 1>& omega);
-template <> Mat<3> spinMatrix<3>(const Vec<3>& omega);
-
 // --- implementation -----------------------------------------------------------------------------
 
 template <int dim> RigidVelocities<dim> WholeGrain<dim>::rigidVelocities() const
@@ -76,16 +68,7 @@ template <int dim> RigidVelocities<dim> WholeGrain<dim>::rigidVelocities() const
 
 namespace detail {
 
-inline Eigen::Matrix<double, 1, 1> cross(const Vec<2>& a, const Vec<2>& b)
-{
-	return Eigen::Matrix<double, 1, 1>(softgrain::cross(a, b));
-}
-inline Vec<3> cross(const Vec<3>& a, const Vec<3>& b) { return a.cross(b); }
-
-inline Eigen::Matrix<double, 1, 1> pointInertia(const Vec<2>& r)
-{
-	return Eigen::Matrix<double, 1, 1>(r.squaredNorm());
-}
+inline Spin<2> pointInertia(const Vec<2>& r) { return Spin<2>(r.squaredNorm()); }
 inline Mat<3> pointInertia(const Vec<3>& r)
 {
 	return r.squaredNorm() * Mat<3>::Identity() - r * r.transpose();
@@ -101,7 +84,6 @@ template <> Mat<3> nearestRotation(const Mat<3>& A);
 template <int dim, class ParticleAt> WholeGrain<dim> wholeOf(int count, ParticleAt&& particle)
 {
 	WholeGrain<dim> whole;
-	whole.inertia.setZero();
 	for (int i = 0; i < count; ++i) {
 		const Particle<dim> p = particle(i);
 		whole.mass += p.mass;
@@ -114,7 +96,7 @@ template <int dim, class ParticleAt> WholeGrain<dim> wholeOf(int count, Particle
 	for (int i = 0; i < count; ++i) {
 		const Particle<dim> p = particle(i);
 		const Vec<dim> r = p.x - whole.centre;
-		whole.angularMomentum += p.mass * detail::cross(r, Vec<dim>(p.v - whole.velocity));
+		whole.angularMomentum += p.mass * moment<dim>(r, p.v - whole.velocity);
 		whole.inertia += p.mass * detail::pointInertia(r);
 		motion += p.mass * r * p.X.transpose();
 	}

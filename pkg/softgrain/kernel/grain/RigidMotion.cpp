@@ -8,7 +8,7 @@ namespace softgrain {
 
 namespace {
 
-Mat<2> turnBy(const Eigen::Matrix<double, 1, 1>& angle)
+Mat<2> turnBy(const Spin<2>& angle)
 {
 	const double c = std::cos(angle[0]), s = std::sin(angle[0]);
 	return (Mat<2>() << c, -s, s, c).finished();
@@ -22,23 +22,17 @@ Mat<3> turnBy(const Vec<3>& angle)
 }
 
 /// Vector of a skew matrix: the inverse of spinMatrix.
-Eigen::Matrix<double, 1, 1> axisOf(const Mat<2>& spin)
-{
-	return Eigen::Matrix<double, 1, 1>(spin(1, 0));
-}
+Spin<2> axisOf(const Mat<2>& spin) { return Spin<2>(spin(1, 0)); }
 Vec<3> axisOf(const Mat<3>& spin) { return { spin(2, 1), spin(0, 2), spin(1, 0) }; }
 
-Eigen::Matrix<double, 1, 1> turned(const Eigen::Matrix<double, 1, 1>& inertia, const Mat<2>&)
+Inertia<2> rotatedInertia(const Inertia<2>& inertia, const Mat<2>&) { return inertia; }
+Inertia<3> rotatedInertia(const Inertia<3>& inertia, const Mat<3>& R)
 {
-	return inertia;
+	return R * inertia * R.transpose();
 }
-Mat<3> turned(const Mat<3>& inertia, const Mat<3>& R) { return R * inertia * R.transpose(); }
 
-Eigen::Matrix<double, 1, 1> turned(const Mat<2>&, const Eigen::Matrix<double, 1, 1>& axis)
-{
-	return axis;
-}
-Vec<3> turned(const Mat<3>& R, const Vec<3>& axis) { return R * axis; }
+Spin<2> rotatedAxis(const Mat<2>&, const Spin<2>& axis) { return axis; }
+Spin<3> rotatedAxis(const Mat<3>& R, const Spin<3>& axis) { return R * axis; }
 
 /// Keeps rounding from adding up to a strain: one step of Newton's method towards R^T R = 1.
 template <int dim> Mat<dim> orthonormal(const Mat<dim>& R)
@@ -47,17 +41,14 @@ template <int dim> Mat<dim> orthonormal(const Mat<dim>& R)
 }
 
 template <int dim>
-typename RigidMotion<dim>::Angular rateOf(const typename RigidMotion<dim>::Angular& momentum,
-					  const Mat<dim>& rotation, const RigidShape<dim>& shape)
+Spin<dim> rateOf(const Spin<dim>& momentum, const Mat<dim>& rotation, const RigidShape<dim>& shape)
 {
-	return turned(shape.inertia, rotation).inverse() * momentum;
+	return rotatedInertia(shape.inertia, rotation).inverse() * momentum;
 }
 
 } // namespace
 
-template <int dim>
-typename RigidMotion<dim>::Angular
-RigidMotion<dim>::angularVelocity(const RigidShape<dim>& shape) const
+template <int dim> Spin<dim> RigidMotion<dim>::angularVelocity(const RigidShape<dim>& shape) const
 {
 	return rateOf<dim>(momentum, rotation, shape);
 }
@@ -69,7 +60,7 @@ template <int dim> WholeGrain<dim> RigidMotion<dim>::whole(const RigidShape<dim>
 	w.centre = centre;
 	w.velocity = velocity;
 	w.angularMomentum = shape.mass * momentum;
-	w.inertia = shape.mass * turned(shape.inertia, rotation);
+	w.inertia = shape.mass * rotatedInertia(shape.inertia, rotation);
 	w.angularVelocity = angularVelocity(shape);
 	w.rotation = rotation;
 	return w;
@@ -82,7 +73,7 @@ template <int dim> double RigidMotion<dim>::kineticEnergy(const RigidShape<dim>&
 }
 
 template <int dim>
-double RigidMotion<dim>::power(const Vec<dim>& speed, const Angular& spinMomentum,
+double RigidMotion<dim>::power(const Vec<dim>& speed, const Spin<dim>& spinMomentum,
 			       const Vec<dim>& acceleration, const Mat<dim>& angular) const
 {
 	return acceleration.dot(speed) + axisOf(angular).dot(spinMomentum);
@@ -95,7 +86,7 @@ void RigidMotion<dim>::accelerate(double kick, const Vec<dim>& acceleration,
 	velocityNext = velocity + kick * acceleration;
 	momentumNext = momentum;
 	if (!angular.isZero(0))
-		momentumNext += kick * (turned(shape.inertia, rotation) * axisOf(angular));
+		momentumNext += kick * (rotatedInertia(shape.inertia, rotation) * axisOf(angular));
 }
 
 template <int dim> void RigidMotion<dim>::move(double dt, const RigidShape<dim>& shape)
@@ -103,13 +94,13 @@ template <int dim> void RigidMotion<dim>::move(double dt, const RigidShape<dim>&
 	velocity = velocityNext;
 	momentum = momentumNext;
 	centre += dt * velocity;
-	Angular rate = angularVelocity(shape);
+	Spin<dim> rate = angularVelocity(shape);
 	if (dt * dt * rate.squaredNorm() < 1e-32) return; // R would stay as it is, rounded
 	if (dim == 3)
 		for (int k = 0; k < 3; ++k) // each leaves an error smaller by omega dt
-			rate = rateOf<dim>(momentum, turnBy(Angular(0.5 * dt * rate)) * rotation,
+			rate = rateOf<dim>(momentum, turnBy(Spin<dim>(0.5 * dt * rate)) * rotation,
 					   shape);
-	rotation = orthonormal<dim>(turnBy(Angular(dt * rate)) * rotation);
+	rotation = orthonormal<dim>(turnBy(Spin<dim>(dt * rate)) * rotation);
 }
 
 template <int dim>
@@ -119,7 +110,8 @@ void RigidMotion<dim>::add(const Mat<dim>& turn, const Vec<dim>& shift, const Ve
 	centre += shift;
 	rotation = orthonormal<dim>(turn * rotation);
 	velocity = turn * velocity + speed;
-	momentum = turned(turn, momentum) + turned(shape.inertia, rotation) * axisOf(spin);
+	momentum = rotatedAxis(turn, momentum) +
+		   rotatedInertia(shape.inertia, rotation) * axisOf(spin);
 }
 
 template <int dim> std::vector<double> RigidMotion<dim>::numbers() const

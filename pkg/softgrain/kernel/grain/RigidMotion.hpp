@@ -14,24 +14,20 @@ namespace softgrain {
 
 /// What the rigid motion needs to know of a grain: about its centre of mass, undeformed.
 template <int dim> struct RigidShape {
-	using Inertia = decltype(WholeGrain<dim>::inertia);
-
-	double mass = 0;                       ///< kg (2D: kg/m)
-	Vec<dim> centre = Vec<dim>::Zero();    ///< of mass, in the reference configuration, m
-	Inertia inertia = Inertia::Identity(); ///< over the mass, I_0, m^2
+	double mass = 0;                    ///< kg (2D: kg/m)
+	Vec<dim> centre = Vec<dim>::Zero(); ///< of mass, in the reference configuration, m
+	Inertia<dim> inertia = Inertia<dim>::Identity(); ///< over the mass, I_0, m^2
 };
 
 template <int dim> struct RigidMotion {
-	using Angular = typename WholeGrain<dim>::Angular;
-
 	Vec<dim> centre = Vec<dim>::Zero(); ///< of mass, relative to the grain's origin, m
 	Mat<dim> rotation = Mat<dim>::Identity();
 	Vec<dim> velocity = Vec<dim>::Zero();
-	Angular momentum = Angular::Zero();       ///< about the centre, over the mass, m^2/s
-	Vec<dim> velocityNext = Vec<dim>::Zero(); ///< V+, being computed
-	Angular momentumNext = Angular::Zero();   ///< l+
+	Spin<dim> momentum = Spin<dim>::Zero();     ///< about the centre, over the mass, m^2/s
+	Vec<dim> velocityNext = Vec<dim>::Zero();   ///< V+, being computed
+	Spin<dim> momentumNext = Spin<dim>::Zero(); ///< l+
 
-	Angular angularVelocity(const RigidShape<dim>& shape) const;
+	Spin<dim> angularVelocity(const RigidShape<dim>& shape) const;
 	/// Place of the particle X of the reference configuration, and the velocity that a place
 	/// has by V and omega.
 	Vec<dim> positionOf(const Vec<dim>& X, const RigidShape<dim>& shape) const
@@ -43,7 +39,7 @@ template <int dim> struct RigidMotion {
 	double kineticEnergy(const RigidShape<dim>& shape) const;
 
 	/// Of a body load over the mass at a velocity and angular momentum (over the mass), W/kg.
-	double power(const Vec<dim>& speed, const Angular& spinMomentum,
+	double power(const Vec<dim>& speed, const Spin<dim>& spinMomentum,
 		     const Vec<dim>& acceleration, const Mat<dim>& angular) const;
 
 	void accelerate(double kick, const Vec<dim>& acceleration, const Mat<dim>& angular,
@@ -59,7 +55,7 @@ template <int dim> struct RigidMotion {
 
 	/// The state as numbers, for saving.
 	std::vector<double> numbers() const;
-	static constexpr int numberCount = dim + dim * dim + dim + Angular::RowsAtCompileTime;
+	static constexpr int numberCount = dim + dim * dim + dim + spins<dim>;
 	static RigidMotion fromNumbers(const std::vector<double>& numbers);
 };
 

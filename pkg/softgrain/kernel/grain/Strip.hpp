@@ -108,15 +108,4 @@ void handToFollowed(const PointLines<dim>& lines, At&& at)
 	});
 }
 
-/// Calls `use` with the order of the splines as a type.
-template <class Use> void withOrder(int order, Use&& use)
-{
-	if (order == 1)
-		use(std::integral_constant<int, 1> {});
-	else if (order == 2)
-		use(std::integral_constant<int, 2> {});
-	else
-		use(std::integral_constant<int, 3> {});
-}
-
 } // namespace softgrain

@@ -123,8 +123,7 @@ template <int dim, int order> void stencilsOfContactNodes(UpdatedGrain<dim>& gra
 						 static_cast<std::size_t>(s) * factorCount<dim>);
 	}
 	for (int s = 0; s < count; ++s) {
-		const GridRows<dim, order> rows(grain.grid, grain.contacts.first[s],
-						&grain.contacts.factors[s * factorCount<dim>]);
+		const auto rows = grain.contacts.template rows<dim, order>(grain.grid, s);
 		for (int i = 0; i < rows.count; ++i)
 			for (int c = 0; c <= order; ++c)
 				grain.grid.wanted[rows.node[i] + c] = 1;
@@ -156,10 +155,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void spread(UpdatedGrain<dim>& grain, LawEval
 		for (int l = 0; l < laneWidth; ++l) {
 			const int p = begin + l;
 			if (!(point.J[l] > 0) && report.invertedPoint < 0) report.invertedPoint = p;
-			const GridRows<dim, order> rows(
-				grain.grid, grain.points.first[p],
-				&grain.points
-					 .factors[static_cast<std::size_t>(p) * factorCount<dim>]);
+			const auto rows = grain.points.template rows<dim, order>(grain.grid, p);
 			Vec<dim> momentum;
 			double own[dim][dim];
 			for (int a = 0; a < dim; ++a) {
@@ -186,10 +182,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void collect(UpdatedGrain<dim>& grain, double
 		Lanes after[dim], before[dim], gradient[dim][dim];
 		for (int l = 0; l < laneWidth; ++l) {
 			const int p = begin + l;
-			const GridRows<dim, order> rows(
-				grain.grid, grain.points.first[p],
-				&grain.points
-					 .factors[static_cast<std::size_t>(p) * factorCount<dim>]);
+			const auto rows = grain.points.template rows<dim, order>(grain.grid, p);
 			for (int a = 0; a < dim; ++a) {
 				double slope[dim];
 				after[a][l] = gather(grain.grid.velocityNext[a], rows, slope);
@@ -221,8 +214,7 @@ SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void collect(UpdatedGrain<dim>& grain, double
 		}
 	}
 	for (std::size_t s = 0; s < grain.contactX.size(); ++s) {
-		const GridRows<dim, order> rows(grain.grid, grain.contacts.first[s],
-						&grain.contacts.factors[s * factorCount<dim>]);
+		const auto rows = grain.contacts.template rows<dim, order>(grain.grid, s);
 		for (int a = 0; a < dim; ++a)
 			grain.contactV[s][a] = gather(grain.grid.velocityNext[a], rows);
 		grain.contactX[s] += dt * grain.contactV[s];
@@ -269,32 +261,23 @@ template <int dim> bool UpdatedGrain<dim>::layGrid(int order, double widest)
 		high[a] = static_cast<int>(std::floor(most / spacing)) + rowWidth - 1;
 	}
 	grid.lay(low, high);
-	if (order == 3) {
-		stencilsOfPoints<dim, 3>(*this);
-		stencilsOfContactNodes<dim, 3>(*this);
-	} else {
-		stencilsOfPoints<dim, 2>(*this);
-		stencilsOfContactNodes<dim, 2>(*this);
-	}
+	withSmoothOrder(order, [&](auto smooth) {
+		stencilsOfPoints<dim, smooth>(*this);
+		stencilsOfContactNodes<dim, smooth>(*this);
+	});
 	return true;
 }
 
 template <int dim> void UpdatedGrain<dim>::pointsToGrid(int order, Law law, Condition condition)
 {
 	withLaw<dim>(law, condition, [&](auto evaluator) {
-		if (order == 3)
-			spread<dim, 3>(*this, evaluator);
-		else
-			spread<dim, 2>(*this, evaluator);
+		withSmoothOrder(order, [&](auto smooth) { spread<dim, smooth>(*this, evaluator); });
 	});
 }
 
 template <int dim> void UpdatedGrain<dim>::gridToPoints(int order, double dt, double picShare)
 {
-	if (order == 3)
-		collect<dim, 3>(*this, dt, picShare);
-	else
-		collect<dim, 2>(*this, dt, picShare);
+	withSmoothOrder(order, [&](auto smooth) { collect<dim, smooth>(*this, dt, picShare); });
 }
 
 template struct UpdatedGrain<2>;

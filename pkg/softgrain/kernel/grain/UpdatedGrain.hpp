@@ -3,6 +3,7 @@
 #pragma once
 
 #include "grain/Batch.hpp"
+#include "grain/GridRows.hpp"
 #include "grain/SpatialGrid.hpp"
 #include "reference/SparseRows.hpp"
 
@@ -13,6 +14,13 @@ namespace softgrain {
 struct Stencils {
 	std::vector<int> first;
 	std::vector<double> factors;
+
+	/// Those of one of the places.
+	template <int dim, int order>
+	GridRows<dim, order> rows(const SpatialGrid<dim>& grid, std::size_t place) const
+	{
+		return { grid, first[place], &factors[place * factorCount<dim>] };
+	}
 };
 
 /// One grain: state and what a step makes of it. Point arrays hold `laneWidth` points side by side;

@@ -285,13 +285,17 @@ template <int dim> std::vector<PointResponse<dim>> UpdatedLagrangian<dim>::point
 	std::vector<PointResponse<dim>> responses;
 	withLaw<dim>(law_, condition_, [&](auto evaluator) {
 		PointLanes<dim> point;
+		OutOfPlane out;
 		for (int p = 0; p < pointCount(); ++p) {
 			const int lane = p % laneWidth;
 			for (int a = 0; a < dim && lane == 0; ++a)
 				for (int b = 0; b < dim; ++b)
 					point.F[a][b] = loadLanes(&grain.F[a * dim + b][p]);
-			if (lane == 0) evaluator.evaluate(point, grain.lame);
-			PointResponse<dim> r = pointResponse(point, lane, condition_, grain.lame);
+			if (lane == 0) {
+				evaluator.evaluate(point, grain.lame);
+				out = evaluator.outOfPlane(point, grain.lame, lnOf(point.J));
+			}
+			PointResponse<dim> r = pointResponse(point, lane, out);
 			r.position = parameters_[g].origin + pointAt(g, p);
 			r.volume = grain.volume[p] * r.J;
 			responses.push_back(r);

@@ -3,19 +3,36 @@
 
 #include "material/NeoHookean.hpp"
 
+#include <concepts>
+
 namespace softgrain {
 
-/// Calls `use(Evaluator{})` with the evaluator of (law, condition). The only list of laws.
+/// What a law is made of, all of it static. (A law whose `canProject` is true has besides
+/// volumetricStrain(point) and evaluateProjected(point, lame, theta).)
+template <class L, int dim>
+concept ConstitutiveLaw =
+	requires(PointLanes<dim>& point, const LameConstants& lame, const Lanes& theta) {
+		L::evaluate(point, lame);       // P, J, energy and stiffening from F
+		L::stiffenInSpace(point, lame); // then: stiffening as a grid fixed in space sees it
+		{ L::outOfPlane(point, lame, theta) } -> std::same_as<OutOfPlane>;
+		{ L::canProject } -> std::convertible_to<bool>;
+	};
+
+/// Calls `use(evaluator)` with a law that is checked to be one.
+template <int dim, ConstitutiveLaw<dim> L, class Use> void useLaw(Use&& use) { use(L {}); }
+
+/// Calls `use(Evaluator{})` with the evaluator of (law, condition). (Names of laws are in
+/// Elasticity.cpp.)
 template <int dim, class Use> void withLaw(Law law, Condition condition, Use&& use)
 {
 	switch (law) {
 	case Law::neoHookean:
 		if constexpr (dim == 3)
-			use(NeoHookean<3, Condition::solid> {});
+			useLaw<3, NeoHookean<3, Condition::solid>>(use);
 		else if (condition == Condition::planeStress)
-			use(NeoHookean<2, Condition::planeStress> {});
+			useLaw<2, NeoHookean<2, Condition::planeStress>>(use);
 		else
-			use(NeoHookean<2, Condition::planeStrain> {});
+			useLaw<2, NeoHookean<2, Condition::planeStrain>>(use);
 	}
 }
 

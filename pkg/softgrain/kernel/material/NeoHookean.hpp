@@ -4,6 +4,7 @@
 
 #include "lanes/LaneMath.hpp"
 #include "material/Elasticity.hpp"
+#include "material/Kinematics.hpp"
 #include "material/PointLanes.hpp"
 
 #include <cmath>
@@ -12,55 +13,6 @@
 namespace softgrain {
 
 namespace detail {
-
-/// Cofactors of F (rows and columns as F) and its determinant: F^-T = C / J.
-inline Lanes cofactors(const Lanes (&F)[2][2], Lanes (&C)[2][2])
-{
-	C[0][0] = F[1][1];
-	C[0][1] = -F[1][0];
-	C[1][0] = -F[0][1];
-	C[1][1] = F[0][0];
-	return F[0][0] * F[1][1] - F[0][1] * F[1][0];
-}
-
-inline Lanes cofactors(const Lanes (&F)[3][3], Lanes (&C)[3][3])
-{
-	for (int a = 0; a < 3; ++a)
-		for (int b = 0; b < 3; ++b) {
-			const int a1 = (a + 1) % 3, a2 = (a + 2) % 3, b1 = (b + 1) % 3,
-				  b2 = (b + 2) % 3;
-			C[a][b] = F[a1][b1] * F[a2][b2] - F[a1][b2] * F[a2][b1];
-		}
-	return F[0][0] * C[0][0] + F[0][1] * C[0][1] + F[0][2] * C[0][2];
-}
-
-/// Largest eigenvalue of A A^T. With s1 >= s2 the singular values of A, the two sums of squares are
-/// (s1 + s2)^2 and (s1 - s2)^2 (or the other way round where det A < 0): no digit cancels.
-inline Lanes largestSquaredStretch(const Lanes (&A)[2][2])
-{
-	const Lanes p = A[0][0] + A[1][1], q = A[0][1] - A[1][0], r = A[0][0] - A[1][1],
-		    t = A[0][1] + A[1][0];
-	const Lanes sum = p * p + q * q, difference = r * r + t * t;
-	return 0.25 * (sum + difference) + 0.5 * sqrtOf(sum * difference);
-}
-
-/// An upper bound in 3D, exact where A A^T is spherical.
-inline Lanes largestSquaredStretch(const Lanes (&A)[3][3])
-{
-	constexpr int dim = 3;
-	Lanes trace = {}, squares = {};
-	for (int a = 0; a < dim; ++a)
-		for (int b = 0; b < dim; ++b) {
-			Lanes B = {};
-			for (int c = 0; c < dim; ++c)
-				B += A[a][c] * A[b][c];
-			squares += B * B;
-			if (a == b) trace += B;
-		}
-	const Lanes mean = trace / dim;
-	const Lanes deviator = squares - dim * mean * mean;
-	return mean + sqrtOf((dim - 1.) / dim * larger(deviator, Lanes {}));
-}
 
 /// The same for lambda < 0 (auxetic): the function has a minimum, and the thickness belongs to the
 /// root on its increasing side, where Newton's method converges monotonically from y >= root. Where
@@ -120,7 +72,7 @@ template <int dim, Condition condition> struct NeoHookean {
 	static Lanes volumetricStrain(PointLanes<dim>& point)
 	{
 		Lanes C[dim][dim];
-		point.J = detail::cofactors(point.F, C);
+		point.J = cofactors(point.F, C);
 		return lnOf(point.J);
 	}
 
@@ -145,9 +97,22 @@ template <int dim, Condition condition> struct NeoHookean {
 			b += point.F[0][a] * point.F[0][a];
 		}
 		const Lanes rest = tau - mu * b; // lambda ln J - mu; with P33 = 0 also -mu F33^2
-		point.stiffening = (mu * detail::largestSquaredStretch(point.F) +
-				    inPlane(lambda, -rest) - rest) /
-				   (inPlane(lambda, mu) + 2 * mu);
+		point.stiffening =
+			(mu * largestSquaredStretch(point.F) + inPlane(lambda, -rest) - rest) /
+			(inPlane(lambda, mu) + 2 * mu);
+	}
+
+	/// Of a point with the volumetric strain `theta`: ln J or its projection. With F33 = 1,
+	/// J sigma33 = lambda theta.
+	static OutOfPlane outOfPlane(const PointLanes<dim>& point, const LameConstants& lame,
+				     const Lanes& theta)
+	{
+		OutOfPlane out;
+		if constexpr (condition == Condition::planeStrain)
+			out.stress = lame.lambda * theta / point.J;
+		if constexpr (condition == Condition::planeStress)
+			out.stretch = expOf(detail::thicknessStrain(theta, lame.lambda, lame.mu));
+		return out;
 	}
 
 private:
@@ -158,7 +123,7 @@ private:
 	{
 		const Lanes &lambda = lame.lambda, &mu = lame.mu;
 		Lanes C[dim][dim];
-		const Lanes inverseJ = 1 / detail::cofactors(point.F, C);
+		const Lanes inverseJ = 1 / cofactors(point.F, C);
 		const Lanes pressure = lambda * theta - mu, onInverse = pressure * inverseJ;
 		Lanes squares = dim == 2 ? squareF33 : Lanes {};
 		for (int a = 0; a < dim; ++a)
@@ -167,8 +132,7 @@ private:
 				squares += point.F[a][b] * point.F[a][b];
 			}
 		point.energy = 0.5 * (mu * (squares - 3) + lnJ * (pressure - mu));
-		const Lanes inverseStretch =
-			detail::largestSquaredStretch(C) * (inverseJ * inverseJ);
+		const Lanes inverseStretch = largestSquaredStretch(C) * (inverseJ * inverseJ);
 		const Lanes tangentLambda = inPlane(lambda, mu * squareF33);
 		// the divisions are the same in all points
 		point.stiffening = (mu + (tangentLambda - pressure) * inverseStretch) *

@@ -16,4 +16,10 @@ template <int dim> struct PointLanes {
 	Lanes stiffening;
 };
 
+/// What closes the third dimension of a grain of the plane, in every lane.
+struct OutOfPlane {
+	Lanes stretch = Lanes {} + 1; ///< F33
+	Lanes stress = {};            ///< Cauchy stress sigma33, Pa
+};
+
 } // namespace softgrain

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 namespace softgrain {
 
@@ -82,6 +83,24 @@ inline SplineStencil splineStencil(int order, double x)
 	return order == 1   ? splineStencil<1>(x)
 	       : order == 2 ? splineStencil<2>(x)
 			    : splineStencil<3>(x);
+}
+
+/// Calls `use` with the order of splines whose gradient is continuous, 2 or 3, as a type.
+template <class Use> void withSmoothOrder(int order, Use&& use)
+{
+	if (order == 2)
+		use(std::integral_constant<int, 2> {});
+	else
+		use(std::integral_constant<int, 3> {});
+}
+
+/// The same of any order, from 1.
+template <class Use> void withOrder(int order, Use&& use)
+{
+	if (order == 1)
+		use(std::integral_constant<int, 1> {});
+	else
+		withSmoothOrder(order, use);
 }
 
 } // namespace softgrain

@@ -39,7 +39,7 @@ template <int dim> struct OutlineMesh {
 	bool hasCorners() const { return !sharp.empty(); }
 	bool isSharp(int v) const { return hasCorners() && sharp[v]; }
 	/// The vertices that carry the outline over a facet: in 2D its ends between their
-	/// neighbours (contact/OutlineCurve.hpp), in 3D its corners.
+	/// neighbours (contact/search/OutlineCurve.hpp), in 3D its corners.
 	std::array<int, mostPartners<dim>> carriers(int f) const
 	{
 		if constexpr (dim == 2) {

@@ -1,6 +1,7 @@
 #include "step/Activity.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace softgrain {
@@ -11,6 +12,7 @@ template <int dim> void Activity<dim>::followNewGrains()
 		const auto& parameters = grains_.setOf(g).parameters(grains_.indexInSet(g));
 		damped_ = damped_ || parameters.damping.acts();
 		resting_.push_back(-1);
+		jolt_.push_back(0);
 	}
 }
 
@@ -19,6 +21,25 @@ template <int dim> void Activity<dim>::wake(int g)
 	if (!grains_.isAsleep(g)) return;
 	grains_.setOf(g).wake(grains_.indexInSet(g));
 	resting_[g] = -1;
+}
+
+template <int dim> void Activity<dim>::jolt(int g, double speed, double kick)
+{
+	wake(g);
+	if (kick > 0) joltBy(g, massOf(g) * speed / kick);
+}
+
+template <int dim> void Activity<dim>::joltBy(int g, double force)
+{
+	jolt_[g] = std::max(jolt_[g], force);
+	anyJolt_ = true;
+}
+
+template <int dim> double Activity<dim>::massOf(int g) const
+{
+	const GrainParameters<dim>& grain = parametersOf(g);
+	const double volume = grains_.setOf(g).reference().volume * std::pow(grain.radius, dim);
+	return grain.constants.density * volume;
 }
 
 template <int dim> std::vector<double> Activity<dim>::sleepNumbers(int g) const
@@ -71,7 +92,26 @@ template <int dim> bool Activity<dim>::liesStill(const ContactList<dim>& list) c
 template <int dim>
 bool Activity<dim>::isHeldBesideAwake(const ContactList<dim>& list, int side) const
 {
-	return list.second >= 0 && !sleepBoth(list) && list.atRest[side] && !list.rest.changed;
+	return list.second >= 0 && !sleepBoth(list) && list.atRest[side] && !list.rest.changed &&
+	       !feelsJolt(list, side);
+}
+
+/// Whether the other grain is awake and pushed otherwise by more than the sleeper bears: what of
+/// that reaches it shows at the end of a step only, and is lost until then.
+template <int dim> bool Activity<dim>::feelsJolt(const ContactList<dim>& list, int side) const
+{
+	if (!anyJolt_) return false;
+	const int other = list.grain(1 - side);
+	return jolt_[other] > 0 && !bears(list.grain(side), jolt_[other], grains_.loads()[other]);
+}
+
+/// Whether a sleeper bears a change of the forces on it. One that has no load of its own might bear
+/// all of what loads the grain beside it: of that it bears no more than it would of its own.
+template <int dim> bool Activity<dim>::bears(int g, double force, const BodyLoad<dim>& beside) const
+{
+	const BodyLoad<dim>& own = grains_.loads()[g];
+	const bool isLoaded = !own.acceleration.isZero(0);
+	return grains_.setOf(g).bears(grains_.indexInSet(g), force, isLoaded ? own : beside);
 }
 
 /// Of grains that sleep: what something came within reach of, what lost its contacts or got new
@@ -107,12 +147,15 @@ void Activity<dim>::wakeChanged(const std::vector<ContactList<dim>*>& lists, dou
 	const bool noneRests = std::none_of(lists.begin(), lists.end(), [](const auto* list) {
 		return list->isKeptForSleepers();
 	});
-	if (grains_.asleep().empty() && noneRests) return;
-	const Changes changes = changesOf(lists, sleep);
-	for (int g : changes.grains)
-		wake(g);
-	if (changes.ofPairs || !changes.grains.empty()) endRestOf(lists, kick);
-	grains_.renewLists();
+	if (!grains_.asleep().empty() || !noneRests) {
+		const Changes changes = changesOf(lists, sleep);
+		for (int g : changes.grains)
+			wake(g);
+		if (changes.ofPairs || !changes.grains.empty()) endRestOf(lists, kick);
+		grains_.renewLists();
+	}
+	if (anyJolt_) std::fill(jolt_.begin(), jolt_.end(), 0.);
+	anyJolt_ = false;
 }
 
 /// Of pairs of which a grain is awake now: impulses become those of a step with this kick, and what
@@ -175,6 +218,7 @@ double Activity<dim>::wakeStrained(const std::vector<ContactList<dim>*>& lists,
 	double held = 0; // N
 	if (besideAwake_.empty()) return held;
 	std::vector<double> change(grains_.count(), 0); // N
+	std::vector<BodyLoad<dim>> beside(grains_.count());
 	auto addChanges = [&](const ContactList<dim>& list, double ofKick) {
 		if (list.contacts.empty() || list.second < 0) return 0.;
 		const ForceAtRest<dim> now = list.meanForce(ofKick);
@@ -188,6 +232,8 @@ double Activity<dim>::wakeStrained(const std::vector<ContactList<dim>*>& lists,
 					     surfaces_.bodies()[g].outerRadius();
 			change[g] += more + lever * then.force.norm();
 			sum += more;
+			const BodyLoad<dim>& other = grains_.loads()[list.grain(1 - side)];
+			if (!other.acceleration.isZero(0)) beside[g] = other;
 		}
 		return sum;
 	};
@@ -196,8 +242,7 @@ double Activity<dim>::wakeStrained(const std::vector<ContactList<dim>*>& lists,
 	for (const ContactList<dim>* list : sleeping) // neighbours that woke and sleep again
 		addChanges(*list, list->rest.kick);
 	for (int g : besideAwake_)
-		if (!grains_.setOf(g).bears(grains_.indexInSet(g), change[g], grains_.loads()[g]))
-			wake(g);
+		if (!bears(g, change[g], beside[g])) wake(g);
 	return held * kick;
 }
 

@@ -9,8 +9,8 @@
 // impulse is what is booked as dropped.
 #pragma once
 
+#include "Islands.hpp"
 #include "step/Grains.hpp"
-#include "step/Islands.hpp"
 #include "step/StepSettings.hpp"
 #include "step/Surfaces.hpp"
 
@@ -40,6 +40,10 @@ public:
 	template <class LoadOf> void setLoads(LoadOf&& loadOf, int threads);
 	/// A grain about which something was changed by hand.
 	void wake(int g);
+	/// A grain whose velocities are changed by hand, by so much at most, wakes, and in the step
+	/// to come those that it touches and that do not bear that its momentum is another after
+	/// `kick`: beside sleepers that are held what goes on to them would be lost.
+	void jolt(int g, double speed, double kick);
 	/// What a sleeping grain is saved with besides its state: the load under which it sleeps
 	/// and the number of its pairs in contact. Empty if it is awake.
 	std::vector<double> sleepNumbers(int g) const;
@@ -80,6 +84,14 @@ private:
 	bool sleepBoth(const ContactList<dim>& list) const;
 	bool liesStill(const ContactList<dim>& list) const;
 	bool isHeldBesideAwake(const ContactList<dim>& list, int side) const;
+	bool feelsJolt(const ContactList<dim>& list, int side) const;
+	bool bears(int g, double force, const BodyLoad<dim>& beside) const;
+	void joltBy(int g, double force);
+	const GrainParameters<dim>& parametersOf(int g) const
+	{
+		return grains_.setOf(g).parameters(grains_.indexInSet(g));
+	}
+	double massOf(int g) const;
 	Changes changesOf(const std::vector<ContactList<dim>*>& lists, bool sleep) const;
 	Islands islandsInContact(const std::vector<ContactList<dim>*>& lists) const;
 	void endRestOf(const std::vector<ContactList<dim>*>& lists, double kick);
@@ -93,7 +105,9 @@ private:
 	std::vector<int> rested_;      ///< falling asleep in the step at hand
 	std::vector<int> besideAwake_; ///< asleep, in contact with one that is awake
 	std::vector<int> resting_;     ///< by sleeping grain: its pairs in contact; -1: woken
-	bool damped_ = false;          ///< a grain has damping
+	std::vector<double> jolt_;     ///< forces by which grains are pushed otherwise by hand, N
+	bool anyJolt_ = false;
+	bool damped_ = false; ///< a grain has damping
 };
 
 template <int dim>
@@ -102,15 +116,20 @@ void Activity<dim>::setLoads(LoadOf&& loadOf, int threads)
 {
 	const int count = grains_.count();
 	std::vector<BodyLoad<dim>>& loads = grains_.loads();
-	std::vector<char> changed(count);
+	constexpr double none = -1;
+	std::vector<double> change(count); // of sleepers, m/s^2
 #pragma omp parallel for schedule(static) num_threads(threads)
 	for (int g = 0; g < count; ++g) {
 		const BodyLoad<dim> load = loadOf(g);
-		changed[g] = !(load == loads[g]);
+		const bool same = !grains_.isAsleep(g) || load == loads[g];
+		change[g] = same ? none : load.difference(loads[g], parametersOf(g).radius);
 		loads[g] = load;
 	}
 	for (int g = 0; g < count; ++g)
-		if (changed[g]) wake(g);
+		if (change[g] != none) {
+			wake(g);
+			joltBy(g, massOf(g) * change[g]);
+		}
 }
 
 } // namespace softgrain

@@ -48,7 +48,7 @@ template <int dim> void Energies<dim>::balanceGrains(const ContactWork& contacts
 	};
 	bookGrains(&EnergyBalance::impact, contacts.impact);
 	bookGrains(&EnergyBalance::friction, contacts.friction);
-	bookGrains(&EnergyBalance::planes, contacts.planes);
+	bookGrains(&EnergyBalance::walls, contacts.walls);
 	bookGrains(&EnergyBalance::cell, contacts.cell);
 	bookGrains(&EnergyBalance::cohesion, contacts.cohesion);
 	bookGrains(&EnergyBalance::loads, loads);
@@ -75,7 +75,7 @@ void Energies<dim>::balanceRigidBodies(const ContactWork& contacts,
 	}
 	book(now, sums, &RigidBalance::friction, contacts.friction);
 	book(now, sums, &RigidBalance::impact, contacts.impact);
-	book(now, sums, &RigidBalance::walls, contacts.planes);
+	book(now, sums, &RigidBalance::walls, contacts.walls);
 	book(now, sums, &RigidBalance::cell, contacts.cell);
 	book(now, sums, &RigidBalance::loads, loads);
 }

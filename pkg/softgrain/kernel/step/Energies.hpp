@@ -1,8 +1,8 @@
 // The balance of energies of a system.
 #pragma once
 
-#include "contact/ContactWork.hpp"
 #include "contact/RigidPartner.hpp"
+#include "contact/solve/ContactWork.hpp"
 #include "step/Grains.hpp"
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace softgrain {
 
 /// Energies at t_n of rigid bodies as far as they are free, and of their contacts with each other,
 /// J. kinetic = initial + walls + cell + loads - friction - impact, less what they did on grains
-/// (EnergyBalance::planes).
+/// (EnergyBalance::walls).
 struct RigidBalance {
 	double kinetic = 0; ///< as EnergyBalance::kinetic
 	double friction = 0, impact = 0;
@@ -27,9 +27,9 @@ struct EnergyBalance {
 	double elastic = 0;
 	double friction = 0; ///< dissipated by friction since the start
 	double impact = 0;   ///< dissipated by normal impulses since the start
-	double planes = 0; ///< work of moving planes and rigid bodies on the grains since the start
-	double cell = 0;   ///< work of moving images on the grains since the start
-	double loads = 0;  ///< work of body loads since the start
+	double walls = 0; ///< work of moving planes and rigid bodies on the grains since the start
+	double cell = 0;  ///< work of moving images on the grains since the start
+	double loads = 0; ///< work of body loads since the start
 	double damping = 0;  ///< dissipated by damping since the start
 	double sleep = 0;    ///< taken away by grains falling asleep since the start
 	double cohesion = 0; ///< taken by the tractions of interfaces since the start

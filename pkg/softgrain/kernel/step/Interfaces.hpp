@@ -2,8 +2,8 @@
 // step.
 #pragma once
 
-#include "contact/Contact.hpp"
 #include "contact/ContactBody.hpp"
+#include "contact/ContactList.hpp"
 #include "contact/RigidPartner.hpp"
 
 #include <vector>

@@ -1,7 +1,7 @@
 // How a step is to be made.
 #pragma once
 
-#include "contact/SolverSettings.hpp"
+#include "contact/solve/SolverSettings.hpp"
 #include "step/PhaseClock.hpp"
 
 #include <functional>

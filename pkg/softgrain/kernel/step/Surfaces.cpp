@@ -9,13 +9,21 @@ namespace softgrain {
 
 template <class Renew> void Freshness::renew(Renew&& renewNow)
 {
-	int found = stale;
-	if (state_.compare_exchange_strong(found, busy)) {
-		renewNow();
-		state_.store(fresh, std::memory_order_release);
+	auto become = [this](State state) {
+		state_.store(state, std::memory_order_release);
 		state_.notify_all();
-	} else if (found == busy)
+	};
+	for (int found = stale; !state_.compare_exchange_strong(found, busy); found = stale) {
+		if (found == fresh) return;
 		state_.wait(busy);
+	}
+	try {
+		renewNow();
+	} catch (...) { // out of memory: who waits tries in turn
+		become(stale);
+		throw;
+	}
+	become(fresh);
 }
 
 template <int dim> void Surfaces<dim>::followNewGrains()

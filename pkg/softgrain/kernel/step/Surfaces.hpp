@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/ContactBody.hpp"
-#include "contact/Search.hpp"
+#include "contact/search/Search.hpp"
 #include "step/Grains.hpp"
 
 #include <atomic>

@@ -308,7 +308,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	report.kick = lastKick_ = kickTime(settings.dt);
 
 	const std::vector<char> touched = sortLists(lists, report);
-	report.work.lostBonds = -handOnHistories(lists, surfaces_.bodies(), partners_);
+	report.work.handedOnBonds = handOnHistories(lists, surfaces_.bodies(), partners_);
 	timeSteps_.followContacts(lists, steps_);
 	clock.end("sortLists");
 	chooseInactiveGrains(lists, touched, settings, report);

@@ -1,7 +1,7 @@
 // The step of the whole system: a list of named phases over sets of grains and their contacts.
 #pragma once
 
-#include "contact/ContactSolver.hpp"
+#include "contact/solve/ContactSolver.hpp"
 #include "step/Activity.hpp"
 #include "step/Energies.hpp"
 #include "step/Grains.hpp"
@@ -37,7 +37,8 @@ struct WorkCounts {
 	long pairs = 0;      ///< pairs of bodies searched for contacts
 	long candidates = 0; ///< contact nodes tested against another body
 	long visits = 0;     ///< of contacts by sweeps: their number, summed over the sweeps
-	long lostBonds = 0;  ///< whole when searches found their contact gone, for good
+	long lostBonds = 0;  ///< whole when searches found their contact gone, less those handed on
+	long handedOnBonds = 0; ///< of contacts that went on on the next surface of a floor
 };
 
 struct StepReport {

@@ -1,7 +1,7 @@
 // Critical steps of the grains of a system, and steps of their own.
 #pragma once
 
-#include "contact/Contact.hpp"
+#include "contact/ContactList.hpp"
 #include "step/Grains.hpp"
 
 #include <limits>
