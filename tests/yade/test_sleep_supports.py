@@ -216,11 +216,13 @@ def test_woken_by_an_interface_that_changes(change, meanwhile, tmp_path):
     assert height - disk.state.pos[1] == pytest.approx(fall, rel=0.1)
 
 
-def disk_squeezed_hard(steps, **engines):
-    """Between walls without friction across x, let lie for so many steps."""
+def disks_squeezed_hard(count, steps, **engines):
+    """Over each other, between walls without friction across x, let lie for so many steps."""
     O.reset()
     small = 0.1 * RADIUS
-    disk = add_disk(radius=small, material=soft_material(young=1e9, massDamping=1e6))
+    material = soft_material(young=1e9, massDamping=1e6)
+    apart = 2.016 * small  # squeezed they are longer: they push each other until they touch
+    disks = [add_disk((0, k * apart, 0), radius=small, material=material) for k in range(count)]
     walls = add_wall(-small, 0), add_wall(small, 0)
     ready(**engines)
     walls[1].state.vel = (-10, 0, 0)
@@ -228,7 +230,7 @@ def disk_squeezed_hard(steps, **engines):
         run(1)
     walls[1].state.vel = (0, 0, 0)
     run(steps)
-    return disk
+    return disks
 
 
 def assert_falls(disk, gravity, steps):
@@ -241,7 +243,7 @@ def assert_falls(disk, gravity, steps):
 @pytest.mark.parametrize("sleep", (True, False))
 def test_squeezed_grains_that_slide_do_not_sleep(sleep):
     """A weight that is small beside what squeezes them, and that nothing bears."""
-    disk = disk_squeezed_hard(10000, gravity=(0, 0, 0), sleep=sleep)
+    (disk,) = disks_squeezed_hard(1, 10000, gravity=(0, 0, 0), sleep=sleep)
     assert asleep() == [sleep]
     newton().gravity = (0, -9.81, 0)
     assert_falls(disk, 9.81, 2000)
@@ -251,7 +253,22 @@ def test_squeezed_grains_that_slide_do_not_sleep(sleep):
 def test_squeezed_grains_do_not_sleep_under_a_small_share_of_their_weight(share):
     """Walls without friction bear the rest; the forces of grains squeezed so hard tremble by
     more in a step."""
-    disk = disk_squeezed_hard(20000, gravity=(-9.81, 0, 0))
+    (disk,) = disks_squeezed_hard(1, 20000, gravity=(-9.81, 0, 0))
     assert asleep() == [True]
     newton().gravity = (-9.81, -9.81 * share, 0)
     assert_falls(disk, 9.81 * share, 20000)
+
+
+def test_a_sleeper_without_load_does_not_carry_that_of_another():
+    """Upon one that nothing but the walls holds lies one that gets a weight: both slide."""
+    low, high = disks_squeezed_hard(2, 10000, gravity=(0, 0, 0))
+    assert asleep() == [True, True]
+    assert O.interactions[low.id, high.id].isReal
+    O.forces.setPermF(high.id, (0, -9.81 * high.state.mass, 0))
+    run(1)
+    assert asleep() == [False, False]
+    heights = low.state.pos[1], high.state.pos[1]
+    run(20000)
+    O.forces.setPermF(high.id, (0, 0, 0))
+    for body, height in zip((low, high), heights):
+        assert height - body.state.pos[1] > 5e-3 * low.shape.radius
