@@ -302,20 +302,24 @@ def test_cohesion_does_not_depend_on_how_far_is_searched(turn):
     assert forces[0] == pytest.approx(forces[1], rel=1e-9)
 
 
-def test_history_of_another_version_is_refused(tmp_path):
+@pytest.mark.parametrize(
+    "saved, what", (("Interface", "its interface was"), ("Keys", "its contacts were"))
+)
+def test_history_of_another_version_is_refused(saved, what, tmp_path):
     bonded_disks()
     run(3)
     path = str(tmp_path / "scene.xml.gz")
     O.save(path)
     with gzip.open(path, "rt") as file:
         text = file.read()
-    pattern = r"(<savedInterface>(?:(?!</saved).)*?<count>)([1-9]\d*)(<.*?)<item>[^<]*</item>"
-    cut = re.sub(pattern, lambda m: f"{m[1]}{int(m[2]) - 1}{m[3]}", text, flags=re.S)
+    numbers = r"((?:(?!</saved).)*?<count>)([1-9]\d*)(<.*?)<item>[^<]*</item>"
+    pattern = rf"(<saved{saved}>){numbers}"
+    cut = re.sub(pattern, lambda m: f"{m[1]}{m[2]}{int(m[3]) - 1}{m[4]}", text, flags=re.S)
     assert cut != text
     with gzip.open(path, "wt") as file:
         file.write(cut)
     O.load(path)
-    with pytest.raises(RuntimeError, match="its interface was saved with .* figures"):
+    with pytest.raises(RuntimeError, match=f"{what} saved with .* figures"):
         O.step()
 
 
