@@ -40,9 +40,9 @@ public:
 	template <class LoadOf> void setLoads(LoadOf&& loadOf, int threads);
 	/// A grain about which something was changed by hand.
 	void wake(int g);
-	/// A grain whose velocities are changed by hand, by so much at most, wakes, and in the step
-	/// to come those that it touches and that do not bear that its momentum is another after
-	/// `kick`: beside sleepers that are held what goes on to them would be lost.
+	/// A grain whose velocities are changed by hand, by `speed` (m/s) at most: wakes it, and in
+	/// the step to come the sleepers beside it that do not bear the force which does the same
+	/// in the time `kick` (s). Held they would take up what goes on to them.
 	void jolt(int g, double speed, double kick);
 	/// What a sleeping grain is saved with besides its state: the load under which it sleeps
 	/// and the number of its pairs in contact. Empty if it is awake.
