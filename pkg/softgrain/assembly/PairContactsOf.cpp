@@ -1,4 +1,5 @@
 #include "assembly/PairContactsOf.hpp"
+#include "Numbers.hpp"
 #include "Require.hpp"
 
 #include <algorithm>
@@ -181,20 +182,18 @@ template <int dim> std::vector<double> PairContactsOf<dim>::rest() const
 	std::vector<double> numbers { list.rest.kick, list.friction,
 				      static_cast<double>(sum.active),
 				      static_cast<double>(list.rest.placeOfSecond.size()) };
-	auto append = [&](const auto& part) {
-		numbers.insert(numbers.end(), part.begin(), part.end());
-	};
-	append(sum.normal);
-	append(sum.shear);
-	append(sum.point);
-	append(sum.moment);
-	append((list.interface ? list.interface->law : InterfaceLaw()).numbers());
-	for (const auto& force : list.atRest) {
-		numbers.push_back(force.has_value());
-		append(force ? force->force : Vec<dim>::Zero().eval());
-		append(force ? force->point : Vec<dim>::Zero().eval());
+	append(sum.normal, numbers);
+	append(sum.shear, numbers);
+	append(sum.point, numbers);
+	append(sum.moment, numbers);
+	append((list.interface ? list.interface->law : InterfaceLaw()).numbers(), numbers);
+	for (const auto& kept : list.atRest) {
+		const ForceAtRest<dim> force = kept ? *kept : ForceAtRest<dim> {};
+		numbers.push_back(kept.has_value());
+		append(force.force, numbers);
+		append(force.point, numbers);
 	}
-	append(list.rest.placeOfSecond);
+	append(list.rest.placeOfSecond, numbers);
 	return numbers;
 }
 
@@ -213,28 +212,24 @@ template <int dim> void PairContactsOf<dim>::restoreRest(const std::vector<doubl
 	}
 	list.friction = saved[1];
 	sum.active = static_cast<int>(saved[2]);
-	auto from = saved.begin() + scalars;
-	auto take = [&](auto& part) {
-		std::copy_n(from, part.size(), part.begin());
-		from += part.size();
-	};
-	take(sum.normal);
-	take(sum.shear);
-	take(sum.point);
-	take(sum.moment);
-	take(law);
+	NumbersInTurn in(saved.data() + scalars);
+	in.take(sum.normal);
+	in.take(sum.shear);
+	in.take(sum.point);
+	in.take(sum.moment);
+	in.take(law);
 	if (list.interface) { // what it rests with, to be compared with the one to come
 		list.interface->law = InterfaceLaw::fromNumbers(law);
 		lawUnknown_ = false;
 	}
 	for (auto& atRest : list.atRest) {
 		ForceAtRest<dim> force;
-		const bool has = *from++ != 0;
-		take(force.force);
-		take(force.point);
+		const bool has = in.takeOne() != 0;
+		in.take(force.force);
+		in.take(force.point);
 		if (has) atRest.emplace() = force;
 	}
-	list.rest = { saved[0], { from, saved.end() }, false, false };
+	list.rest = { saved[0], { in.rest(), saved.data() + size }, false, false };
 }
 
 template <int dim>

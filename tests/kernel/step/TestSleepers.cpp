@@ -87,7 +87,7 @@ TEST_CASE("Sleep: a load on one of many wakes those that feel it, with the same 
 	CHECK(std::abs(total(with) - total(without)) < 1e-5 * with.system.energy().elastic);
 }
 
-TEST_CASE("Sleep: what is pushed of a sudden hands on what it does without sleep", "[sleep]")
+TEST_CASE("Sleep: what is pushed suddenly hands on what it does without sleep", "[sleep]")
 {
 	const bool byHand = GENERATE(true, false);
 	const auto velocities = [](const Scene<2>& scene) {

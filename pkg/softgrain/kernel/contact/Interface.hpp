@@ -133,7 +133,7 @@ public:
 	/// Bonds that were whole when their contact vanished, since this was last asked.
 	long takeLostBonds() { return std::exchange(lost_, 0); }
 
-	/// History as numbers, and back; false, and nothing done, if that they cannot be.
+	/// History as numbers, and back; false, and nothing done, if they are none.
 	std::vector<double> numbers() const;
 	bool restore(const std::vector<double>& numbers);
 

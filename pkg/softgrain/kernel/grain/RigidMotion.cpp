@@ -1,4 +1,5 @@
 #include "grain/RigidMotion.hpp"
+#include "Numbers.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -116,13 +117,11 @@ void RigidMotion<dim>::add(const Mat<dim>& turn, const Vec<dim>& shift, const Ve
 
 template <int dim> std::vector<double> RigidMotion<dim>::numbers() const
 {
-	std::vector<double> all(numberCount);
-	double* next = all.data();
-	auto append = [&next](const auto& m) { next = std::copy_n(m.data(), m.size(), next); };
-	append(centre);
-	append(rotation);
-	append(velocity);
-	append(momentum);
+	std::vector<double> all;
+	append(centre, all);
+	append(rotation, all);
+	append(velocity, all);
+	append(momentum, all);
 	return all;
 }
 
@@ -130,15 +129,11 @@ template <int dim>
 RigidMotion<dim> RigidMotion<dim>::fromNumbers(const std::vector<double>& numbers)
 {
 	RigidMotion motion;
-	const double* next = numbers.data();
-	auto take = [&next](auto& m) {
-		std::copy_n(next, m.size(), m.data());
-		next += m.size();
-	};
-	take(motion.centre);
-	take(motion.rotation);
-	take(motion.velocity);
-	take(motion.momentum);
+	NumbersInTurn saved(numbers.data());
+	saved.take(motion.centre);
+	saved.take(motion.rotation);
+	saved.take(motion.velocity);
+	saved.take(motion.momentum);
 	return motion;
 }
 

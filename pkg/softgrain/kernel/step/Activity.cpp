@@ -1,4 +1,5 @@
 #include "step/Activity.hpp"
+#include "Numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -47,8 +48,8 @@ template <int dim> std::vector<double> Activity<dim>::sleepNumbers(int g) const
 	if (!grains_.isAsleep(g)) return {};
 	const BodyLoad<dim>& load = grains_.loads()[g];
 	std::vector<double> numbers { static_cast<double>(resting_[g]) };
-	numbers.insert(numbers.end(), load.acceleration.data(), load.acceleration.data() + dim);
-	numbers.insert(numbers.end(), load.angular.data(), load.angular.data() + dim * dim);
+	append(load.acceleration, numbers);
+	append(load.angular, numbers);
 	return numbers;
 }
 
@@ -218,7 +219,8 @@ double Activity<dim>::wakeStrained(const std::vector<ContactList<dim>*>& lists,
 	double held = 0; // N
 	if (besideAwake_.empty()) return held;
 	std::vector<double> change(grains_.count(), 0); // N
-	std::vector<BodyLoad<dim>> beside(grains_.count());
+	const BodyLoad<dim> none;
+	std::vector<const BodyLoad<dim>*> beside(grains_.count(), &none);
 	auto addChanges = [&](const ContactList<dim>& list, double ofKick) {
 		if (list.contacts.empty() || list.second < 0) return 0.;
 		const ForceAtRest<dim> now = list.meanForce(ofKick);
@@ -233,7 +235,7 @@ double Activity<dim>::wakeStrained(const std::vector<ContactList<dim>*>& lists,
 			change[g] += more + lever * then.force.norm();
 			sum += more;
 			const BodyLoad<dim>& other = grains_.loads()[list.grain(1 - side)];
-			if (!other.acceleration.isZero(0)) beside[g] = other;
+			if (!other.acceleration.isZero(0)) beside[g] = &other;
 		}
 		return sum;
 	};
@@ -242,7 +244,7 @@ double Activity<dim>::wakeStrained(const std::vector<ContactList<dim>*>& lists,
 	for (const ContactList<dim>* list : sleeping) // neighbours that woke and sleep again
 		addChanges(*list, list->rest.kick);
 	for (int g : besideAwake_)
-		if (!bears(g, change[g], beside[g])) wake(g);
+		if (!bears(g, change[g], *beside[g])) wake(g);
 	return held * kick;
 }
 

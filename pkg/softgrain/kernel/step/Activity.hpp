@@ -121,7 +121,7 @@ void Activity<dim>::setLoads(LoadOf&& loadOf, int threads)
 #pragma omp parallel for schedule(static) num_threads(threads)
 	for (int g = 0; g < count; ++g) {
 		const BodyLoad<dim> load = loadOf(g);
-		const bool same = !grains_.isAsleep(g) || load == loads[g];
+		const bool same = load == loads[g] || !grains_.isAsleep(g);
 		change[g] = same ? none : load.difference(loads[g], parametersOf(g).radius);
 		loads[g] = load;
 	}
