@@ -153,7 +153,7 @@ def main():
         found["error"] = found["force"] / reference - 1
         result["runs"].append(found)
         print(f"zeta {zeta}: {found['force']:.1f} N/m, {100 * found['error']:+.1f} %", found)
-    command_line.write_result(options.out, result)
+    command_line.write_result(options, result)
 
 
 if __name__ == "__main__":

@@ -26,12 +26,12 @@ from yade import (
     NewtonIntegrator,
     O,
     Sphere,
-    pack,
     utils,
 )
 
 import softgrain as sg
-from softgrain import command_line
+from softgrain import cases, command_line
+from softgrain.clouds import full_cloud
 
 YOUNG = 1e6  # Pa, the paper's value; results over E do not depend on it
 DENSITY = 1000  # kg/m3, the paper's value
@@ -39,7 +39,6 @@ MEAN_RADIUS = 0.01  # m, the paper's value
 RADIUS_SPREAD = 0.15  # uniform in mean (1 +- spread): weak, yet enough not to crystallise
 CLOUD_PHI = 0.45  # of the generated cloud
 FEWEST_GRAINS = 6  # fewer do not fit side by side, and overlap more than can be relaxed
-MOST_SEEDS = 20  # tried for it: a few grains may leave no room for the last one
 START_PHI = 0.70  # of the loose packing made by rigid DEM, below random loose packing for all mu
 RECORDS_PER_UNIT_PHI = 400
 JAMMING_PHI = 0.84  # of frictionless disks; the paper's Figure 3b
@@ -106,7 +105,9 @@ def prepare_rigid(options):
     solid = options.grains * math.pi * MEAN_RADIUS**2
     width = math.sqrt(solid / FILLED_PHI)
     box = Box(width, solid / CLOUD_PHI / width)
-    ids = _cloud(options, box).toSimulation(material="walls")
+    corner = (box.width, box.height, 0)
+    cloud = full_cloud(options.grains, corner, MEAN_RADIUS, RADIUS_SPREAD, options.seed)
+    ids = cloud.toSimulation(material="walls")
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"
     # One thread, sorted interactions: otherwise the order of YADE's sums depends on the threads.
@@ -132,24 +133,6 @@ def prepare_rigid(options):
     box.close(0)
     sg.advance(RIGID_SETTLING_STEPS)
     return box
-
-
-def _cloud(options, box):
-    """Circles at random in the box; by the next seed where one leaves no room for the last of
-    them."""
-    for seed in range(options.seed, options.seed + MOST_SEEDS):
-        cloud = pack.SpherePack()
-        made = cloud.makeCloud(
-            (0, 0, 0),
-            (box.width, box.height, 0),
-            rMean=MEAN_RADIUS,
-            rRelFuzz=RADIUS_SPREAD,
-            num=options.grains,
-            seed=seed,
-        )
-        if made == options.grains:
-            return cloud
-    raise RuntimeError(f"makeCloud finds no room for {options.grains} grains; try another --seed")
 
 
 def make_soft(options):
@@ -312,20 +295,13 @@ def main():
     engine = sg.integrator()
     np.save(options.out / "positions.npy", recorder.positions)
     command_line.write_result(
-        options.out,
+        options,
         {
             **recorder.records,
-            "wall_seconds": seconds,
-            "steps": int(engine.steps),
+            **cases.run_facts(seconds),
             "grains": options.grains,
-            "points_per_grain": len(sg.soft_bodies()[0].shape.points()["volume"]),
-            "dt": O.dt,
-            "sweeps_per_step": engine.totalSweeps / engine.steps,
-            "capped_steps": int(engine.cappedSteps),
-            "largest_residual": engine.largestResidual,
             "largest_overlap_over_dr": engine.largestOverlap,
             "energy_error": recorder.energy_error,
-            "options": command_line.option_texts(options),
         },
     )
     plot_stress(options, recorder.records)

@@ -144,7 +144,7 @@ def main():
     exact = finite_elements.square_cell(options.poisson)
     cells = {model: run(model, "cell", options) for model in options.models}
     packings = {model: run(model, "packing", options) for model in options.models}
-    command_line.write_result(options.out, {"cell": cells, "packing": packings})
+    command_line.write_result(options, {"cell": cells, "packing": packings})
     text = table(cells, packings, exact)
     (options.out / "comparison.md").write_text(text)
     plot(cells, packings, exact, options.out / "comparison.png")

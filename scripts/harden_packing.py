@@ -152,8 +152,8 @@ def treat(options, which, walls, before, **treatment):
             fastest = max(fastest, *(b.state.vel.norm() for b in O.bodies if b))
             worst = max(worst, np.abs(forces(walls) / before - 1).max())
         after = mean_forces(walls)
-    except RuntimeError:
-        return {**treatment, "stopped": sg.integrator().lastError.splitlines()[0]}
+    except RuntimeError as error:
+        return {**treatment, "stopped": str(error).splitlines()[0]}
     return {
         **treatment,
         "rigid_bodies_per_grain": sum(map(len, parts)) / len(made.bodies),
@@ -188,12 +188,11 @@ def main():
     treatments.append({"into": "spheres"})
     results = [treat(options, which, walls, before, **t) for t in treatments]
     command_line.write_result(
-        options.out,
+        options,
         {
             **facts,
             "force_before": before,
             "treatments": results,
-            "options": command_line.option_texts(options),
         },
     )
     for r in results:

@@ -119,11 +119,11 @@ def main():
     bodies = make_scene(options)
     started = time.time()
     records = press(options, *bodies)
-    facts = cases.run_facts(options, started)
+    facts = cases.run_facts(time.time() - started)
     delta, force = records["delta"], 0.5 * (records["bottom"] + records["top"])
     window = cases.window_of(options)
     command_line.write_result(
-        options.out,
+        options,
         {
             "delta_over_D": delta,
             "force_over_ED": force,

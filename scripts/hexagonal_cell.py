@@ -169,26 +169,10 @@ def normal_forces(contacts):
 
 def compress(options, disks):
     """Shrink the lattice; returns records, averaged over windows."""
-    seconds = cases.window_of(options)
     halfwidth = MeanHalfwidth(disks)
-    rows = []
-    start = phi = disks.cell()[1]
-    with command_line.progress_bar(total=options.until_phi - start) as bar:
-        while phi < options.until_phi:
-            where, force = cases.window_means(
-                seconds, disks.cell, disks.forces, contacts=[halfwidth], step=disks.step
-            )
-            rows.append(
-                [
-                    *where,
-                    *(force / (options.young * options.diameter)),
-                    halfwidth.value() / options.diameter,
-                    sg.quasi_static()["kinetic_over_elastic"],
-                ]
-            )
-            phi = where[1]
-            command_line.show_progress(bar, phi - start, f"phi {phi:.4f}")
-    return np.array(rows).T
+    return cases.close_cell(
+        options, disks.cell, disks.forces, [halfwidth], halfwidth.value, disks.step
+    )
 
 
 def main():

@@ -16,7 +16,6 @@ from yade import FrictMat, O, utils
 
 import softgrain as sg
 from softgrain import command_line
-from softgrain.picture import wall_box
 
 YOUNG = 1e6  # Pa
 CELL = 48  # pixels, of the grid on which the script draws
@@ -109,13 +108,13 @@ def make_scene(options):
 
 def area():
     """Of the box [m²]."""
-    left, right, low, high = wall_box()
+    left, right, low, high = sg.wall_box()
     return (right - left) * (high - low)
 
 
 def pressure(walls):
     """Mean normal stress on the four walls over E."""
-    left, right, low, high = wall_box()
+    left, right, low, high = sg.wall_box()
     force = sum(abs(O.forces.f(i)[k // 2]) for k, i in enumerate(walls))
     return force / (2 * (right - left) + 2 * (high - low)) / YOUNG
 
@@ -140,9 +139,9 @@ def main():
     start = sg.packing_fraction(area())
     if options.phi <= start:
         sys.exit(f"--phi: {options.phi} is not above that of the start, {start:.3f}")
-    sg.draw_packing(options.out / "before.png", box=wall_box(), field=None)
+    sg.draw_packing(options.out / "before.png", box=sg.wall_box(), field=None)
     record = compact(options, walls)
-    sg.draw_packing(options.out / "after.png", box=wall_box(), scale=YOUNG)
+    sg.draw_packing(options.out / "after.png", box=sg.wall_box(), scale=YOUNG)
     engine = sg.integrator()
     result = {
         "grains": len(grains.bodies),
@@ -156,7 +155,7 @@ def main():
         "phi": [phi for phi, _ in record],
         "stress_over_E": [stress for _, stress in record],
     }
-    command_line.write_result(options.out, result)
+    command_line.write_result(options, result)
     print({k: v for k, v in result.items() if not isinstance(v, list)})
     print(f"phi = {record[-1][0]:.3f}, mean normal stress {record[-1][1]:.4f} E")
 

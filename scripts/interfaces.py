@@ -109,7 +109,7 @@ def main():
     }
     for row in result["separation"] + result["sliding"]:
         print({k: v if isinstance(v, str) else round(v, 5) for k, v in row.items()})
-    command_line.write_result(options.out, result)
+    command_line.write_result(options, result)
 
 
 if __name__ == "__main__":

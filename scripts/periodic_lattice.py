@@ -143,9 +143,8 @@ def main():
         "energy_error": balance.error(),
         "steps": int(sg.integrator().steps),
         "capped_steps": int(sg.integrator().cappedSteps),
-        "options": command_line.option_texts(options),
     }
-    command_line.write_result(options.out, result)
+    command_line.write_result(options, result)
     sg.draw_packing(options.out / "packing.png")
     print(
         f"w/D = {displacement[-1]:.4f}, phi = {phi[-1]:.4f}: force within "

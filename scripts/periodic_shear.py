@@ -11,10 +11,11 @@ import math
 
 import matplotlib.figure
 import numpy as np
-from yade import FrictMat, Matrix3, O, PeriTriaxController, pack
+from yade import FrictMat, Matrix3, O, PeriTriaxController
 
 import softgrain as sg
 from softgrain import command_line
+from softgrain.clouds import full_cloud
 
 RADIUS = 0.01  # m
 YOUNG, DENSITY = 1e6, 1000.0  # Pa, kg/m3
@@ -51,16 +52,7 @@ def make_scene(options):
     side = RADIUS * math.sqrt(math.pi * options.grains / CLOUD_PHI)
     O.periodic = True
     O.cell.setBox(side, side, 1)
-    cloud = pack.SpherePack()
-    cloud.makeCloud(
-        (0, 0, 0),
-        (side, side, 0),
-        rMean=RADIUS,
-        rRelFuzz=SPREAD,
-        num=options.grains,
-        periodic=True,
-        seed=1,
-    )
+    cloud = full_cloud(options.grains, (side, side, 0), RADIUS, SPREAD, periodic=True)
     ids = cloud.toSimulation(material=FrictMat())
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"
@@ -160,7 +152,7 @@ def main():
     late = gamma > 0.5 * gamma[-1]
     error = np.array([xx, yy]) + 1
     command_line.write_result(
-        options.out,
+        options,
         {
             "shear": gamma,
             "stress_xx_over_target": xx,
@@ -171,7 +163,6 @@ def main():
             "largest_overlap_over_dr": sg.integrator().largestOverlap,
             "capped_steps": int(sg.integrator().cappedSteps),
             "steps": int(sg.integrator().steps),
-            "options": command_line.option_texts(options),
         },
     )
     plot(options, columns)

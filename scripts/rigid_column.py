@@ -360,7 +360,7 @@ def main():
     }
     for row in result["summary"]:
         print(json.dumps(row))
-    command_line.write_result(options.out, result)
+    command_line.write_result(options, result)
     draw(result, options.out / "rigid_column.png")
 
 

@@ -91,6 +91,11 @@ def bearing_contacts(force):
     return [i for i in real if i.phys.normalForce.norm() > BEARING * force]
 
 
+def largest_overlap(bearing):
+    """Of these contacts; 0 of none [m]."""
+    return max((i.geom.penetrationDepth for i in bearing), default=0.0)
+
+
 def fill_box(options):
     """Spheres above each other, a little out of order, between five walls."""
     O.reset()
@@ -195,7 +200,7 @@ def squeeze(options, rigid):
         "disks": options.disks,
         "packing_fraction": sum(math.pi * b.shape.radius**2 for b in spheres()) / np.prod(sides),
         "contacts_per_disk": 2 * len(bearing) / options.disks,
-        "largest_overlap_over_R": max(i.geom.penetrationDepth for i in bearing) / RADIUS,
+        "largest_overlap_over_R": largest_overlap(bearing) / RADIUS,
         "unbalanced_force": utils.unbalancedForce(),
         "time": O.time,
         "dt": O.dt,
@@ -276,7 +281,7 @@ def press_cell(dim, mu, options):
         "bearing_share": len(touched) / len(spheres()),
         "error_of_stress": error(),
         "unbalanced_force": utils.unbalancedForce(),
-        "largest_overlap_over_R": max(i.geom.penetrationDepth for i in bearing) / RADIUS,
+        "largest_overlap_over_R": largest_overlap(bearing) / RADIUS,
         "time": O.time,
         "steps": O.iter,
         "cpu_seconds": time.process_time() - start,
@@ -292,7 +297,7 @@ def main():
         "squeeze": [squeeze(options, rigid) for rigid in ("nonsmooth", "linear")],
         "box": box_at_rest(options),
     }
-    command_line.write_result(options.out, result)
+    command_line.write_result(options, result)
     print(json.dumps(result, indent=1))
 
 

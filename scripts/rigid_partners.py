@@ -120,7 +120,7 @@ def main():
         "impact": [impact(options, young) for young in PARTNER_YOUNG],
         "packing": squeezed_packing(options),
     }
-    command_line.write_result(options.out, result)
+    command_line.write_result(options, result)
     for row in result["impact"]:
         velocity = ", ".join(f"{v:+.4f}" for v in row["velocity"])
         spin = ", ".join(f"{w:+.2f}" for w in row["spin"])

@@ -60,24 +60,11 @@ def close(options, disk, walls):
         return [-f(left)[0], f(right)[0], -f(bottom)[1], f(top)[1]]
 
     contacts = [cases.WallContact(disk, wall) for wall in walls]
-    seconds = cases.window_of(options)
-    rows = []
-    start = phi = place()[1]
-    with command_line.progress_bar(total=options.until_phi - start) as bar:
-        while phi < options.until_phi:
-            where, force = cases.window_means(seconds, place, forces, contacts)
-            halfwidth = np.mean([c.halfwidth() for c in contacts]) / options.diameter
-            rows.append(
-                [
-                    *where,
-                    *(force / (options.young * options.diameter)),
-                    halfwidth,
-                    sg.quasi_static()["kinetic_over_elastic"],
-                ]
-            )
-            phi = place()[1]
-            command_line.show_progress(bar, phi - start, f"phi {phi:.4f}")
-    return np.array(rows).T
+
+    def halfwidth():
+        return np.mean([contact.halfwidth() for contact in contacts])
+
+    return cases.close_cell(options, place, forces, contacts, halfwidth)
 
 
 def main():

@@ -68,10 +68,10 @@ def kind_and_number(way):
     return kind, number or "1"
 
 
-def wave_speed():
-    """Of pressure waves [m/s]."""
-    modulus = YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))
-    return math.sqrt(modulus / DENSITY)
+def impedance():
+    """Density of the grains times the speed of pressure waves [Pa s/m]."""
+    grain = sg.soft_bodies()[0]
+    return grain.material.waveImpedance(grain.shape.dim)
 
 
 def make_grains(options):
@@ -150,11 +150,11 @@ def press_by_servo(walls, stress, gain):
             ServoPIDController(
                 ids=[walls[2 * axis + 1]],
                 axis=direction,
-                kP=gain / (DENSITY * wave_speed() * area),
+                kP=gain / (impedance() * area),
                 kI=0,
                 kD=0,
                 iterPeriod=1,
-                maxVelocity=-stress / (DENSITY * wave_speed()),
+                maxVelocity=-stress / impedance(),
             )
         )
     O.engines = list(O.engines) + servos
@@ -179,7 +179,7 @@ def press_by_triaxial(walls, stress, share):
         goal1=stress,
         goal2=stress,
         goal3=stress,
-        max_vel=-share * stress / (DENSITY * wave_speed()),
+        max_vel=-share * stress / impedance(),
         stressDamping=damping,
         stiffnessUpdateInterval=10,
         **{f"wall_{name}_id": wall for name, wall in zip(names, walls)},
@@ -264,7 +264,7 @@ def main():
         np.savetxt(options.out / f"{way.replace(':', '-')}.txt", np.column_stack([times, stresses]))
         results.append(summary(way, times, stresses, options))
         print(json.dumps(results[-1]))
-    command_line.write_result(options.out, results)
+    command_line.write_result(options, {"ways": results})
 
 
 if __name__ == "__main__":

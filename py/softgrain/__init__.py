@@ -20,6 +20,8 @@ _classes = _host.load_plugin()
 globals().update(_classes)
 
 from softgrain import _softgrain, yade_utils  # noqa: E402
+from softgrain.balance import Balance  # noqa: E402
+from softgrain.bodies import soft_bodies  # noqa: E402
 from softgrain.build import (  # noqa: E402
     soft_block,
     soft_disk,
@@ -28,23 +30,20 @@ from softgrain.build import (  # noqa: E402
     soft_sphere,
     soft_superdisk,
 )
+from softgrain.cell import cell_stress, cell_volume  # noqa: E402
 from softgrain.contact_problem import solve_contact_problem  # noqa: E402
 from softgrain.forces import body_forces, contact_forces, pair_forces  # noqa: E402
 from softgrain.hardening import Hardened, harden  # noqa: E402
 from softgrain.images import ImageGrains, grains_from_image  # noqa: E402
 from softgrain.observe import (  # noqa: E402
-    Balance,
-    cell_stress,
-    cell_volume,
     coordination_number,
     grain_area,
     integrator,
     packing_fraction,
-    soft_bodies,
     von_mises,
     wall_force,
 )
-from softgrain.picture import draw_packing  # noqa: E402
+from softgrain.picture import draw_packing, wall_box  # noqa: E402
 from softgrain.profile import contact_halfwidth, contact_profile  # noqa: E402
 from softgrain.quasi_static import (  # noqa: E402
     quasi_static,
@@ -108,6 +107,7 @@ __all__ = sorted(_classes) + [
     "suggest_speed",
     "unbalanced_force",
     "von_mises",
+    "wall_box",
     "wall_force",
     "write_vtk",
 ]

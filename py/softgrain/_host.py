@@ -32,7 +32,7 @@ def load_plugin():
         )
     known = set(dir(yade.wrapper))
     plugin.registerClasses()
-    names = [n for n in _OWN_CLASSES if hasattr(yade.wrapper, n)]
+    names = [n for n in OWN_CLASSES if hasattr(yade.wrapper, n)]
     assert set(names) >= set(dir(yade.wrapper)) - known
     classes = {name: getattr(yade.wrapper, name) for name in names}
     vars(yade).update(classes)
@@ -58,7 +58,8 @@ def replace_in_utils(name, function):
             setattr(module, name, function)
 
 
-_OWN_CLASSES = (
+#: Classes of YADE that are ours.
+OWN_CLASSES = (
     "Bo1_SoftGrain_Aabb",
     "Gl1_SoftGrain",
     "Ig2_Box_SoftGrain_SoftGeom",

@@ -33,7 +33,7 @@ def soft_disk(center, radius, material=-1, color=None, mask=1, **shape):
     Raises:
         ValueError: a value is out of its range, or the material is no ``SoftMat``.
     """
-    return _soft_body(center, radius, 2, material, color, mask, shape)
+    return _kept(_soft_body(center, radius, 2, material, color, mask, shape))
 
 
 def soft_block(center, size, material=-1, color=None, mask=1, **shape):
@@ -54,15 +54,9 @@ def soft_block(center, size, material=-1, color=None, mask=1, **shape):
         ValueError: a value is out of its range, or the material is no ``SoftMat``.
     """
     sides = lengths("size", size, (2, 3))
-    return _soft_body(
-        center,
-        min(sides) / 2,
-        len(sides),
-        material,
-        color,
-        mask,
-        shape,
-        {"form": "block", "aspect": _aspect("size", sides)},
+    outline = {"form": "block", "aspect": _aspect("size", sides)}
+    return _kept(
+        _soft_body(center, min(sides) / 2, len(sides), material, color, mask, shape, outline)
     )
 
 
@@ -82,6 +76,7 @@ def soft_ellipse(center, half_axes, angle=0.0, material=-1, color=None, mask=1, 
     Raises:
         ValueError: a value is out of its range, or the material is no ``SoftMat``.
     """
+    refuse_form(shape)
     return soft_superdisk(center, half_axes, 2.0, angle, material, color, mask, **shape)
 
 
@@ -105,7 +100,7 @@ def soft_superdisk(
     turned = _turned(angle)
     body = _soft_body(center, min(axes), 2, material, color, mask, shape, outline)
     body.state.ori = turned
-    return body
+    return _kept(body)
 
 
 def soft_polygon(vertices, material=-1, color=None, mask=1, corners=None, z=0.0, **shape):
@@ -133,6 +128,11 @@ def soft_polygon(vertices, material=-1, color=None, mask=1, corners=None, z=0.0,
         ValueError: the polygon crosses itself or has no area, a value is out of its range, or the
             material is no ``SoftMat``.
     """
+    return _kept(polygon_body(vertices, material, color, mask, corners, z, shape))
+
+
+def polygon_body(vertices, material, color, mask, corners, z, shape):
+    """:func:`soft_polygon`, but a material that is made for it is not in ``O.materials``."""
     form = normalized(vertices, corners)
     z = number("z", z, "(-inf, inf)", "m")
     outline = {"form": "polygon", "vertices": form.vertices.tolist(), "corners": form.corners}
@@ -144,7 +144,13 @@ def soft_polygon(vertices, material=-1, color=None, mask=1, corners=None, z=0.0,
 
 def soft_sphere(center, radius, material=-1, color=None, mask=1, **shape):
     """A soft ball; arguments, result and errors as for :func:`soft_disk`."""
-    return _soft_body(center, radius, 3, material, color, mask, shape)
+    return _kept(_soft_body(center, radius, 3, material, color, mask, shape))
+
+
+def _kept(body):
+    """The same, its material in ``O.materials`` if it was made for it."""
+    keep_material(body.material)
+    return body
 
 
 def _aspect(name, sides):
@@ -182,7 +188,6 @@ def _soft_body(center, radius, dim, material, color, mask, shape, form=None):
         fixed=True,
     )
     body.mask = mask
-    keep_material(material)
     return body
 
 

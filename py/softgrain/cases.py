@@ -1,5 +1,5 @@
 """What the runnable cases compared with finite elements share: options, scene, windows of time,
-results and plots. Used by ``scripts/hertz.py``, ``square_cell.py`` and ``hexagonal_cell.py``."""
+results and plots. Used by ``scripts/hertz.py``, the cells and ``periodic_lattice.py``."""
 
 import math
 import time
@@ -9,7 +9,8 @@ import numpy as np
 import yade.utils
 from yade import FrictMat, O, Quaternion, wrapper
 
-from softgrain import build, command_line, observe, profile, time_loop
+from softgrain import bodies, build, command_line, observe, profile, time_loop
+from softgrain.quasi_static import quasi_static
 
 #: omega R / c_s of the lowest vibration of a free disk (Lamb), nu = 0.45; it changes little with
 #: nu.
@@ -183,18 +184,52 @@ def window_means(seconds, place, forces, contacts=(), step=O.step):
             return 0.5 * (np.asarray(first) + last), total / steps
 
 
-def run_facts(options, started):
-    """What every case says about its run, for ``result.json``."""
+def close_cell(options, place, forces, contacts, halfwidth, step=O.step):
+    """Step until the packing fraction is that of the options.
+
+    Args:
+        options (argparse.Namespace): of the case.
+        place (callable): displacement of the sides over D, phi, phi0, as an array.
+        forces (callable): on the sides [N/m].
+        contacts, step: as for :func:`window_means`.
+        halfwidth (callable): of the contacts over the last window, their mean [m].
+
+    Returns:
+        array (m, n): over the n windows, as :func:`report_cell` takes it.
+    """
+    rows = []
+    begin = phi = place()[1]
+    with command_line.progress_bar(total=options.until_phi - begin) as bar:
+        while phi < options.until_phi:
+            where, force = window_means(window_of(options), place, forces, contacts, step)
+            rows.append(
+                [
+                    *where,
+                    *(force / (options.young * options.diameter)),
+                    halfwidth() / options.diameter,
+                    quasi_static()["kinetic_over_elastic"],
+                ]
+            )
+            phi = place()[1]
+            command_line.show_progress(bar, phi - begin, f"phi {phi:.4f}")
+    return np.array(rows).T
+
+
+def run_facts(seconds):
+    """What every case says about its run, for ``result.json``.
+
+    Args:
+        seconds (float): that it took [s].
+    """
     engine = observe.integrator()
     return {
-        "wall_seconds": time.time() - started,
+        "wall_seconds": seconds,
         "steps": int(engine.steps),
         "dt": O.dt,
         "sweeps_per_step": engine.totalSweeps / engine.steps,
         "capped_steps": int(engine.cappedSteps),
         "largest_residual": engine.largestResidual,
-        "points_per_grain": len(observe.soft_bodies()[0].shape.points()["volume"]),
-        "options": command_line.option_texts(options),
+        "points_per_grain": len(bodies.soft_bodies()[0].shape.points()["volume"]),
     }
 
 
@@ -241,10 +276,10 @@ def report_cell(options, started, columns, own_results, exact, title):
         title (str): of the plot.
     """
     displacement, phi, phi0, *forces, halfwidth, kinetic = columns
-    facts = run_facts(options, started)
+    facts = run_facts(time.time() - started)
     force = np.mean(forces, axis=0)
     command_line.write_result(
-        options.out,
+        options,
         {
             "phi": phi,
             "phi0": phi0,

@@ -65,9 +65,10 @@ def output_folder(text):
 def _checked(text, kind, admissible, description):
     try:
         value = kind(text)
-    except ValueError:
-        value = math.nan
-    if not (math.isfinite(value) and checks.in_range(value, admissible)):
+        good = math.isfinite(value) and checks.in_range(value, admissible)
+    except (ValueError, OverflowError):
+        good = False
+    if not good:
         raise argparse.ArgumentTypeError(f"{text!r} is not {description}")
     return value
 
@@ -209,14 +210,15 @@ def show_progress(bar, reached, text):
     bar.update(min(reached, bar.total) - bar.n)
 
 
-def option_texts(options):
-    """Options of a run, for its results: name (str) to value as text (str)."""
-    return {name: str(value) for name, value in vars(options).items()}
+def write_result(options, result):
+    """Write ``result.json`` into the folder of the options, whole or not at all.
 
-
-def write_result(folder, result):
-    """Write ``result.json`` into the folder (Path), whole or not at all; see :func:`write_json`."""
-    write_json(folder / "result.json", result)
+    Args:
+        options (argparse.Namespace): of the run, ``out`` among them; they are written as texts.
+        result (dict): as :func:`write_json` takes it.
+    """
+    texts = {name: str(value) for name, value in vars(options).items()}
+    write_json(options.out / "result.json", {**result, "options": texts})
 
 
 def write_json(path, value):

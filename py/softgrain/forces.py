@@ -8,7 +8,7 @@ metre of thickness and areas are lengths.
 import numpy as np
 from yade import O, wrapper
 
-from softgrain.observe import is_soft, soft_bodies
+from softgrain.bodies import is_soft, soft_bodies
 
 #: Forces of all contact points of a pair together.
 _SUMS = ("normal_force", "shear_force")

@@ -4,13 +4,13 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from yade import FrictMat, Matrix3, O, Sphere, Vector3, utils, wrapper
+from yade import FrictMat, Matrix3, O, Sphere, Vector3, utils
 
 from softgrain import _softgrain
+from softgrain.bodies import bodies_of, is_soft, material_of, soft_bodies, unscaled_mass
 from softgrain.checks import number
 from softgrain.filling import fill
 from softgrain.materials import found_material
-from softgrain.observe import bodies_of, is_soft, soft_bodies, unscaled_mass
 from softgrain.overlaps import Ball, overlap_factor
 from softgrain.softening import drop_interactions, look_anew
 from softgrain.time_loop import critical_time_step, refuse_background_run
@@ -113,12 +113,10 @@ def _grains(ids):
     for body in bodies:
         if not is_soft(body):
             raise ValueError(f"ids: body #{body.id} is no soft grain")
-        if not isinstance(body.material, wrapper.SoftMat):
-            raise ValueError(f"ids: the material of soft grain #{body.id} is no SoftMat")
         motion = (*body.state.pos, *body.state.vel, *body.state.angVel)
         if not np.isfinite(motion).all():
             raise ValueError(f"ids: pos, vel or angVel of soft grain #{body.id} is not finite")
-        scaling = body.material.massScaling
+        scaling = material_of(body).massScaling
         if scaling != 1:
             raise ValueError(
                 f"massScaling = {scaling} of soft grain #{body.id}: a rigid body would keep the "

@@ -80,7 +80,7 @@ def grains_from_image(
         raise ValueError(f"unusable = {unusable!r} is unknown; known: 'refuse', 'skip'")
     origin = finite_vector("origin", origin, 3, "m")
     background = index("background", background)
-    for name in ("corners", "z"):
+    for name in ("vertices", "corners", "z"):
         if name in shape:
             raise ValueError(f"{name} = {shape[name]!r}: set by the image and its origin")
     labels = read_labels(image, background)
@@ -138,11 +138,12 @@ def read_labels(image, background=0):
     elif not (is_name or isinstance(image, np.ndarray)):
         raise ValueError(f"image = {image!r}: admissible are the name of a file and an array")
     elif isinstance(image, np.ma.MaskedArray):
-        image = image.filled(background)
+        image = _wide(image)
+        image = image.filled(background) if _is_integer(image) else image.data
     elif is_name:
         with Image.open(image) as picture:
             image = _labels_of_picture(picture, background)
-    if image.ndim != 2 or not (np.issubdtype(image.dtype, np.integer) or image.dtype == bool):
+    if image.ndim != 2 or not _is_integer(image):
         raise ValueError(
             f"image: {image.dtype} of shape {image.shape}; admissible: integers (rows, columns)"
         )
@@ -166,5 +167,15 @@ def _labels_of_picture(picture, background):
         )
     if picture.mode.endswith("A") or "transparency" in picture.info:
         alpha = np.array(picture.convert("RGBA"))[:, :, 3]
-        labels = np.where(alpha == 0, background, labels)
+        labels = np.where(alpha == 0, background, _wide(labels))
     return labels
+
+
+def _is_integer(image):
+    return np.issubdtype(image.dtype, np.integer) or image.dtype == bool
+
+
+def _wide(image):
+    """Of integers those of a type that takes any label for the background."""
+    small = _is_integer(image) and image.dtype.itemsize < 8
+    return image.astype(np.int64) if small else image

@@ -157,8 +157,8 @@ def _value_of_all(match):
 
 
 def _values(match):
-    """All that a MatchMaker (or None) gives by itself."""
-    values = [value for _, _, value in match.matches] if match else []
-    if match and match.algo == "val":
+    """All that a MatchMaker gives by itself."""
+    values = [value for _, _, value in match.matches]
+    if match.algo == "val":
         values.append(match.val)
     return values

@@ -150,6 +150,28 @@ def normalized(vertices, corners=None):
     Raises:
         ValueError: no polygon, or an index that is out of range.
     """
+    x = _checked_vertices(vertices)
+    sharp = _sharp_vertices(x, corners)
+    area = signed_area(x)
+    if area < 0:
+        x, sharp, area = x[::-1], sharp[::-1], -area
+    _refuse_shape(x, area)
+    size, centroid = np.sqrt(area), area_and_inertia(x)[1]
+    x = (x - centroid) / size
+    first = _first_side(x, sharp)
+    x, sharp = np.roll(x, -first, axis=0), np.roll(sharp, -first)
+    angle = np.arctan2(*(x[1] - x[0])[::-1])
+    c, s = np.cos(angle), np.sin(angle)
+    x = np.round(x @ np.array([[c, -s], [s, c]]), 9) + 0.0  # equal digits for congruent ones
+    size /= np.sqrt(signed_area(x))
+    radius = inradius(x)
+    return Outline(
+        x / radius, np.flatnonzero(sharp).tolist(), float(radius * size), centroid, float(angle)
+    )
+
+
+def _checked_vertices(vertices):
+    """As an array of shape (n, 2)."""
     try:
         x = np.array(vertices, float)
     except (TypeError, ValueError):
@@ -164,15 +186,21 @@ def normalized(vertices, corners=None):
             f"vertices: {repeated[0]} and the one after it are the same (the last one joins the "
             "first by itself)"
         )
-    sharp = np.abs(turns(x)) > CORNER_TURN
-    if corners is not None:
-        corners = indices("corners", corners)
-        if any(not 0 <= c < len(x) for c in corners):
-            raise ValueError(f"corners = {corners}: indices are in [0, {len(x) - 1}]")
-        sharp = np.isin(np.arange(len(x)), corners)
-    area = signed_area(x)
-    if area < 0:
-        x, sharp, area = x[::-1], sharp[::-1], -area
+    return x
+
+
+def _sharp_vertices(x, corners):
+    """Whether the outline has a kink at each of the vertices."""
+    if corners is None:
+        return np.abs(turns(x)) > CORNER_TURN
+    corners = indices("corners", corners)
+    if any(not 0 <= c < len(x) for c in corners):
+        raise ValueError(f"corners = {corners}: indices are in [0, {len(x) - 1}]")
+    return np.isin(np.arange(len(x)), corners)
+
+
+def _refuse_shape(x, area):
+    """ValueError for a polygon that goes round anything else than once, or is too slender."""
     if not area > 1e-9 * np.ptp(x, axis=0).max() ** 2:
         raise ValueError(
             f"vertices: the area of the polygon is {area:g} m^2; admissible: > 0, "
@@ -190,18 +218,6 @@ def normalized(vertices, corners=None):
             f"vertices: the polygon is {slenderness / 2:.3g} times as long as wide; admissible: "
             f"at most {SLENDEREST / 2:g}"
         )
-    size, centroid = np.sqrt(area), area_and_inertia(x)[1]
-    x = (x - centroid) / size
-    first = _first_side(x, sharp)
-    x, sharp = np.roll(x, -first, axis=0), np.roll(sharp, -first)
-    angle = np.arctan2(*(x[1] - x[0])[::-1])
-    c, s = np.cos(angle), np.sin(angle)
-    x = np.round(x @ np.array([[c, -s], [s, c]]), 9) + 0.0  # equal digits for congruent ones
-    size /= np.sqrt(signed_area(x))
-    radius = inradius(x)
-    return Outline(
-        x / radius, np.flatnonzero(sharp).tolist(), float(radius * size), centroid, float(angle)
-    )
 
 
 def _first_side(x, sharp):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from yade import O, Sphere, Vector3, wrapper
 
-from softgrain.observe import nearest_images
+from softgrain.cell import nearest_images
 
 #: Overlaps up to this share of the smaller radius are left to be worked off; rigid packings of
 #: usual stiffness stay below.

@@ -8,9 +8,11 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from yade import O, wrapper
 
+from softgrain.bodies import material_of, soft_bodies
+from softgrain.cell import nearest_images
 from softgrain.checks import finite_vector, number
 from softgrain.grain_mesh import filled, outline_polygon
-from softgrain.observe import nearest_images, soft_bodies, von_mises
+from softgrain.observe import von_mises
 
 #: Size of a picture, without its colour bar, and the room for the title [inches].
 WIDTH, LEAST_HEIGHT, LARGEST_HEIGHT, TITLE_HEIGHT = 6.5, 1.8, 9.0, 0.4
@@ -43,21 +45,11 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
 
     Raises:
         ValueError: an unknown field, nothing to draw, or a value out of its range.
+        OSError: the folder is not there, or may not be written to.
     """
-    if not (field is None or isinstance(field, str) and field in ("von_mises", "pressure")):
-        raise ValueError(f"field = {field!r} is unknown; known: 'von_mises', 'pressure', None")
-    if not isinstance(path, (str, bytes, os.PathLike)) or not os.path.basename(path):
-        raise ValueError(f"path = {path!r}: admissible is the name of a file")
-    if box is not None:
-        box = finite_vector("box", box, 4, "m")
-        if not (box[0] < box[1] and box[2] < box[3]):
-            raise ValueError(f"box = {box}: admissible are xmin < xmax and ymin < ymax")
-    if limits is not None:
-        limits = finite_vector("limits", limits, 2, "the unit of the field")
-        if not limits[0] < limits[1]:
-            raise ValueError(f"limits = {limits}: the first has to be below the second")
-    if scale is not None:
-        scale = number("scale", scale, "(0, inf)", "Pa")
+    _refuse_names(path, field)
+    box, limits = _checked_box(box), _checked_limits(limits)
+    scale = None if scale is None else number("scale", scale, "(0, inf)", "Pa")
     dpi = number("dpi", dpi, "[10, 2400]")
     disks = soft_bodies()
     if any(b.shape.dim == 3 for b in disks):
@@ -76,6 +68,42 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
         axes.add_collection(PolyCollection(outlines, facecolors="0.85", edgecolors="none"))
     closed = [np.vstack([o, o[:1]]) for o in outlines]
     axes.add_collection(LineCollection(closed, colors="black", linewidths=0.5))
+    _draw_frames(axes, box)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.autoscale_view()
+    if title:
+        axes.set_title(title)
+    figure.savefig(path, dpi=dpi, bbox_inches="tight")
+
+
+def _refuse_names(path, field):
+    if not (field is None or isinstance(field, str) and field in ("von_mises", "pressure")):
+        raise ValueError(f"field = {field!r} is unknown; known: 'von_mises', 'pressure', None")
+    if not isinstance(path, (str, bytes, os.PathLike)) or not os.path.basename(path):
+        raise ValueError(f"path = {path!r}: admissible is the name of a file")
+
+
+def _checked_box(box):
+    if box is None:
+        return None
+    box = finite_vector("box", box, 4, "m")
+    if not (box[0] < box[1] and box[2] < box[3]):
+        raise ValueError(f"box = {box}: admissible are xmin < xmax and ymin < ymax")
+    return box
+
+
+def _checked_limits(limits):
+    if limits is None:
+        return None
+    limits = finite_vector("limits", limits, 2, "the unit of the field")
+    if not limits[0] < limits[1]:
+        raise ValueError(f"limits = {limits}: the first has to be below the second")
+    return limits
+
+
+def _draw_frames(axes, box):
+    """The box that is wanted, and the periodic cell, dashed."""
     if box is not None:
         left, right, low, high = box
         axes.plot(
@@ -84,12 +112,6 @@ def draw_packing(path, box=None, field="von_mises", scale=None, limits=None, tit
     if O.periodic:
         corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
         axes.plot(*(np.array(O.cell.hSize)[:2, :2] @ corners.T), color="black", lw=1, ls="--")
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    axes.autoscale_view()
-    if title:
-        axes.set_title(title)
-    figure.savefig(path, dpi=dpi, bbox_inches="tight")
 
 
 def _shifts(centre, polygon):
@@ -211,7 +233,7 @@ def _unit_label(scale):
     """Of stresses over ``scale`` [Pa]; None: in kPa."""
     if scale is None:
         return "(kPa)"
-    moduli = {b.material.young for b in soft_bodies()}
+    moduli = {material_of(b).young for b in soft_bodies()}
     return "/ E" if moduli == {scale} else f"/ {scale:g} Pa"
 
 

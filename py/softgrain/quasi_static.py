@@ -11,9 +11,15 @@ import numpy as np
 from yade import Material, NewtonIntegrator, NormShearPhys, O, Vector3, wrapper
 
 from softgrain import _softgrain, time_loop
+from softgrain.bodies import (
+    has_own_motion,
+    is_soft,
+    material_of,
+    some_soft_bodies,
+    unscaled_mass,
+)
 from softgrain.checks import number
 from softgrain.materials import found_material
-from softgrain.observe import has_own_motion, is_soft, some_soft_bodies, unscaled_mass
 
 #: Grains whose kinetic energy is below this share of the elastic one count as at rest.
 AT_REST = 1e-3
@@ -136,14 +142,15 @@ def suggest_speed(stress=None, share=0.1):
         float: [m/s].
 
     Raises:
-        ValueError: a value is out of its range, or the scene has no soft grain.
+        ValueError: a value is out of its range, or the scene has no soft grain, or one whose
+            material is no ``SoftMat``.
     """
     bodies = some_soft_bodies("suggest_speed")
     if stress is None:
-        stress = 0.01 * min(body.material.young for body in bodies)
+        stress = 0.01 * min(material_of(body).young for body in bodies)
     stress = number("stress", stress, "(0, inf)", "Pa")
     share = number("share", share, "(0, 1]")
-    return share * stress / max(body.material.waveImpedance(body.shape.dim) for body in bodies)
+    return share * stress / max(material_of(b).waveImpedance(b.shape.dim) for b in bodies)
 
 
 def scale_mass(factor, materials=None):
@@ -177,7 +184,7 @@ def scale_mass(factor, materials=None):
     bodies = some_soft_bodies("scale_mass")
     factor = number("factor", factor, "[1, inf)")
     if materials is None:
-        materials = [b.material for b in bodies]
+        materials = [material_of(b) for b in bodies]
     elif isinstance(materials, (Material, int, str, np.integer)):
         materials = [materials]
     given = materials

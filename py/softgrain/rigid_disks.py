@@ -4,7 +4,8 @@ import math
 
 from yade import O, Sphere
 
-from softgrain.observe import bodies_of
+from softgrain.bodies import bodies_of
+from softgrain.time_loop import refuse_background_run
 
 #: Members of a clump count as touching, not overlapping, at this share of two radii: rounding.
 TOUCHING = 0.999
@@ -29,7 +30,9 @@ def as_disks(ids=None):
         ValueError: a body is neither, or there is none, its out-of-plane degrees of freedom ``z``,
             ``X`` and ``Y`` are not blocked, or a clump has members that overlap or differ in
             radius. Nothing has been changed then.
+        RuntimeError: a run is going on in the background. Nothing has been changed then.
     """
+    refuse_background_run("as_disks")
     if ids is None:
         bodies = [b for b in O.bodies if b and (_is_clump_of_spheres(b) or is_single_sphere(b))]
     else:

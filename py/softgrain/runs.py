@@ -57,14 +57,18 @@ def try_all(script, settings, options):
         list of dict: ``result.json`` of each run; None for a run that failed, which is named on
         stderr. Its output is in ``log.txt`` of its folder.
     """
+    folders = [run_folder(script, chosen, options.out) for chosen in settings]
+    runs = dict(zip(folders, settings))  # equal settings are one run
     with ThreadPoolExecutor(options.jobs) as pool:
-        return list(pool.map(lambda chosen: _run(script, chosen, options.out), settings))
+        results = pool.map(lambda folder: _run(script, runs[folder], folder), runs)
+        found = dict(zip(runs, results))
+    return [found[folder] for folder in folders]
 
 
-def _run(script, chosen, out):
-    folder = run_folder(script, chosen, out)
+def _run(script, chosen, folder):
     result = folder / "result.json"
     if not result.exists() and not _make(script, chosen, folder):
+        result.unlink(missing_ok=True)  # of a run that failed after it
         print(f"failed: see {folder}/log.txt", file=sys.stderr)
         return None
     return json.loads(result.read_text())

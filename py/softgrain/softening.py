@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 from yade import Body, InsertionSortCollider, Material, O, Sphere, Vector3, wrapper
 
-from softgrain.build import refuse_form, soft_polygon, volume_and_inertia
+from softgrain.bodies import bodies_of, soft_bodies
+from softgrain.build import polygon_body, refuse_form, volume_and_inertia
 from softgrain.checks import made, number
 from softgrain.disk_union import outline_of_disks
 from softgrain.materials import keep_material, soft_material
-from softgrain.observe import bodies_of, soft_bodies
 from softgrain.overlaps import Ball, overlap_factor
 from softgrain.rigid_disks import is_single_sphere, require_plane, spheres_of
 from softgrain.time_loop import (
@@ -84,8 +84,8 @@ def soften(
 
     Raises:
         ValueError: a body is neither sphere nor clump, is held (``x``, ``y`` or ``Z`` among its
-            ``blockedDOFs``, as by ``fixed=True``, in 3D any: a soft grain cannot be), waits already
-            to turn soft when loaded, a clump is in 3D, falls into parts or encloses a hole, the
+            ``blockedDOFs``, as by ``fixed=True``, in 3D any: a soft grain cannot be), a clump is in
+            3D, falls into parts or encloses a hole, the
             scene's dimension is not clear, an overlap is refused, grains would differ from others
             in ``dim``, ``contact`` or plane, or a parameter is out of its range. Nothing has been
             changed then.
@@ -192,7 +192,6 @@ def _soft_clump(clump, factor, material, shape):
             f"{aside.state.pos[2]:g} m; admissible in 2D: the plane of all, z = "
             f"{clump.state.pos[2]:g} m"
         )
-    look = {"color": parts[0].shape.color, "mask": parts[0].mask, "z": clump.state.pos[2]}
     try:
         vertices, corners = outline_of_disks(
             [tuple(part.state.pos)[:2] for part in parts],
@@ -201,7 +200,8 @@ def _soft_clump(clump, factor, material, shape):
     except ValueError as error:
         raise ValueError(f"ids: clump #{clump.id}: {error}; its members must overlap") from None
     attributes = {name: value for name, value in shape.items() if name != "dim"}
-    body = soft_polygon(vertices, material, corners=corners, **look, **attributes)
+    color, mask, z = parts[0].shape.color, parts[0].mask, clump.state.pos[2]
+    body = polygon_body(vertices, material, color, mask, corners, z, attributes)
     spin = Vector3(0, 0, clump.state.angVel[2])
     velocity = clump.state.vel + spin.cross(body.state.pos - clump.state.pos)
     body.state.vel, body.state.angVel = (velocity[0], velocity[1], 0), spin
@@ -243,7 +243,7 @@ def _refuse_waiting(ids):
     if twice:
         raise ValueError(
             f"ids: body #{twice[0]} waits already to turn soft, for a SoftenWhenLoaded of "
-            "O.engines; take that out to soften it otherwise"
+            "O.engines; soften it now, or take that out"
         )
 
 

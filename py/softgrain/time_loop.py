@@ -79,6 +79,9 @@ def engines(
     """Ready-made list of engines for soft grains and the rigid bodies they touch: walls, spheres,
     clumps of spheres, facets, boxes.
 
+    It prepares the scene for the collider that it makes: bodies are read anew, and in a periodic
+    cell ``O.bodies.enableRedirection`` is set to False, about which YADE is not to warn.
+
     Args:
         verlet_distance (float | None): ``InsertionSortCollider.verletDist``, >= 0 [m]; None: a
             twentieth of the smallest radius of the soft grains, or of the spheres if there are
@@ -122,11 +125,12 @@ def engines(
     integrator.setdefault("interfaceRange", longest)
     if label:
         integrator["label"] = label
-    _let_collider_find_all_bodies()
     fraction = automatic_fraction()
     if fraction is not None:  # what set_time_step or the integrator until now keeps, it is to keep
         integrator.setdefault("timeStepFraction", fraction)
         integrator.setdefault("dtSet", O.dt)
+    solver = _integrator(integrator)
+    _let_collider_find_all_bodies()
     return [
         ForceResetter(),
         # in a periodic cell the integrator refuses grains that are too big, with a message
@@ -141,7 +145,7 @@ def engines(
             _physics_functors(interface),
             _laws(nonsmooth, interface),
         ),
-        _integrator(integrator),
+        solver,
         NewtonIntegrator(damping=0, gravity=gravity, prevVelGrad=_present_velocity_gradient()),
     ]
 
@@ -169,14 +173,16 @@ def insert_before_solve(*engines):
 
     Raises:
         ValueError: ``O.engines`` holds no ``SoftGrainIntegrator``, or an argument is no engine, or
-            one that is there already.
+            one that is there already, or comes twice.
     """
     present = list(O.engines)
-    for engine in engines:
+    for k, engine in enumerate(engines):
         if not isinstance(engine, Engine):
             raise ValueError(f"engines: {engine!r} is no engine")
         if engine in present:
             raise ValueError(f"engines: {engine!r} is in O.engines already, and would act twice")
+        if engine in engines[:k]:
+            raise ValueError(f"engines: {engine!r} comes twice, and would act twice")
     places = [k for k, e in enumerate(present) if isinstance(e, wrapper.SoftGrainIntegrator)]
     if not places:
         raise ValueError(

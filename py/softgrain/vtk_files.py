@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 from yade import O
 
+from softgrain.bodies import is_soft, soft_bodies, some_soft_bodies
 from softgrain.forces import contact_forces, pair_forces
 from softgrain.grain_mesh import filled, outline_polygon, shell
-from softgrain.observe import is_soft, soft_bodies, some_soft_bodies, von_mises
+from softgrain.observe import von_mises
 
 
 def write_vtk(prefix, what=("grains", "points", "contacts", "pairs")):

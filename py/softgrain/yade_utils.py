@@ -8,9 +8,11 @@ import numpy as np
 from yade import Matrix3, O, Sphere, Vector3, utils
 
 from softgrain import _host
+from softgrain.bodies import bodies_of, has_own_motion, is_soft, soft_bodies
+from softgrain.cell import cell_volume
 from softgrain.checks import number
-from softgrain.observe import bodies_of, cell_volume, has_own_motion, is_soft, soft_bodies
 from softgrain.quasi_static import unbalanced_force
+from softgrain.time_loop import refuse_background_run
 
 _of_yade = {
     name: getattr(utils, name)
@@ -166,11 +168,14 @@ def growParticle(bodyID, multiplier, updateMass=True):
         updateMass (bool): of mass and inertia, too.
 
     Raises:
-        ValueError: the body is a soft grain, or there is none.
+        ValueError: the body is no sphere, or there is none.
+        RuntimeError: a run is going on in the background.
     """
-    (body,) = bodies_of([bodyID])
-    if is_soft(body):
-        raise ValueError(f"bodyID = {bodyID}: a soft grain does not grow; admissible: spheres")
+    refuse_background_run("growParticle")
+    (body,) = bodies_of([bodyID], "bodyID")
+    if not _is_sphere(body):
+        kind = "clump" if body.isClump else type(body.shape).__name__
+        raise ValueError(f"bodyID = {bodyID}: a {kind} does not grow; admissible: spheres")
     _of_yade["growParticle"](bodyID, multiplier, updateMass)
 
 

@@ -203,7 +203,6 @@ def main():
     rows.append(
         ["the step itself", *(cell(of_steps) if r == options.tolerance else "" for r in RESIDUALS)]
     )
-    options.out.mkdir(parents=True, exist_ok=True)
     head = ["solver", *(f"{residual:g}" for residual in RESIDUALS)]
     write_table(options.out / "contact_solvers.md", head, rows)
 

@@ -11,7 +11,6 @@ import argparse
 import math
 import statistics
 import sys
-import tempfile
 import time
 from pathlib import Path
 
@@ -145,7 +144,7 @@ def compaction_options(options, *further):
             f"--zeta={options.zeta}",
             f"--node-spacing={options.node_spacing}",
             f"--tolerance={options.tolerance}",
-            f"--out={tempfile.mkdtemp()}",
+            f"--out={options.result.resolve().parent / 'compaction'}",
             *further,
         ]
     )
@@ -382,7 +381,7 @@ def saving(options):
     """The dense packing saved and loaded again; *load* includes the first step after it, in which
     the grains are assembled."""
     dense_scene(options)
-    file = Path(tempfile.mkdtemp()) / "scene.yade.gz"
+    file = options.result.resolve().parent / "scene.yade.gz"
     times = []
     for _ in range(options.repeat):
         began = time.perf_counter()

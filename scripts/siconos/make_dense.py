@@ -27,7 +27,8 @@ def parse_options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("--out", type=Path, required=True, help="file to write, .npz")
-    add("--grains", type=command_line.whole_from(4), default=400, help="number of grains [-]")
+    some = command_line.whole_from(scenes.compaction.FEWEST_GRAINS)
+    add("--grains", type=some, default=400, help="number of grains [-]")
     add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
     add(
         "--node-spacing",

@@ -102,6 +102,8 @@ def main():
         residual = problem.residual(problem.run(iterations)[0])
         if residual <= wanted:
             break
+    else:
+        sys.exit(f"NSGS has a residual of {residual:.1e}, not {wanted:.1e}, after {iterations}")
     seconds = statistics.median(problem.run(iterations)[1] for _ in range(REPETITIONS))
     sweeps, per_sweep = float(arrays["sweeps"]), float(arrays["seconds_per_sweep"])
     print(

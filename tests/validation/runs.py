@@ -35,7 +35,7 @@ def run_case(name, folder, *options):
 
 
 def is_numbers(value):
-    return isinstance(value, list) and not isinstance(value[0], dict)
+    return isinstance(value, list) and not any(isinstance(item, dict) for item in value)
 
 
 def errors(result, curve, abscissa, ordinate="force_over_ED", start=0.0, end=np.inf):

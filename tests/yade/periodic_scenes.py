@@ -17,8 +17,9 @@ def set_cell(width, height, depth=1.0):
     O.cell.setBox(width, height, depth)
 
 
-def flow(xx=0.0, xy=0.0, yx=0.0, yy=0.0):
-    O.cell.velGrad = Matrix3(xx, xy, 0, yx, yy, 0, 0, 0, 0)
+def flow(xx=0.0, xy=0.0, yx=0.0, yy=0.0, zz=0.0):
+    """Velocity gradient of the cell [1/s]."""
+    O.cell.velGrad = Matrix3(xx, xy, 0, yx, yy, 0, 0, 0, zz)
 
 
 def irregular_packing(shift=(0, 0), count=3, friction=0.3, gap=0.0, **material):

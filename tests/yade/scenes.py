@@ -36,6 +36,11 @@ def add_disk(center=(0, 0, 0), radius=RADIUS, material=None, **shape):
     return body
 
 
+def points_of(body):
+    """Number of the material points of a soft grain."""
+    return len(body.shape.points()["volume"])
+
+
 def add_wall(position, axis, friction=0.0, velocity=(0, 0, 0), sense=0):
     """A wall in the scene; returns its body."""
     material = FrictMat(frictionAngle=math.atan(friction))

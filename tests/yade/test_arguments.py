@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 from scenes import RADIUS, add_disk
-from yade import FrictMat, O, Quaternion, utils
+from yade import FrictMat, ForceEngine, O, Quaternion, utils
 
 import softgrain as sg
 
@@ -44,6 +44,9 @@ THIN = [(0, 0), (1, 0), (1, 1e-4), (0, 1e-4)]
         (lambda: sg.soft_ellipse((0, 0, 0), (2, 1), angle="x"), "angle = 'x'"),
         (lambda: sg.engines(1e-4, bogus=1), "bogus is no attribute of SoftGrainIntegrator"),
         (lambda: sg.insert_before_solve(None), "None is no engine"),
+        (lambda: sg.insert_before_solve(*[ForceEngine()] * 2), "comes twice, and would act twice"),
+        (lambda: sg.soft_ellipse((0, 0, 0), (2, 1), exponent=3), "exponent = 3: .*sg.soft_disk"),
+        (lambda: sg.grains_from_image(IMAGE, 1e-3, vertices=[]), "vertices = .*set by the image"),
         (lambda: sg.advance("3"), "steps = '3': .*whole number"),
         (lambda: sg.wall_force("3"), "body_id = '3': .*whole number"),
         (lambda: sg.soften([0], load=-7), r"load = -7 .*\[0, inf\)"),
@@ -134,7 +137,7 @@ def test_arguments(call, message):
 
 def test_soft_grains_do_not_grow():
     body = add_disk()
-    with pytest.raises(ValueError, match="bodyID = 0: a soft grain does not grow"):
+    with pytest.raises(ValueError, match="bodyID = 0: a SoftGrain does not grow"):
         utils.growParticle(body.id, 1.1)
     sphere = utils.sphere((5 * RADIUS, 0, 0), RADIUS, material=FrictMat())
     utils.growParticle(O.bodies.append(sphere), 1.1)
@@ -187,7 +190,15 @@ def test_a_refused_value_is_refused_in_the_step_too():
 
 @pytest.mark.parametrize(
     "change",
-    [sg.soften, sg.harden, lambda: sg.scale_mass(2), sg.critical_time_step, sg.set_time_step],
+    [
+        sg.soften,
+        sg.harden,
+        sg.as_disks,
+        lambda: sg.scale_mass(2),
+        lambda: utils.growParticle(0, 2),
+        sg.critical_time_step,
+        sg.set_time_step,
+    ],
 )
 def test_bodies_are_not_changed_under_a_run(change):
     """Which another thread is at."""

@@ -70,6 +70,7 @@ def test_material_changed_later(attributes, message):
     ids=str,
 )
 def test_grain(attributes, message):
+    attributes = dict(attributes)
     radius = attributes.pop("radius", RADIUS)
     for make in (sg.soft_disk, sg.soft_sphere):
         with pytest.raises(ValueError, match=pattern(message)):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade.timing
-from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
+from scenes import RADIUS, add_disk, add_wall, points_of, ready, run, soft_material
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -24,10 +24,6 @@ def timing():
     O.timingEnabled = True
     yield
     O.timingEnabled = False
-
-
-def points_of(body):
-    return len(body.shape.points()["volume"])
 
 
 def two_disks(distance, angle=0.0):

@@ -98,9 +98,19 @@ def test_one_colour_may_be_transparent(mode, transparent, tmp_path):
     assert found.labels == left
 
 
-def test_masked_pixels_are_background():
-    labels = np.ma.masked_equal(drawn_labels().astype(int), 9)
-    assert sg.grains_from_image(labels, 1e-4, soft_material(), zeta=0.25).labels == [5, 70]
+@pytest.mark.parametrize("kind, background", ((int, 0), (np.uint8, 0), (np.uint8, 300)))
+def test_masked_pixels_are_background(kind, background):
+    """Also where its label is beyond the pixels' type."""
+    labels = np.ma.masked_equal(drawn_labels().astype(kind), 9)
+    if background:
+        labels.mask |= drawn_labels() == 0
+    found = sg.grains_from_image(labels, 1e-4, soft_material(), background=background, zeta=0.25)
+    assert found.labels == [5, 70]
+
+
+def test_masked_numbers_with_fractions_are_refused():
+    with pytest.raises(ValueError, match="image: float64 .*admissible: integers"):
+        sg.grains_from_image(np.ma.masked_equal(0.5 * drawn_labels(), 0), 1e-4, soft_material())
 
 
 def test_picture_of_another_kind_is_refused(tmp_path):

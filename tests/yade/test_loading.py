@@ -9,20 +9,7 @@ import yade
 from scenes import YADE, assert_done, run_python
 
 import softgrain as sg
-
-CLASSES = (
-    "Bo1_SoftGrain_Aabb",
-    "Ig2_SoftGrain_SoftGrain_SoftGeom",
-    "Ig2_Wall_SoftGrain_SoftGeom",
-    "Ip2_FrictMat_SoftMat_SoftPhys",
-    "Ip2_SoftMat_SoftMat_SoftPhys",
-    "Law2_SoftGeom_SoftPhys_Nonsmooth",
-    "SoftGeom",
-    "SoftGrain",
-    "SoftGrainIntegrator",
-    "SoftMat",
-    "SoftPhys",
-)
+from softgrain import _host
 
 STEP_A_GRAIN = """
     O.reset()
@@ -38,7 +25,7 @@ STEP_A_GRAIN = """
 """
 
 
-@pytest.mark.parametrize("name", CLASSES)
+@pytest.mark.parametrize("name", _host.OWN_CLASSES)
 def test_class_is_part_of_yade_and_of_the_package(name):
     assert getattr(yade, name) is getattr(sg, name) is getattr(yade.wrapper, name)
     assert name in sg.__all__
@@ -52,6 +39,12 @@ def test_version_is_that_of_the_project():
 
 def test_all_names_exist():
     assert all(hasattr(sg, name) for name in sg.__all__)
+
+
+def test_guide_lists_all_names():
+    guide = (Path(__file__).parents[2] / "doc" / "user_guide.md").read_text()
+    listed = guide.partition("Everything in `softgrain.__all__`")[2]
+    assert listed and not [name for name in sg.__all__ if f"`{name}`" not in listed]
 
 
 def test_classes_are_known_as_children_of_their_base():

@@ -8,6 +8,7 @@ from scenes import (
     add_wall,
     assert_goes_on_after_loading,
     assert_same_bits,
+    points_of,
     present_state,
     ready,
     run,
@@ -34,10 +35,6 @@ def pressed(ratio=RATIO, speed=0.5, stiffness=1, **engine):
     ready(rigidMotion=False, **{"multirate": True, **engine})
     O.trackEnergy = True
     return walls
-
-
-def points_of(body):
-    return len(body.shape.points()["volume"])
 
 
 def test_rates_follow_size_and_stiffness():

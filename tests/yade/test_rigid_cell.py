@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from periodic_scenes import flow
 from rigid_scenes import R, add_sphere, spheres, start
 from scenes import run
 from test_rigid_energy import balance
@@ -34,14 +35,6 @@ def lattice(shift=(0, 0, 0), dim=2, friction=0.3, clumps=False):
         O.bodies.clump([0, 1])
         O.bodies.clump([3, 7])
     return np.array(shifts)
-
-
-def flow(**components):
-    """Velocity gradient of the cell, xx=, xy=, ... [1/s]."""
-    gradient = np.zeros((3, 3))
-    for name, value in components.items():
-        gradient["xyz".index(name[0]), "xyz".index(name[1])] = value
-    O.cell.velGrad = Matrix3(*gradient.ravel())
 
 
 def bearing_across_borders():

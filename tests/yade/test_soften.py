@@ -211,11 +211,11 @@ def test_overlap_is_that_over_the_smaller_radius():
         sg.soften()
 
 
-@pytest.mark.parametrize("distance, shown", [(1.9, 10), (1.0, 1e2)])
+@pytest.mark.parametrize("distance, shown", [(1.9, "10"), (1.0, r"1e\+02")])
 def test_overlap_too_large_to_relax(distance, shown):
     add_spheres([(0, 0, 0), (distance * RADIUS, 0, 0)])
     with pytest.raises(
-        ValueError, match=r"bodies #0 and #1 overlap by .* % of the smaller radius"
+        ValueError, match=rf"bodies #0 and #1 overlap by {shown} % of the smaller radius"
     ) as caught:
         sg.soften()
     assert "admissible 5 %" in str(caught.value) and "overlap='shrink'" in str(caught.value)
@@ -261,7 +261,7 @@ def test_a_thin_cell_has_no_images_across_the_plane():
 
 def test_coincident_spheres_cannot_shrink():
     add_spheres([(0, 0, 0), (0, 0, 0)])
-    with pytest.raises(ValueError, match="overlap.*#0 and #1|radius"):
+    with pytest.raises(ValueError, match="overlap.*#0 and #1"):
         sg.soften(overlap="shrink")
     assert isinstance(O.bodies[0].shape, Sphere)
 
@@ -346,12 +346,16 @@ def test_what_does_not_fit_with_other_soft_grains_is_left_as_it_is(clump):
     if clump:
         ids = [O.bodies.clump(ids)]
         O.bodies[ids[0]].state.blockedDOFs = "zXY"
-    before = [(b.state.mass, b.state.vel, b.state.blockedDOFs) for b in spheres]
+
+    def states():
+        return [(b.state.mass, tuple(b.state.vel), b.state.blockedDOFs) for b in spheres]
+
+    before = states()
     count = len([b for b in O.bodies if b])
     with pytest.raises(ValueError, match="one plane"):
         sg.soften(ids, zeta=ZETA)
     assert all(isinstance(b.shape, Sphere) and isinstance(b.material, FrictMat) for b in spheres)
-    assert [(b.state.mass, b.state.vel, b.state.blockedDOFs) for b in spheres] == before
+    assert states() == before
     assert len([b for b in O.bodies if b]) == count
     O.engines = sg.engines()
     run(2)

@@ -153,8 +153,17 @@ def test_hardened_and_softened_again():
     ],
     ids=("3D", "member", "apart", "zeta", "loaded", "tilted"),
 )
-def test_refused_clumps_stay(make, options, message):
-    ids = make()
+@pytest.mark.parametrize("given", (True, False))
+def test_refused_clumps_stay(make, options, message, given):
+    """And no material is made."""
+    ids, material = make(), [soft_material()] * given
+    materials = len(O.materials)
     with pytest.raises(ValueError, match=message):
-        sg.soften(ids, soft_material(), **options)
-    assert O.bodies[2].isClump and len(O.bodies) == 3
+        sg.soften(ids, *material, **options)
+    assert O.bodies[2].isClump and len(O.bodies) == 3 and len(O.materials) == materials
+
+
+@pytest.mark.parametrize("attribute", ("z", "mask", "vertices"))
+def test_what_the_clump_decides_on_is_refused(attribute):
+    with pytest.raises(ValueError, match=attribute):
+        sg.soften([add_clump()], soft_material(), **{attribute: 1})

@@ -124,6 +124,10 @@ def test_spheres_that_wait_already():
     with pytest.raises(ValueError, match="#0 waits already to turn soft"):
         sg.soften(when="loaded", material=soft_material(), zeta=0.25)
     assert len(O.engines) == engines
+    assert sg.soften(material=soft_material(), zeta=0.25) == [0]
+    run(2)
+    (softener,) = [e for e in O.engines if isinstance(e, sg.SoftenWhenLoaded)]
+    assert softener.ids == [] and softener.softened == 0
 
 
 def test_load_without_meaning():

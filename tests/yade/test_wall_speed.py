@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from scenes import DENSITY, RADIUS, YOUNG, add_disk, add_wall, ready, soft_material
-from yade import O
+from yade import FrictMat, O
 
 import softgrain as sg
 
@@ -40,6 +40,13 @@ def test_suggested_speed_out_of_range(argument):
     add_disk()
     with pytest.raises(ValueError, match="outside the admissible range"):
         sg.suggest_speed(**argument)
+
+
+@pytest.mark.parametrize("ask", (sg.suggest_speed, lambda: sg.scale_mass(2), sg.harden))
+def test_grain_of_another_material_is_named(ask):
+    add_disk().material = FrictMat()
+    with pytest.raises(ValueError, match="soft grain #0 is FrictMat, no SoftMat"):
+        ask()
 
 
 def press(share=None, speed=None, stress=0.05 * YOUNG, **material):

@@ -193,6 +193,23 @@ print("done")
 """
 
 
+def test_spheres_alone_grow():
+    """YADE would write where the radius of a sphere is."""
+    sphere, facet = (
+        utils.sphere((0, 0, 0), RADIUS, material=FrictMat()),
+        utils.facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)], material=FrictMat()),
+    )
+    O.bodies.append([sphere, facet])
+    clump, _ = O.bodies.appendClumped([utils.sphere((1, k, 0), RADIUS) for k in (0, 1)])
+    for body, kind in ((1, "Facet"), (clump, "clump")):
+        with pytest.raises(ValueError, match=f"bodyID = {body}: a {kind} does not grow"):
+            utils.growParticle(body, 2)
+    with pytest.raises(ValueError, match="bodyID: there is no body #99"):
+        utils.growParticle(99, 2)
+    utils.growParticle(0, 2)
+    assert sphere.shape.radius == 2 * RADIUS
+
+
 def test_functions_of_utils_in_a_script(tmp_path):
     """The names that a script has had from YADE before; without soft grains YADE's own."""
     assert_done(run_python(SCRIPT, tmp_path, command=["/usr/bin/yade", "-n", "-x"]))

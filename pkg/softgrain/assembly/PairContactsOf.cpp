@@ -179,21 +179,15 @@ template <int dim> std::vector<double> PairContactsOf<dim>::rest() const
 {
 	if (list.rest.changed || !list.isKeptForSleepers()) return {};
 	const PairImpulse<dim>& sum = list.impulse;
-	std::vector<double> numbers { list.rest.kick, list.friction,
-				      static_cast<double>(sum.active),
-				      static_cast<double>(list.rest.placeOfSecond.size()) };
-	append(sum.normal, numbers);
-	append(sum.shear, numbers);
-	append(sum.point, numbers);
-	append(sum.moment, numbers);
-	append((list.interface ? list.interface->law : InterfaceLaw()).numbers(), numbers);
+	std::vector<double> numbers =
+		numbersOf(list.rest.kick, list.friction, sum.active, list.rest.placeOfSecond.size(),
+			  sum.normal, sum.shear, sum.point, sum.moment,
+			  (list.interface ? list.interface->law : InterfaceLaw()).numbers());
 	for (const auto& kept : list.atRest) {
 		const ForceAtRest<dim> force = kept ? *kept : ForceAtRest<dim> {};
-		numbers.push_back(kept.has_value());
-		append(force.force, numbers);
-		append(force.point, numbers);
+		append(numbers, kept.has_value(), force.force, force.point);
 	}
-	append(list.rest.placeOfSecond, numbers);
+	append(numbers, list.rest.placeOfSecond);
 	return numbers;
 }
 
@@ -210,26 +204,22 @@ template <int dim> void PairContactsOf<dim>::restoreRest(const std::vector<doubl
 		noteUnreadable("it was saved asleep with", saved.size());
 		return;
 	}
-	list.friction = saved[1];
-	sum.active = static_cast<int>(saved[2]);
-	NumbersInTurn in(saved.data() + scalars);
-	in.take(sum.normal);
-	in.take(sum.shear);
-	in.take(sum.point);
-	in.take(sum.moment);
-	in.take(law);
+	NumbersInTurn in(saved);
+	const double kick = in.next<double>();
+	in.take(list.friction, sum.active);
+	in.next<double>(); // the size looked at above
+	in.take(sum.normal, sum.shear, sum.point, sum.moment, law);
 	if (list.interface) { // what it rests with, to be compared with the one to come
 		list.interface->law = InterfaceLaw::fromNumbers(law);
 		lawUnknown_ = false;
 	}
 	for (auto& atRest : list.atRest) {
 		ForceAtRest<dim> force;
-		const bool has = in.takeOne() != 0;
-		in.take(force.force);
-		in.take(force.point);
+		const bool has = in.next<bool>();
+		in.take(force.force, force.point);
 		if (has) atRest.emplace() = force;
 	}
-	list.rest = { saved[0], { in.rest(), saved.data() + size }, false, false };
+	list.rest = { kick, in.rest(), false, false };
 }
 
 template <int dim>

@@ -13,8 +13,7 @@
 namespace {
 
 constexpr int repetitions = 7;
-constexpr int laneWidth = 8; // as Lanes of the kernel
-using Vector = double __attribute__((vector_size(8 * laneWidth)));
+constexpr int chains = 12; // of multiply-adds
 
 /// The versions of lanes/Lanes.hpp: what the kernel is compiled for.
 #define SOFTGRAIN_VERSIONS                                                                         \
@@ -46,11 +45,16 @@ double shortest(const std::function<void()>& work, int threads)
 	return best;
 }
 
-/// Independent chains of multiply-adds, enough to hide their latency; the compiler fuses them where
-/// the instruction set can. Returns a sum that depends on all of them.
-SOFTGRAIN_VERSIONS double multiplyAdd(long rounds, double start)
+template <int width> struct VectorOf {
+	using Type [[gnu::vector_size(8 * width)]] = double;
+};
+
+/// Independent chains of multiply-adds of so many numbers, enough to hide their latency; the
+/// compiler fuses them where the instruction set can. Returns a sum that depends on all of them.
+template <int width>
+[[gnu::always_inline]] inline double multiplyAddChains(long rounds, double start)
 {
-	constexpr int chains = 12;
+	using Vector = typename VectorOf<width>::Type;
 	Vector x[chains];
 	for (int c = 0; c < chains; ++c)
 		x[c] = Vector {} + (start + c);
@@ -63,15 +67,30 @@ SOFTGRAIN_VERSIONS double multiplyAdd(long rounds, double start)
 	for (int c = 0; c < chains; ++c)
 		sum += x[c];
 	double total = 0;
-	for (int lane = 0; lane < laneWidth; ++lane)
+	for (int lane = 0; lane < width; ++lane)
 		total += sum[lane];
 	return total;
+}
+
+/// As wide as a register of each instruction set: of wider ones the chains would not fit into the
+/// registers.
+SOFTGRAIN_VERSIONS double multiplyAddOf2(long rounds, double start)
+{
+	return multiplyAddChains<2>(rounds, start);
+}
+SOFTGRAIN_VERSIONS double multiplyAddOf4(long rounds, double start)
+{
+	return multiplyAddChains<4>(rounds, start);
+}
+SOFTGRAIN_VERSIONS double multiplyAddOf8(long rounds, double start)
+{
+	return multiplyAddChains<8>(rounds, start);
 }
 
 double sink = 0; // what keeps the work from being left out
 
 /// Floating-point operations per second, a multiply-add counted as two.
-double peakFlops(int threads)
+double flopsOf(double (*multiplyAdd)(long, double), int width, int threads)
 {
 	constexpr long rounds = 4000000;
 	const double seconds = shortest(
@@ -82,7 +101,13 @@ double peakFlops(int threads)
 			sink = sink + sum;
 		},
 		threads);
-	return 2. * 12 * laneWidth * rounds * threads / seconds;
+	return 2. * chains * width * rounds * threads / seconds;
+}
+
+double peakFlops(int threads)
+{
+	return std::max({ flopsOf(multiplyAddOf2, 2, threads), flopsOf(multiplyAddOf4, 4, threads),
+			  flopsOf(multiplyAddOf8, 8, threads) });
 }
 
 SOFTGRAIN_VERSIONS void triad(double* a, const double* b, const double* c, long n)

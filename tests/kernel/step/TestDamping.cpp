@@ -314,9 +314,7 @@ TEMPLATE_TEST_CASE_SIG("Damping: grains side by side have the forces that each h
 		auto numbersOf = [](const Batch<dim>& batch, int g) {
 			Damper<dim> damper(batch);
 			damper.updateForces(batch, 1);
-			std::vector<double> numbers;
-			damper.append(g, numbers);
-			return numbers;
+			return damper.numbers(g);
 		};
 		for (int g = 0; g < count; ++g) {
 			const std::vector<double> own = numbersOf(alone[g], 0),

@@ -1,4 +1,5 @@
 #include "contact/Interface.hpp"
+#include "Numbers.hpp"
 #include "contact/Contact.hpp"
 
 #include <Eigen/Geometry>
@@ -138,41 +139,25 @@ template <int dim> void PairInterface<dim>::noteVanished(const std::vector<Conta
 	}
 }
 
-namespace {
-
-template <int dim> constexpr int numbersEach = 2 * dim + 4;
-
-} // namespace
-
 template <int dim> std::vector<double> PairInterface<dim>::numbers() const
 {
 	std::vector<double> all;
-	for (const ContactHistory<dim>& h : history) {
-		all.insert(all.end(), h.pull.data(), h.pull.data() + dim);
-		all.insert(all.end(), h.slip.data(), h.slip.data() + dim);
-		all.insert(all.end(),
-			   { h.start, h.largest, static_cast<double>(h.bond), h.slid ? 1. : 0. });
-	}
+	for (const ContactHistory<dim>& h : history)
+		append(all, h.pull, h.slip, h.start, h.largest, h.bond, h.slid);
 	return all;
 }
 
 template <int dim> bool PairInterface<dim>::restore(const std::vector<double>& numbers)
 {
-	constexpr int each = numbersEach<dim>;
+	constexpr int each = 2 * dim + 4;
 	if (numbers.size() % each != 0) return false;
 	for (std::size_t bond = 2 * dim + 2; bond < numbers.size(); bond += each)
 		if (!(numbers[bond] >= 0 && numbers[bond] <= static_cast<int>(Bond::broken)))
 			return false;
 	history.resize(numbers.size() / each);
-	for (std::size_t k = 0; k < history.size(); ++k) {
-		ContactHistory<dim>& h = history[k];
-		const double* from = &numbers[k * each];
-		h.pull = Eigen::Map<const Vec<dim>>(from);
-		h.slip = Eigen::Map<const Vec<dim>>(from + dim);
-		h.start = from[2 * dim];
-		h.largest = from[2 * dim + 1];
-		h.bond = static_cast<Bond>(static_cast<int>(from[2 * dim + 2]));
-		h.slid = from[2 * dim + 3] != 0;
+	NumbersInTurn saved(numbers);
+	for (ContactHistory<dim>& h : history) {
+		saved.take(h.pull, h.slip, h.start, h.largest, h.bond, h.slid);
 		h.isNew = false;
 	}
 	return true;

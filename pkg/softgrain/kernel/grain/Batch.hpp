@@ -47,6 +47,13 @@ public:
 
 	const Vec<dim>& get(int grain, int I) const { return of(grain)[I]; }
 	void set(int grain, int I, const Vec<dim>& value) { of(grain)[I] = value; }
+	/// All vectors of a grain, side by side.
+	using Columns = Eigen::Matrix<double, dim, Eigen::Dynamic>;
+	Eigen::Map<Columns> allOf(int grain) { return { of(grain)->data(), dim, nodes_ }; }
+	Eigen::Map<const Columns> allOf(int grain) const
+	{
+		return { of(grain)->data(), dim, nodes_ };
+	}
 	/// A grain's vectors for those in another field: less memory to go through than a copy.
 	void exchange(int grain, NodalField& other)
 	{
@@ -58,20 +65,6 @@ private:
 	std::vector<Vec<dim>> data_;
 	std::vector<Vec<dim>*> grain_; ///< its first node
 };
-
-/// The numbers of a grain, for saving, and back.
-template <int dim>
-void appendField(const NodalField<dim>& field, int g, int nodes, std::vector<double>& numbers)
-{
-	for (int I = 0; I < nodes; ++I)
-		numbers.insert(numbers.end(), field.of(g)[I].data(), field.of(g)[I].data() + dim);
-}
-
-template <int dim> void setField(NodalField<dim>& field, int g, int nodes, const double* numbers)
-{
-	for (int I = 0; I < nodes; ++I)
-		field.set(g, I, Eigen::Map<const Vec<dim>>(numbers + I * dim));
-}
 
 /// What distinguishes one grain of a batch from the next.
 template <int dim> struct GrainParameters {

@@ -184,16 +184,14 @@ template <int dim> void Damper<dim>::forget(int g)
 	rateStiffening_[g] = 1;
 }
 
-template <int dim> void Damper<dim>::append(int g, std::vector<double>& numbers) const
+template <int dim> std::vector<double> Damper<dim>::numbers(int g) const
 {
-	numbers.push_back(rateStiffening_[g]);
-	appendField(force_, g, nodes_, numbers);
+	return numbersOf(rateStiffening_[g], force_.allOf(g));
 }
 
-template <int dim> void Damper<dim>::restore(int g, const double* numbers)
+template <int dim> void Damper<dim>::restore(int g, NumbersInTurn& saved)
 {
-	rateStiffening_[g] = *numbers++;
-	setField(force_, g, nodes_, numbers);
+	saved.take(rateStiffening_[g], force_.allOf(g));
 }
 
 namespace {

@@ -6,6 +6,7 @@
 // are. All velocities are those before t_n. Why so: doc/decisions/0016-quasi-static.md.
 #pragma once
 
+#include "Numbers.hpp"
 #include "grain/Batch.hpp"
 
 namespace softgrain {
@@ -33,8 +34,8 @@ public:
 
 	/// What the last `updateForces` found of a grain, for saving, and back; so many numbers.
 	int numberCount() const { return 1 + nodes_ * dim; }
-	void append(int g, std::vector<double>& numbers) const;
-	void restore(int g, const double* numbers);
+	std::vector<double> numbers(int g) const;
+	void restore(int g, NumbersInTurn& saved);
 
 	/// Adds j_I/m_I to `batch.vNext`.
 	void addImpulses(Batch<dim>& batch, int g, double kick) const;

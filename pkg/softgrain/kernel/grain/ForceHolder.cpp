@@ -61,33 +61,28 @@ template <int dim> void ForceHolder<dim>::followMove(const Batch<dim>& batch, in
 }
 
 template <int dim>
-void ForceHolder<dim>::append(const Batch<dim>& batch, int g, std::vector<double>& numbers) const
+std::vector<double> ForceHolder<dim>::numbers(const Batch<dim>& batch, int g) const
 {
 	const Held& held = of_[g];
-	if (!held.holds && held.shorter == 0) return;
-	numbers.insert(numbers.end(),
-		       { static_cast<double>(held.rate), static_cast<double>(held.shorter),
-			 static_cast<double>(held.met) });
-	if (!held.holds) return;
-	numbers.push_back(static_cast<double>(held.until));
-	numbers.push_back(held.energy);
-	numbers.push_back(batch.report[g].stiffening);
-	appendField(batch.force, g, batch.reference->nodes(), numbers);
+	if (!held.holds && held.shorter == 0) return {};
+	std::vector<double> numbers = numbersOf(held.rate, held.shorter, held.met);
+	if (held.holds)
+		append(numbers, held.until, held.energy, batch.report[g].stiffening,
+		       batch.force.allOf(g));
+	return numbers;
+}
+
+template <int dim> void ForceHolder<dim>::restoreInterval(int g, NumbersInTurn& saved)
+{
+	setRate(g, saved.next<int>());
+	saved.take(of_[g].shorter, of_[g].met);
 }
 
 template <int dim>
-void ForceHolder<dim>::restore(Batch<dim>& batch, int g, const std::vector<double>& numbers)
+void ForceHolder<dim>::restoreForces(Batch<dim>& batch, int g, NumbersInTurn& saved)
 {
-	setRate(g, static_cast<int>(numbers[0]));
-	Held& held = of_[g];
-	held.shorter = static_cast<int>(numbers[1]);
-	held.met = static_cast<long>(numbers[2]);
-	held.holds = numbers.size() > intervalNumbers;
-	if (!held.holds) return;
-	held.until = static_cast<long>(numbers[3]);
-	held.energy = numbers[4];
-	batch.report[g].stiffening = numbers[5];
-	setField(batch.force, g, batch.reference->nodes(), &numbers[6]);
+	of_[g].holds = true;
+	saved.take(of_[g].until, of_[g].energy, batch.report[g].stiffening, batch.force.allOf(g));
 }
 
 template class ForceHolder<2>;

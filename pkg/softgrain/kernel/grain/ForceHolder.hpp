@@ -7,6 +7,7 @@
 // forces come smoothly, as contact needs them (doc/decisions/0018-multirate.md).
 #pragma once
 
+#include "Numbers.hpp"
 #include "grain/GrainSet.hpp"
 
 namespace softgrain {
@@ -54,15 +55,16 @@ public:
 	void followMove(const Batch<dim>& batch, int g, double dt);
 
 	/// What is held, for saving, and back: nothing, how often a grain is computed if that is
-	/// not by its rate, or so many numbers. `restore` expects as many as `append` makes. It is
-	/// of use with the same rate only: `setRate` forgets it with another.
+	/// not by its rate (`intervalNumbers`), or so many numbers. It is of use with the same rate
+	/// only: `setRate` forgets it with another.
 	static int numberCount(const Batch<dim>& batch)
 	{
 		return intervalNumbers + 3 + batch.reference->nodes() * dim;
 	}
 	static constexpr int intervalNumbers = 3;
-	void append(const Batch<dim>& batch, int g, std::vector<double>& numbers) const;
-	void restore(Batch<dim>& batch, int g, const std::vector<double>& numbers);
+	std::vector<double> numbers(const Batch<dim>& batch, int g) const;
+	void restoreInterval(int g, NumbersInTurn& saved);
+	void restoreForces(Batch<dim>& batch, int g, NumbersInTurn& saved);
 
 private:
 	struct Held {

@@ -24,6 +24,8 @@ public:
 
 	Vec<dim> get(int g, int p) const { return v_.get(g, p); }
 	void set(int g, int p, const Vec<dim>& v) { v_.set(g, p, v); }
+	auto allOf(int g) { return v_.allOf(g); }
+	auto allOf(int g) const { return v_.allOf(g); }
 
 private:
 	void updateBlock(Batch<dim>& batch, int block);

@@ -117,23 +117,15 @@ void RigidMotion<dim>::add(const Mat<dim>& turn, const Vec<dim>& shift, const Ve
 
 template <int dim> std::vector<double> RigidMotion<dim>::numbers() const
 {
-	std::vector<double> all;
-	append(centre, all);
-	append(rotation, all);
-	append(velocity, all);
-	append(momentum, all);
-	return all;
+	return numbersOf(centre, rotation, velocity, momentum);
 }
 
 template <int dim>
 RigidMotion<dim> RigidMotion<dim>::fromNumbers(const std::vector<double>& numbers)
 {
 	RigidMotion motion;
-	NumbersInTurn saved(numbers.data());
-	saved.take(motion.centre);
-	saved.take(motion.rotation);
-	saved.take(motion.velocity);
-	saved.take(motion.momentum);
+	NumbersInTurn(numbers).take(motion.centre, motion.rotation, motion.velocity,
+				    motion.momentum);
 	return motion;
 }
 

@@ -1,36 +1,29 @@
 // The state of a total-Lagrangian set by hand: shown, saved, restored, moved.
+#include "Numbers.hpp"
 #include "grain/InternalForce.hpp"
 #include "grain/TotalLagrangian.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace softgrain {
 
 namespace {
 
-template <int dim> std::array<double, 7> materialNumbers(const Batch<dim>& batch, int g)
+template <int dim> std::vector<double> materialNumbers(const Batch<dim>& batch, int g)
 {
 	const GrainParameters<dim>& grain = batch.grain[g];
 	const ElasticConstants& c = grain.constants;
-	return { c.young,
-		 c.poisson,
-		 c.density,
-		 grain.damping.mass,
-		 grain.damping.stiffness,
-		 static_cast<double>(batch.law),
-		 static_cast<double>(batch.condition) };
+	return numbersOf(c.young, c.poisson, c.density, grain.damping.mass, grain.damping.stiffness,
+			 batch.law, batch.condition);
 }
 
 /// What was found with the material of a grain, and is of no use with another one. Nothing stays
 /// nothing.
 template <int dim>
-std::vector<double> withMaterial(const Batch<dim>& batch, int g, std::vector<double> numbers)
+std::vector<double> withMaterial(const Batch<dim>& batch, int g, const std::vector<double>& numbers)
 {
-	if (numbers.empty()) return numbers;
-	const auto material = materialNumbers(batch, g);
-	numbers.insert(numbers.begin(), material.begin(), material.end());
-	return numbers;
+	if (numbers.empty()) return {};
+	return numbersOf(materialNumbers(batch, g), numbers);
 }
 
 /// The same back; nothing if the material is another one now.
@@ -62,21 +55,11 @@ template <int dim> std::vector<double> TotalLagrangian<dim>::restNumbers(int g) 
 {
 	const RestWatch& rest = rest_[g];
 	if (rest.calmTime() == 0) return {};
-	std::vector<double> numbers { rest.calmTime() };
-	if (!rest.isAsleep()) {
-		numbers.push_back(rest.watchedTime());
-		numbers.insert(numbers.end(), watchedFrom_[g].begin(), watchedFrom_[g].end());
-		return numbers;
-	}
+	if (!rest.isAsleep())
+		return numbersOf(rest.calmTime(), rest.watchedTime(), watchedFrom_[g]);
 	const BulkReport& report = batch_.report[g];
-	for (double number : materialNumbers(batch_, g))
-		numbers.push_back(number);
-	numbers.insert(numbers.end(),
-		       { report.elasticEnergy, report.stiffening, rateStiffening(g) });
-	for (int I = 0; I < nodes(); ++I)
-		for (int a = 0; a < dim; ++a)
-			numbers.push_back(batch_.force.get(g, I)[a]);
-	return numbers;
+	return numbersOf(rest.calmTime(), materialNumbers(batch_, g), report.elasticEnergy,
+			 report.stiffening, rateStiffening(g), batch_.force.allOf(g));
 }
 
 /// A grain that has another material now is awake.
@@ -84,27 +67,31 @@ template <int dim> void TotalLagrangian<dim>::restoreRest(int g, const std::vect
 {
 	rest_[g].wake();
 	if (numbers.empty()) return;
+	NumbersInTurn saved(numbers);
+	const double calmTime = saved.next<double>();
 	if (numbers.size() == 2 + Momenta::SizeAtCompileTime) {
-		watchedFrom_[g] = Eigen::Map<const Momenta>(&numbers[2]);
-		return rest_[g].restore(numbers[0], numbers[1], false);
+		const double watchedTime = saved.next<double>();
+		saved.take(watchedFrom_[g]);
+		return rest_[g].restore(calmTime, watchedTime, false);
 	}
-	const auto material = materialNumbers(batch_, g);
-	const int figures = 1 + static_cast<int>(material.size()), forces = figures + 3;
-	requireSize("figures at rest", numbers, forces + nodes() * dim);
-	if (!std::equal(material.begin(), material.end(), numbers.begin() + 1)) return;
-	rest_[g].restore(numbers[0], 0, true);
-	batch_.report[g].elasticEnergy = numbers[figures];
-	batch_.report[g].stiffening = numbers[figures + 1];
-	damper_->setRateStiffening(g, numbers[figures + 2]);
-	for (int I = 0; I < nodes(); ++I)
-		batch_.force.set(g, I, Eigen::Map<const Vec<dim>>(&numbers[forces + I * dim]));
+	const std::vector<double> material = materialNumbers(batch_, g);
+	requireSize("figures at rest", numbers,
+		    1 + static_cast<int>(material.size()) + 3 + nodes() * dim);
+	std::vector<double> savedMaterial(material.size());
+	saved.take(savedMaterial);
+	if (savedMaterial != material) return;
+	rest_[g].restore(calmTime, 0, true);
+	BulkReport& report = batch_.report[g];
+	saved.take(report.elasticEnergy, report.stiffening);
+	damper_->setRateStiffening(g, saved.next<double>());
+	saved.take(batch_.force.allOf(g));
 }
 
 template <int dim> std::vector<double> TotalLagrangian<dim>::heldForces(int g) const
 {
-	std::vector<double> numbers;
-	holder_.append(batch_, g, numbers);
-	if (holder_.holds(g) && batch_.grain[g].damping.acts()) damper_->append(g, numbers);
+	std::vector<double> numbers = holder_.numbers(batch_, g);
+	if (holder_.holds(g) && batch_.grain[g].damping.acts())
+		append(numbers, damper_->numbers(g));
 	return numbers;
 }
 
@@ -113,12 +100,17 @@ void TotalLagrangian<dim>::setHeldForces(int g, const std::vector<double>& numbe
 {
 	holder_.forget(g);
 	if (numbers.empty()) return;
+	const bool holds = numbers.size() != ForceHolder<dim>::intervalNumbers;
 	const bool damps = batch_.grain[g].damping.acts();
-	const int own = ForceHolder<dim>::numberCount(batch_);
-	if (numbers.size() != ForceHolder<dim>::intervalNumbers)
-		requireSize("forces", numbers, own + (damps ? damper_->numberCount() : 0));
-	holder_.restore(batch_, g, numbers);
-	if (holder_.holds(g) && damps) damper_->restore(g, numbers.data() + own);
+	if (holds)
+		requireSize("forces", numbers,
+			    ForceHolder<dim>::numberCount(batch_) +
+				    (damps ? damper_->numberCount() : 0));
+	NumbersInTurn saved(numbers);
+	holder_.restoreInterval(g, saved);
+	if (!holds) return;
+	holder_.restoreForces(batch_, g, saved);
+	if (damps) damper_->restore(g, saved);
 }
 
 template <int dim> std::vector<Vec<dim>> TotalLagrangian<dim>::nodePositions(int g) const
@@ -183,17 +175,8 @@ template <int dim> GrainState TotalLagrangian<dim>::state(int g) const
 	s.rest = restNumbers(g);
 	if (stiffening_[g].isMeasured())
 		s.stiffening = withMaterial(batch_, g, stiffening_[g].numbers());
-	auto append = [](std::vector<double>& list, const Vec<dim>& value) {
-		list.insert(list.end(), value.data(), value.data() + dim);
-	};
-	for (int I = 0; I < nodes(); ++I)
-		append(s.x, batch_.x.get(g, I));
-	if (pointVelocities_)
-		for (int p = 0; p < batch_.reference->points(); ++p)
-			append(s.v, pointVelocities_->get(g, p));
-	else
-		for (int I = 0; I < nodes(); ++I)
-			append(s.v, batch_.v.get(g, I));
+	append(s.x, batch_.x.allOf(g));
+	append(s.v, pointVelocities_ ? pointVelocities_->allOf(g) : batch_.v.allOf(g));
 	return s;
 }
 
@@ -217,15 +200,8 @@ template <int dim> void TotalLagrangian<dim>::setState(int g, const GrainState& 
 	}
 	++this->changesOfActivity_;
 	nodesWritten_[g] = 1;
-	for (int I = 0; I < nodes(); ++I)
-		batch_.x.set(g, I, Eigen::Map<const Vec<dim>>(&s.x[I * dim]));
-	for (int k = 0; k < velocities; ++k) {
-		const Vec<dim> v = Eigen::Map<const Vec<dim>>(&s.v[k * dim]);
-		if (pointVelocities_)
-			pointVelocities_->set(g, k, v);
-		else
-			batch_.v.set(g, k, v);
-	}
+	NumbersInTurn(s.x).take(batch_.x.allOf(g));
+	NumbersInTurn(s.v).take(pointVelocities_ ? pointVelocities_->allOf(g) : batch_.v.allOf(g));
 	if (pointVelocities_) pointVelocities_->mapToNodes(batch_, g);
 	setHeldForces(g, ofSameMaterial(batch_, g, s.held));
 	if (!isRigid_[g] && !isAsleep(g)) // to be told before the next forces are computed

@@ -1,4 +1,5 @@
 #include "grain/UpdatedLagrangian.hpp"
+#include "Numbers.hpp"
 #include "grain/CriticalTimeStep.hpp"
 #include "material/Dispatch.hpp"
 #include "reference/BackgroundGrid.hpp"
@@ -359,9 +360,6 @@ void UpdatedLagrangian<dim>::moveRigidly(int g, const Mat<dim>& rotation, const 
 template <int dim> GrainState UpdatedLagrangian<dim>::state(int g) const
 {
 	GrainState s;
-	auto append = [](std::vector<double>& list, const auto& numbers) {
-		list.insert(list.end(), numbers.data(), numbers.data() + numbers.size());
-	};
 	for (int p = 0; p < pointCount(); ++p) {
 		append(s.x, pointAt(g, p));
 		append(s.v, velocityAt(g, p));
@@ -380,16 +378,13 @@ template <int dim> void UpdatedLagrangian<dim>::setState(int g, const GrainState
 	requireSize("positions", s.x, (pointCount() + contacts) * dim);
 	requireSize("velocities", s.v, (pointCount() + contacts) * dim);
 	requireSize("deformation gradients", s.F, pointCount() * dim * dim);
-	auto vectorAt = [](const std::vector<double>& list, int k) {
-		return Vec<dim>(Eigen::Map<const Vec<dim>>(&list[k * dim]));
-	};
+	NumbersInTurn x(s.x), v(s.v), F(s.F);
 	for (int p = 0; p < pointCount(); ++p)
-		setPoint(g, p, vectorAt(s.x, p), vectorAt(s.v, p),
-			 Eigen::Map<const Mat<dim>>(&s.F[p * dim * dim]));
+		setPoint(g, p, x.next<Vec<dim>>(), v.next<Vec<dim>>(), F.next<Mat<dim>>());
 	fillUp(g);
 	for (int k = 0; k < contacts; ++k) {
-		grain_[g].contactX[k] = vectorAt(s.x, pointCount() + k);
-		grain_[g].contactV[k] = vectorAt(s.v, pointCount() + k);
+		x.take(grain_[g].contactX[k]);
+		v.take(grain_[g].contactV[k]);
 	}
 	mapToGrid(g); // the energy is to be told before the next forces are computed
 }

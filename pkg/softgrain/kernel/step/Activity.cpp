@@ -47,19 +47,15 @@ template <int dim> std::vector<double> Activity<dim>::sleepNumbers(int g) const
 {
 	if (!grains_.isAsleep(g)) return {};
 	const BodyLoad<dim>& load = grains_.loads()[g];
-	std::vector<double> numbers { static_cast<double>(resting_[g]) };
-	append(load.acceleration, numbers);
-	append(load.angular, numbers);
-	return numbers;
+	return numbersOf(resting_[g], load.acceleration, load.angular);
 }
 
 template <int dim> void Activity<dim>::restoreSleep(int g, const std::vector<double>& numbers)
 {
 	if (numbers.empty()) return;
 	requireSize("load and pairs", numbers, 1 + dim + dim * dim);
-	resting_[g] = static_cast<int>(numbers[0]);
-	grains_.loads()[g] = { Eigen::Map<const Vec<dim>>(&numbers[1]),
-			       Eigen::Map<const Mat<dim>>(&numbers[1 + dim]) };
+	BodyLoad<dim>& load = grains_.loads()[g];
+	NumbersInTurn(numbers).take(resting_[g], load.acceleration, load.angular);
 }
 
 template <int dim> bool Activity<dim>::isSearchDue(ContactList<dim>& list) const

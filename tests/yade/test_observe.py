@@ -118,7 +118,7 @@ class Ledger:
 
 def keep_books(monkeypatch, ledger):
     """The ledger instead of an integrator, after a step."""
-    monkeypatch.setattr("softgrain.observe.integrator", lambda: ledger)
+    monkeypatch.setattr("softgrain.balance.integrator", lambda: ledger)
     O.trackEnergy = True
     O.energy["softKinetic"] = ledger.values["kinetic"]
 

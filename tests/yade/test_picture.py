@@ -11,6 +11,7 @@ from yade import FrictMat, O, geom, utils
 
 import softgrain as sg
 from softgrain import picture
+from softgrain.outlines import signed_area
 
 
 def two_disks():
@@ -90,11 +91,6 @@ def test_unit_of_the_colours(scale, label):
     assert picture._unit_label(scale) == label
 
 
-def area(polygon):
-    x, y = polygon.T
-    return 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
-
-
 def test_rigid_bodies_in_the_picture():
     sphere = utils.sphere((0.03, 0.01, 0), 0.01)
     box = utils.box((0, 0.05, 0), (0.02, 0.01, 0.5), orientation=((0, 0, 1), math.pi / 2))
@@ -104,9 +100,9 @@ def test_rigid_bodies_in_the_picture():
     two_disks()
     O.bodies.append([sphere, box, utils.wall(0, axis=0), facet, parallel, below])
     ball, block, line = picture.rigid_polygons()
-    assert area(ball) == pytest.approx(math.pi * 1e-4, rel=2e-3)
+    assert signed_area(ball) == pytest.approx(math.pi * 1e-4, rel=2e-3)
     assert ball.mean(axis=0) == pytest.approx((0.03, 0.01))
-    assert area(block) == pytest.approx(8e-4)
+    assert signed_area(block) == pytest.approx(8e-4)
     assert np.ptp(block, axis=0) == pytest.approx((0.02, 0.04))
     assert line.tolist() == [pytest.approx(p) for p in ([0.05, 0.01], [0, 0])]
 
@@ -158,10 +154,10 @@ def test_colours_stay_in_their_grains(drawn):
     assert all(len(found) == 1 for found in owners)
     filled = np.zeros(3)
     for triangle, (owner,) in zip(mesh, owners):
-        filled[owner] += abs(area(triangle.vertices[:3]))
+        filled[owner] += abs(signed_area(triangle.vertices[:3]))
         low, high = outlines[owner].min(axis=0) - 1e-12, outlines[owner].max(axis=0) + 1e-12
         assert ((low <= triangle.vertices) & (triangle.vertices <= high)).all()
-    assert filled == pytest.approx([area(outline) for outline in outlines], rel=0.02)
+    assert filled == pytest.approx([signed_area(outline) for outline in outlines], rel=0.02)
 
 
 def test_outlines_rigid_bodies_and_box_are_drawn(drawn):
