@@ -24,6 +24,7 @@
 #include <core/InteractionLoop.hpp>
 #include <core/Material.hpp>
 #include <core/Omega.hpp>
+#include <core/PartialEngine.hpp>
 #include <core/Scene.hpp>
 #include <core/Shape.hpp>
 #include <core/State.hpp>
@@ -31,12 +32,14 @@
 #include <pkg/common/Box.hpp>
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/common/Facet.hpp>
+#include <pkg/common/ForceEngine.hpp>
 #include <pkg/common/ForceResetter.hpp>
 #include <pkg/common/GLDrawFunctors.hpp>
 #include <pkg/common/InsertionSortCollider.hpp>
 #include <pkg/common/MatchMaker.hpp>
 #include <pkg/common/NormShearPhys.hpp>
 #include <pkg/common/Sphere.hpp>
+#include <pkg/common/TorqueEngine.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/DemXDofGeom.hpp>
 #include <pkg/dem/ElasticContactLaw.hpp>

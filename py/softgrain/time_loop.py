@@ -80,7 +80,8 @@ def engines(
     clumps of spheres, facets, boxes.
 
     It prepares the scene for the collider that it makes: bodies are read anew, and in a periodic
-    cell ``O.bodies.enableRedirection`` is set to False, about which YADE is not to warn.
+    cell ``O.bodies.enableRedirection`` and ``useRedirection`` are set to False, about which YADE is
+    not to warn.
 
     Args:
         verlet_distance (float | None): ``InsertionSortCollider.verletDist``, >= 0 [m]; None: a
@@ -263,9 +264,9 @@ def _sort_axis():
 def _let_collider_find_all_bodies():
     """YADE's collider has another way for scenes in which bodies were erased. On that one a new
     collider knows no body until it is told, and in a periodic cell it may never end: there it is
-    not to begin with it (which YADE would call a bug of its own in a warning)."""
-    if O.periodic and not O.bodies.useRedirection:
-        O.bodies.enableRedirection = False
+    not to take it (which YADE would call a bug of its own in a warning)."""
+    if O.periodic:
+        O.bodies.enableRedirection = O.bodies.useRedirection = False
         log.setLevel("BodyContainer", log.ERROR)
     _softgrain.letColliderReadBodies()
 
@@ -341,8 +342,9 @@ def critical_time_step():
 
 
 def integrators():
-    """Those of ``O.engines``; a step refuses more than one."""
-    return [engine for engine in O.engines if isinstance(engine, wrapper.SoftGrainIntegrator)]
+    """Those of ``O.engines``, dead ones last; a step refuses more than one that is not."""
+    found = [engine for engine in O.engines if isinstance(engine, wrapper.SoftGrainIntegrator)]
+    return sorted(found, key=lambda engine: engine.dead)
 
 
 def automatic_fraction():

@@ -65,6 +65,12 @@ def test_missing_functors_of_a_loop_do_not_end_the_process(missing):
     getattr(loop, missing).functors = kept
     run(3)
     assert O.interactions.countReal() == 1
+    add_disk((3.98 * RADIUS, 0, 0))
+    getattr(loop, missing).functors = []
+    assert "InteractionLoop: it finds contacts of soft grains, but has no" in message_of_step()
+    getattr(loop, missing).functors = kept
+    run(3)
+    assert O.interactions.countReal() == 2
 
 
 def test_missing_integrator_of_newton():

@@ -2,19 +2,20 @@
 
 import math
 
-from scenes import RADIUS, add_disk, add_wall, ready, run
+import numpy as np
+from scenes import RADIUS, ZETA, add_disk, add_wall, ready, run
 from yade import O, Box, Sphere, Wall
 
 SINK = 0.01 * RADIUS  # overlap that walls and disks begin with [m]
 
 
-def pressed_row(small=RADIUS):
+def pressed_row(small=RADIUS, zeta=ZETA):
     """Two disks side by side on a floor, between walls that press them; returns the bodies of the
     floor and the disks."""
     floor = add_wall(0, axis=1, sense=1)
     first = add_disk((0, RADIUS - SINK, 0))
     gap = math.sqrt((RADIUS + small - SINK) ** 2 - (RADIUS - small) ** 2)
-    second = add_disk((gap, small - SINK, 0), small, first.material)
+    second = add_disk((gap, small - SINK, 0), small, first.material, zeta=zeta)
     add_wall(-RADIUS + SINK, axis=0, sense=1)
     add_wall(gap + small - SINK, axis=0, sense=-1)
     ready()
@@ -37,6 +38,19 @@ def test_disks_exchange_shapes():
     _, first, second = pressed_row()
     before = bearing()
     first.shape, second.shape = second.shape, first.shape
+    run(5)
+    assert bearing() == before
+
+
+def test_disks_of_different_resolution_exchange_shapes():
+    """Their order in the assembly with it, and which of them the nodes of contacts belong to."""
+    _, first, second = pressed_row(zeta=0.2)
+    before = bearing()
+    first.shape, second.shape = second.shape, first.shape
+    run(1)
+    (pair,) = [i for i in O.interactions if {i.id1, i.id2} == {first.id, second.id}]
+    places = np.array(pair.geom.contacts()["point"])[:, 0]
+    assert abs(places - RADIUS).max() < 0.1 * RADIUS  # between them
     run(5)
     assert bearing() == before
 

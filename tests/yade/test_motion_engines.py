@@ -10,8 +10,10 @@ from yade import (
     ForceEngine,
     FrictMat,
     HarmonicMotionEngine,
+    NewtonIntegrator,
     O,
     PyRunner,
+    Quaternion,
     RotationEngine,
     TorqueEngine,
     TranslationEngine,
@@ -109,6 +111,56 @@ def test_accelerated_walls():
             moved = 0.1 * RADIUS * (math.cos(2 * math.pi * 50 * O.time) - 1)
             assert walls[0].state.pos[0] == pytest.approx(moved - RADIUS, abs=0.005 * RADIUS)
     assert worst < 0.02 * RADIUS
+
+
+@pytest.mark.parametrize("kind", ("box", "facet", "by hand"))
+def test_paddle_hits_a_grain_at_rest(kind):
+    """It turns about its own place, by which YADE's collider tells what moves. (One that is turned
+    by hand has no velocity: that it is met is all there is to see.)"""
+    disk = add_disk((0, 4 * RADIUS, 0), material=damped_material())
+    far = 6 * RADIUS
+    if kind == "facet":
+        paddle = utils.facet([(-far, 0, -far), (far, 0, -far), (0, 0, 2 * far)], fixed=True)
+    else:
+        paddle = utils.box((0, 0, 0), (far, 0.2 * RADIUS, RADIUS), fixed=True)
+    O.bodies.append(paddle)
+    ready()
+    rate = 20.0
+    if kind != "by hand":
+        paddle.state.angVel = (0, 0, rate)
+    while O.time < 0.95 * math.pi / 2 / rate:
+        if kind == "by hand":
+            paddle.state.ori = Quaternion((0, 0, 1), rate * O.time)
+        run(1)
+        if kind == "by hand" and sg.integrator().activeContacts > 0:
+            return
+    assert disk.state.pos[0] < -0.2 * RADIUS
+    assert sg.integrator().largestOverlap < 0.5
+
+
+def test_wall_under_another_newton_integrator():
+    """YADE's collider keeps the one that it met first, which knows of no motion any more."""
+    disk, wall = add_disk(), add_wall(-4 * RADIUS, axis=0, sense=1)
+    ready()
+    run(5)
+    O.engines = [*O.engines[:-1], NewtonIntegrator(damping=0)]
+    wall.state.vel = (5, 0, 0)
+    while wall.state.pos[0] < -0.9 * RADIUS:
+        run(1)
+    assert disk.state.vel[0] > 0
+
+
+def test_functors_of_new_engines_bound_what_is_there():
+    disk, sphere = add_disk(), utils.sphere((6 * RADIUS, 0, 0), RADIUS, material=FrictMat())
+    sphere.state.blockedDOFs = "zXY"
+    O.bodies.append(sphere)
+    ready()
+    run(2)
+    O.engines = sg.engines(rigid="nonsmooth")
+    O.engines[1].boundDispatcher.functors[0].margin = 0.5
+    run(3)
+    assert disk.bound.max[0] > 1.5 * RADIUS
+    assert sphere.bound.max[0] > 7.049 * RADIUS
 
 
 def test_rotating_box_turns_a_grain():

@@ -95,6 +95,25 @@ def test_the_collider_keeps_its_way_when_grains_of_a_cell_are_erased():
     assert not O.bodies.useRedirection
 
 
+def test_the_collider_comes_back_to_its_way():
+    """Bodies were erased before there were engines, as by sg.soften, which erases clumps."""
+    O.periodic = True
+    O.cell.setBox(9 * RADIUS, 9 * RADIUS, 9 * RADIUS)
+    other = add_disk((7 * RADIUS, 0, 0))
+    disks = [add_disk((0.01 * RADIUS, 0, 0)), add_disk((2.02 * RADIUS, 0, 0))]
+    O.bodies.erase(other.id)
+    assert O.bodies.useRedirection
+    ready()
+    assert not O.bodies.useRedirection
+    disks[0].state.vel = (5, 0, 0)
+    while O.time < 0.03 * RADIUS:
+        run(1)
+    assert sg.integrator().contacts > 0 and disks[1].state.vel[0] > 0.1
+    O.bodies.erase(disks[1].id)
+    run(20)
+    assert not O.bodies.useRedirection
+
+
 @pytest.mark.parametrize("by_hand", [False, True])
 def test_time_step_goes_on_following(by_hand):
     """Whether set_time_step chose it or the integrator itself."""

@@ -155,6 +155,28 @@ def resetter_between():
     add_engine(ForceResetter(), place=4)
 
 
+def force_before_resetter():
+    add_engine(yade.ForceEngine(ids=[0], force=(1, 0, 0)), place=0)
+
+
+def controller_before_resetter():
+    sides = [(axis, side) for axis in (0, 1) for side in (-1, 1)]
+    walls = [add_wall(side * RADIUS, axis, sense=-side).id for axis, side in sides]
+    add_engine(sg.WallStressController(walls=walls), place=0)
+
+
+def force_behind():
+    add_engine(yade.ForceEngine(ids=[7, 0], force=(1, 0, 0)), place=4)
+
+
+def softener_behind():
+    add_engine(sg.SoftenWhenLoaded(), place=4)
+
+
+def dead_collider():
+    O.engines[1].dead = True
+
+
 def resetter_behind_loop():
     engines = list(O.engines)
     O.engines = [*engines[1:3], engines[0], *engines[3:]]
@@ -206,12 +228,17 @@ REFUSED = [
     (no_resetter, "no ForceResetter before it in O.engines that is not dead"),
     (dead_resetter, "no ForceResetter before it .* that is not dead: contact forces"),
     (resetter_behind, "no ForceResetter before it .* would act again as loads"),
+    (force_before_resetter, "ForceEngine stands before ForceResetter"),
+    (controller_before_resetter, "WallStressController stands before ForceResetter"),
+    (force_behind, "ForceEngine pushes soft grain #0, but stands after SoftGrainIntegrator"),
+    (softener_behind, "SoftenWhenLoaded stands after SoftGrainIntegrator"),
+    (dead_collider, "no collider before it in O.engines that is not dead"),
     (resetter_behind_loop, "a ForceResetter stands between InteractionLoop and SoftGrainInteg"),
     (resetter_between, "a ForceResetter stands between .* reactions on rigid bodies"),
     (dead_loop, "no InteractionLoop before it in O.engines that is not dead"),
     (loop_behind, "no InteractionLoop before it"),
     (wall_in_the_plane, "#0: a Wall of axis = 2 lies in the plane"),
-    (no_collider, "#0 of shape SoftGrain: O.engines holds no collider that bounds it"),
+    (no_collider, "no collider before it in O.engines"),
     (other_collider, "SpatialQuickSortCollider: .*InsertionSortCollider"),
     (lambda: add_engine(TriaxialStressController(), 4), "internalCompaction = True: soft grains"),
     (lambda: add_engine(PeriTriaxController(dynCell=True, mass=0), 4), r"mass = 0.0+: YADE would"),
@@ -249,6 +276,26 @@ def test_refused(change, message):
     with pytest.raises((RuntimeError, ValueError), match=message):
         run(2)
     assert disk.state.pos == before
+
+
+def test_collider_that_dies():
+    """Bodies have their boxes by then."""
+    add_disk()
+    ready()
+    run(1)
+    dead_collider()
+    with pytest.raises(RuntimeError, match="no collider before it .* that is not dead"):
+        run(1)
+
+
+def test_engines_that_are_dead_may_be_there_twice():
+    disk = add_disk()
+    ready()
+    two_integrators()
+    O.engines[3].dead = True
+    disk.state.vel = (1, 0, 0)
+    run(3)
+    assert sg.integrator().steps == 3 and disk.state.pos[0] > 0
 
 
 def test_bodies_that_nothing_is_to_touch():

@@ -83,6 +83,29 @@ def test_clump_slides():
     assert normal == pytest.approx(-gravity[2] * sledge.state.mass, rel=1e-5)
 
 
+def test_spheres_that_are_clumped_bear_nothing_on_each_other():
+    """The force that they pressed with is gone."""
+    add_wall(0, 2)
+    below, above = add_sphere((0, 0, R)), add_sphere((0, 0, 2.999 * R))
+    start(1e-3)
+    run_until(0.05)
+    pair = O.interactions[below.id, above.id]
+    assert pair.phys.normalForce.norm() == pytest.approx(above.state.mass * GRAVITY, rel=1e-3)
+    O.bodies.clump([below.id, above.id])
+    run(5)
+    assert not pair.isReal or pair.phys.normalForce.norm() == 0
+
+
+def test_held_spheres_in_one_place():
+    """Put there twice by mistake."""
+    for _ in range(2):
+        add_sphere((0, 0, R), blocked="xyzXYZ")
+    add_sphere((0, 0, 3 * R))
+    start(1e-3)
+    run(5)
+    assert all(i.phys.normalForce.norm() < math.inf for i in O.interactions if i.isReal)
+
+
 def test_clump_comes_to_rest():
     """After v^2/(2 mu g), of which half a step of v is done already."""
     add_wall(0, 2, friction=0.5)

@@ -130,6 +130,23 @@ def test_spheres_that_wait_already():
     assert softener.ids == [] and softener.softened == 0
 
 
+def test_another_sphere_with_the_id_of_one_that_waits():
+    material = soft_material()
+    for x in (0, 3 * RADIUS):
+        add_rigid_disk((x, 0, 0), RADIUS)
+    O.engines = sg.engines(verlet_distance=0.05 * RADIUS)
+    O.dt = 1e-6
+    sg.soften(when="loaded", material=material, zeta=0.25)
+    run(1)
+    O.bodies.erase(1)
+    heir = utils.sphere((3 * RADIUS, 0, 0), RADIUS, material=rigid_material())
+    heir.state.blockedDOFs = "zXY"
+    O.bodies.insertAtId(heir, 1)
+    run(1)
+    (softener,) = [e for e in O.engines if isinstance(e, sg.SoftenWhenLoaded)]
+    assert softener.ids == [0]
+
+
 def test_load_without_meaning():
     add_rigid_disk((0, 0, 0), RADIUS)
     with pytest.raises(ValueError, match="load = 0.01: .* when='now'"):

@@ -158,12 +158,18 @@ def test_sleeper_put_against_a_sleeper(turned):
     assert not first.shape.isAsleep() and not second.shape.isAsleep()
 
 
-def test_sleepers_that_a_smaller_cell_brings_together():
+@pytest.mark.parametrize("asked", (False, True))
+def test_sleepers_that_a_smaller_cell_brings_together(asked):
+    """Also where the scene is assembled between two steps."""
     O.periodic = True
     O.cell.setBox(6 * RADIUS, 6 * RADIUS, RADIUS)
     blocks = free_blocks(gap=0.5 * RADIUS)
     O.cell.setBox(4.48 * RADIUS, 6 * RADIUS, RADIUS)
-    run(50)
+    for _ in range(3):
+        if asked:
+            sg.critical_time_step()
+        run(1)
+    run(47)
     assert sg.integrator().contacts > 0
     assert not any(block.shape.isAsleep() for block in blocks)
 

@@ -202,8 +202,10 @@ public:
 	void moveRigidly(int g, const Rotation& turn, const Vec3& shift, const Vec3& velocity,
 			 const Vec3& angularVelocity) override
 	{
-		const double rim = parameters(g).radius * angularVelocity.norm();
-		system_.activity().jolt(g, velocity.norm() + rim, system_.lastKick());
+		const double rim = system_.body(g).outerRadius() * angularVelocity.norm();
+		// of the coming step, as far as it is known: after a load there was no last one
+		const double kick = system_.kickTime(system_.continuation().lastStep);
+		system_.activity().jolt(g, velocity.norm() + rim, kick);
 		system_.setOf(g).moveRigidly(
 			system_.indexInSet(g), rotationToKernel<dim>(turn), toKernel<dim>(shift),
 			toKernel<dim>(velocity),

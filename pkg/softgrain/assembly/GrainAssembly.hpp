@@ -10,6 +10,7 @@
 #include "assembly/RigidDescriptions.hpp"
 #include "step/System.hpp"
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -53,6 +54,9 @@ struct HostNotes {
 	std::vector<char> moved;
 	Mat3 cell = Mat3::Zero(); ///< periods of a periodic scene as last seen, in columns, m
 	int unbounded = -1;       ///< first body whose bounding box is to be looked at; or -1
+	bool hasPlates = false;   ///< whether there are rigid bodies with flat faces
+	/// Step in which it was looked at the engines last, before contacts were searched.
+	std::atomic<long> checkedIn { -1 };
 	/// Engines were found that would end the process at a contact: there is to be none.
 	bool isUnfit = false;
 

@@ -113,6 +113,22 @@ template <int dim> void PairContactsOf<dim>::swapGrains()
 	std::swap(list.atRest[0], list.atRest[1]);
 	for (auto& atRest : list.atRest)
 		if (atRest) atRest->force *= -1;
+	if (list.second >= 0) std::swap(list.first, list.second);
+	seeImageFromSecond();
+}
+
+/// What lay beside the first grain, and the image of the second, now lies beside the second and the
+/// image of the first, one shift of images farther back.
+template <int dim> void PairContactsOf<dim>::seeImageFromSecond()
+{
+	std::vector<double>& place = list.rest.placeOfSecond;
+	if (place.size() != dim) return; // no image
+	const Vec<dim> shift = Eigen::Map<const Vec<dim>>(place.data());
+	list.impulse.point -= shift;
+	for (auto& atRest : list.atRest)
+		if (atRest) atRest->point -= shift;
+	for (double& component : place)
+		component = -component;
 }
 
 template <int dim> SumOfImpulses PairContactsOf<dim>::impulse() const

@@ -66,6 +66,7 @@ public:
 	ContactList<dim> list;
 
 private:
+	void seeImageFromSecond();
 	/// Key and impulse. (All grains have contact of one kind; after loading it is not known yet
 	/// which are of this pair.)
 	Contact<dim> asSeenFromSecond(Contact<dim> c) const;

@@ -135,19 +135,12 @@ void checkEngine(const Engine& engine)
 	       "contacts of soft grains are solved together, in one process; use threads (-jN)");
 }
 
-bool hasCollider(const Scene& scene)
-{
-	return std::any_of(scene.engines.begin(), scene.engines.end(), [](const auto& engine) {
-		return dynamic_cast<const Collider*>(engine.get());
-	});
-}
-
 /// Of the collider, for the shape of a body; null if there is none.
 shared_ptr<BoundFunctor> boundFunctorOf(const Scene& scene, const Body& body)
 {
 	for (const auto& engine : scene.engines) {
 		const auto* collider = dynamic_cast<const Collider*>(engine.get());
-		if (!collider) continue;
+		if (!collider || collider->dead) continue;
 		if (auto functor = collider->boundDispatcher->getFunctor(body.shape))
 			return functor;
 	}
@@ -160,9 +153,6 @@ void checkBound(const Scene& scene, const Body& body)
 	const string named = "body #" + std::to_string(body.getId()) + " of shape " + shape;
 	const string passing = ", so that soft grains would pass through it";
 	const string never = "Set its bounded = False if nothing is to touch it";
-	if (!hasCollider(scene))
-		refuse(named, "O.engines holds no collider that bounds it" + passing +
-				      ". See sg.engines()");
 	const auto functor = boundFunctorOf(scene, body);
 	if (!functor)
 		refuse(named, "no functor of the collider bounds it" + passing +

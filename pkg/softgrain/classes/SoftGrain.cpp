@@ -249,34 +249,20 @@ void Bo1_SoftGrain_Aabb::postLoad(Bo1_SoftGrain_Aabb&)
 	softgrain::require(hasMargin(), "margin", margin, "(0, inf)");
 }
 
-/// Once for each list of engines, before their InteractionLoop: that may end the process where the
-/// integrator, which comes after it, would say what is wrong.
-void Bo1_SoftGrain_Aabb::checkEngines(const SoftGrain& grain) const noexcept
+/// Once for each list of engines.
+void Bo1_SoftGrain_Aabb::reportMissingIntegrator()
 {
+	if (reported_.load(std::memory_order_relaxed) || reported_.exchange(true)) return;
 	if (!softGrainIntegratorOf(*scene))
 		LOG_ERROR("there is no SoftGrainIntegrator in O.engines, which computes soft "
 			  "grains: they neither deform nor touch anything. See sg.engines()");
-	if (!grain.assembly) return;
-	try {
-		checkHost(*scene);
-		grain.assembly->host.setFit(true);
-	} catch (const std::invalid_argument&) {
-		grain.assembly->host.setFit(false);
-	}
-}
-
-Real Bo1_SoftGrain_Aabb::room(const SoftGrain& grain) const
-{
-	// YADE keeps a value that was refused; the step refuses it, here it would end the process
-	return roomInBox(*grain.assembly, grain.index, hasMargin() ? margin * grain.radius : 0);
 }
 
 void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound,
 			    const Se3r& se3, const Body*)
 {
 	SoftGrain& grain = static_cast<SoftGrain&>(*shape);
-	if (!checked_.load(std::memory_order_relaxed) && !checked_.exchange(true))
-		checkEngines(grain);
+	reportMissingIntegrator();
 	if (!bound) bound = shared_ptr<Bound>(new Aabb);
 	Real extent = grain.aspect.norm();
 	for (const Vector2r& X : grain.vertices)
@@ -287,10 +273,12 @@ void Bo1_SoftGrain_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& b
 		map = toBoxes(*scene, grain.boundCell);
 	}
 	const Vector3r centre = map * se3.position;
-	const auto outline = outlineBox(grain, *scene, map);
+	const auto [assembly, index] = assembledGrain(grain, *scene);
+	// YADE keeps a value that was refused; the step refuses it, here it would end the process
+	const Real beyond = hasMargin() ? margin * grain.radius : 0;
 	const auto box =
-		outline ? outline->grown(room(grain))
-			: softgrain::Box<3> { centre, centre }.grown(grain.radius * extent);
+		assembly ? assembly->box(index, map).grown(roomInBox(*assembly, index, beyond))
+			 : softgrain::Box<3> { centre, centre }.grown(grain.radius * extent);
 	bound->min = box.low;
 	bound->max = box.high;
 }

@@ -110,7 +110,6 @@ public:
 		const Body* body) override;
 	void postLoad(Bo1_SoftGrain_Aabb&);
 	bool hasMargin() const { return margin > 0 && math::isfinite(margin); }
-	Real room(const SoftGrain& grain) const; ///< about the outline, m
 	FUNCTOR1D(SoftGrain);
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Bo1_SoftGrain_Aabb, BoundFunctor,
@@ -121,10 +120,9 @@ public:
 	DECLARE_LOGGER;
 
 private:
-	void checkEngines(const SoftGrain& grain) const noexcept;
+	void reportMissingIntegrator();
 
-	/// Whether it was looked at the engines; bodies come in parallel.
-	std::atomic<bool> checked_ { false };
+	std::atomic<bool> reported_ { false }; ///< or not missing; bodies come in parallel
 };
 REGISTER_SERIALIZABLE(Bo1_SoftGrain_Aabb);
 

@@ -88,7 +88,7 @@ bool SoftGrainIntegrator::assemble()
 	forgetOtherScene();
 	rigidContacts_.list(*scene);
 	const auto last = lastAssembly_.lock();
-	assembly_ = assembleScene(*scene, threads());
+	assembly_ = assembleForStep(*scene, threads());
 	// one more step tells that the grains are gone
 	if (!assembly_ && !rigidContacts_.hasLaw() && !hadGrains_) return false;
 	if (!assembly_) {
@@ -99,6 +99,7 @@ bool SoftGrainIntegrator::assemble()
 	hadGrains_ = assembly_->grains() > 0;
 	if (assembly_ != last) continueSums();
 	checkEngineOrder(*scene, *this);
+	collider_.followEngines(*scene);
 	SoftBodies(*scene, *assembly_).requireCarried(*newtonIntegratorOf(*scene));
 	checkCell(*scene, *assembly_);
 	const int unbounded = assembly_->host.unbounded;
@@ -144,7 +145,9 @@ void SoftGrainIntegrator::advance()
 					    rigidContacts_.descriptions());
 
 	if (report.sleepingGrains > 0) bodies.publishSleepers(flow);
-	if (bodies.needCollider(threads())) scene->doSort = true;
+	const bool needed = bodies.needCollider(threads()) ||
+			    (assembly_->host.hasPlates && isPlateOutsideItsBox(*scene, threads()));
+	if (needed) scene->doSort = true;
 	clock_.end("callColliderIfNeeded");
 	keepBooks(report);
 	warnOfPressure();
@@ -197,6 +200,9 @@ void SoftGrainIntegrator::forgetOtherScene()
 	largestResidual = largestOverlap = 0;
 	droppedMomentum = droppedEnergy = lostBonds = 0;
 	warnedOfPressure_ = warnedOfOverlaps_ = hadSmallOverlaps_ = false;
+	warnedOfStiffness_ = warnedOfCollapse_ = hadGrains_ = false;
+	bodiesLookedAt_ = 0;
+	softenedIn_ = publishedIn_ = -1;
 	assemblySteps = 0;
 	bondRate = 0;
 	energies.clear();

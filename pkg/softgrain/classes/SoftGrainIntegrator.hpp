@@ -2,6 +2,7 @@
 
 #include "Yade.hpp"
 #include "assembly/GrainAssembly.hpp"
+#include "scene/ColliderWatch.hpp"
 #include "scene/EnergyBooks.hpp"
 #include "scene/EngineScene.hpp"
 #include "scene/RigidContacts.hpp"
@@ -121,6 +122,7 @@ private:
 	InteractionOrder order_;
 	RigidPartners partners_;
 	RigidContacts rigidContacts_;
+	ColliderWatch collider_;
 	EnergyBooks energyBooks_;
 	softgrain::PhaseClock clock_;
 	long publishedIn_ = -1; ///< step in which it last came to its end

@@ -69,7 +69,7 @@ bool isAssembled(const SoftGrain& grain, int id, Scene& scene, bool force)
 {
 	if (!grain.assembly && force) assembleScene(scene);
 	return grain.assembly && grain.assembly->idOf(grain.index) == id &&
-	       !grain.assembly->host.isUnfit;
+	       isFit(*grain.assembly, scene);
 }
 
 /// Whether the grain lies where it was when it fell asleep, as far as the last step knew.
@@ -234,6 +234,7 @@ othersBeside(const Interaction& I, const SoftGrain& grain, const State& soft, co
 		auto d = describeRigid(*body->shape, *body->state, id, grain);
 		if (const auto* wall = dynamic_cast<const Wall*>(body->shape.get())) {
 			d.emplace();
+			d->id = Body::ID_NONE; // before all others
 			describeFaceOfWall(*wall, *body->state, grain, *d);
 		}
 		if (!d || d->form == softgrain::RigidBodyDescription::Form::ball) continue;

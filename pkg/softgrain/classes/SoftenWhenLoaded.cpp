@@ -33,6 +33,9 @@ void SoftenWhenLoaded::action()
 		if (!isFirst || !scene->bodies->exists(id)) continue; // named twice; erased
 		const auto& body = (*scene->bodies)[id];
 		if (!YADE_PTR_DYN_CAST<Sphere>(body->shape)) continue; // changed
+		const auto known = bodies_.find(id);
+		if (known != bodies_.end() && known->second.lock() != body) continue; // another
+		bodies_[id] = body;
 		(isLoaded(*body) ? loaded : waiting).push_back(id);
 	}
 	ids = lastIds_ = waiting;
@@ -61,6 +64,7 @@ void SoftenWhenLoaded::forgetOtherScene()
 	ownScene_.enter();
 	if (!isOther) return;
 	if (ids == lastIds_) ids.clear();
+	bodies_.clear();
 	softened = 0;
 	dt = 0;
 }

@@ -5,6 +5,8 @@
 #include "classes/SoftMat.hpp"
 #include "scene/EngineScene.hpp"
 
+#include <map>
+
 namespace yade {
 
 class SoftenWhenLoaded : public GlobalEngine {
@@ -35,7 +37,8 @@ private:
 	void forgetOtherScene();
 
 	EngineScene ownScene_;
-	vector<int> lastIds_; ///< in the last step
+	vector<int> lastIds_;                         ///< in the last step
+	std::map<int, boost::weak_ptr<Body>> bodies_; ///< that had the ids then
 };
 REGISTER_SERIALIZABLE(SoftenWhenLoaded);
 

@@ -47,8 +47,8 @@ std::shared_ptr<const DrawnOutline> outlineToDraw(SoftGrain& grain, const State&
 		return std::atomic_load(&grain.drawn);
 	}
 	try {
-		if (const auto assembly = grain.assembly)
-			std::atomic_store(&grain.drawn, outlineIn(*assembly, grain.index));
+		if (const auto [assembly, index] = assembledGrain(grain); assembly)
+			std::atomic_store(&grain.drawn, outlineIn(*assembly, index));
 		else if (!grain.drawn)
 			std::atomic_store(&grain.drawn,
 					  outlineIn(*assembledAlone(grain, state), 0));

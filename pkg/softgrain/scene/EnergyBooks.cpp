@@ -85,7 +85,8 @@ py::dict namedEnergies(const EnergyLists& energies)
 	py::dict d;
 	for (std::size_t k = 0; k < std::size(softEnergies); ++k)
 		d[softEnergies[k].name] = k < energies.soft.size() ? energies.soft[k] : 0.;
-	for (std::size_t k = 0; k < energies.rigid.size(); ++k)
+	const std::size_t known = std::min(std::size(rigidEnergies), energies.rigid.size());
+	for (std::size_t k = 0; k < known; ++k)
 		d[rigidEnergies[k].name] = energies.rigid[k];
 	return d;
 }

@@ -57,7 +57,8 @@ void describePlace(const Body& first, const Body& second, bool twoSpheres, const
 		const Real other = asSphere(first)->radius;
 		const Vec3 branch = second.state->pos + d.image.shift - first.state->pos;
 		const Real distance = branch.norm();
-		d.normal = branch / distance;
+		// two in one place have any normal
+		d.normal = distance > 0 ? Vec3(branch / distance) : Vec3(Vec3::UnitX());
 		d.gap = distance - other - ball;
 		d.point = first.state->pos + (other + 0.5 * d.gap) * d.normal;
 		radius = std::min(radius, other);
@@ -255,6 +256,7 @@ void RigidContacts::describe(const Scene& scene, RigidPartners& partners, Real m
 		d.impulse = (pair.swapped ? -scene.dt : scene.dt) *
 			    (phys.normalForce + phys.shearForce);
 		keepInPlane(*pair.first, *pair.second, partners.moverOf(*pair.second), d);
+		if (d.first == d.second) leaveOut(d); // they became members of one clump
 	}
 	stopOnOverlap(partners, maxOverlap);
 	leaveSeamsOut();

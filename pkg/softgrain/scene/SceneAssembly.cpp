@@ -169,22 +169,29 @@ void fetchBodiesAfter(const BodyContainer& bodies, int id)
 struct SoftScene {
 	int grains = 0;
 	int unbounded = -1; ///< HostNotes::unbounded
+	bool hasPlates = false;
 	/// Of them all, as they are; null if there is none.
 	std::shared_ptr<softgrain::GrainAssembly> assembly;
 };
 
+/// Who asks for the assembly. What is noted of bodies is for the next search, and would be gone
+/// before it if each who asks between two steps noted it anew.
+enum class Asked { byStep, between };
+
 /// Throws std::invalid_argument for the first body that cannot be in the scene, and tells the
 /// assembly which grains were moved. In one pass: all bodies are visited in every step, and most of
 /// it is waiting for memory.
-SoftScene softScene(const Scene& scene, int threads)
+SoftScene softScene(const Scene& scene, int threads, Asked asked)
 {
 	const BodyContainer& bodies = *scene.bodies;
 	const int count = static_cast<int>(bodies.size());
 	int faulty = count, first = count, unbounded = count, grains = 0, inAssembly = 0;
 	std::uintptr_t lowest = UINTPTR_MAX, highest = 0; // of the assemblies: are they one?
+	bool hasPlates = false;
 	MaterialCheck materials;
 #pragma omp parallel for schedule(static) reduction(min : faulty, first, unbounded, lowest)        \
-	reduction(max : highest) reduction(+ : grains, inAssembly) firstprivate(materials)         \
+	reduction(max : highest) reduction(+ : grains, inAssembly) reduction(|| : hasPlates)       \
+	firstprivate(materials)                                                                    \
 	num_threads(softgrain::threadsFor(count, threads, bodiesPerThread))
 	for (int id = 0; id < count; ++id) {
 		if (faulty < id) continue; // one is enough
@@ -196,7 +203,10 @@ SoftScene softScene(const Scene& scene, int threads)
 			continue;
 		}
 		if (mayLackBound(*body)) unbounded = std::min(unbounded, id);
-		if (!isSoftGrain(*body)) continue;
+		if (!isSoftGrain(*body)) {
+			hasPlates = hasPlates || isPlate(*body->shape);
+			continue;
+		}
 		const SoftGrain& grain = static_cast<const SoftGrain&>(*body->shape);
 		const auto assembly = reinterpret_cast<std::uintptr_t>(grain.assembly.get());
 		first = std::min(first, id);
@@ -205,10 +215,11 @@ SoftScene softScene(const Scene& scene, int threads)
 		++grains;
 		if (!isInAssembly(*body, materials)) continue;
 		++inAssembly;
-		grain.assembly->host.moved[grain.index] = !isAsWritten(*body);
+		if (asked == Asked::byStep)
+			grain.assembly->host.moved[grain.index] = !isAsWritten(*body);
 	}
 	if (faulty < count) check(*bodies[faulty], scene);
-	SoftScene soft { grains, unbounded < count ? unbounded : -1, nullptr };
+	SoftScene soft { grains, unbounded < count ? unbounded : -1, hasPlates, nullptr };
 	if (grains == 0 || lowest != highest || inAssembly != grains) return soft;
 	const auto& assembly = static_cast<SoftGrain&>(*bodies[first]->shape).assembly;
 	if (assembly->grains() == grains) soft.assembly = assembly;
@@ -220,6 +231,7 @@ SoftScene softScene(const Scene& scene, int threads)
 void noteBodies(const SoftScene& soft, const Scene& scene, softgrain::HostNotes& host)
 {
 	host.unbounded = soft.unbounded;
+	host.hasPlates = soft.hasPlates;
 	if (!scene.isPeriodic || scene.cell->hSize == host.cell) return;
 	host.cell = scene.cell->hSize;
 	if (comingVelGrad(scene).isZero(0)) std::fill(host.moved.begin(), host.moved.end(), true);
@@ -287,14 +299,15 @@ void requireShapesOfTheirOwn(const std::vector<Body*>& bodies)
 	}
 }
 
-std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threads)
+std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threads, Asked asked)
 {
-	const SoftScene soft = softScene(scene, threads);
+	const SoftScene soft = softScene(scene, threads, asked);
 	if (soft.grains == 0) return nullptr;
 	checkHost(scene);
 	if (soft.assembly) {
-		noteBodies(soft, scene, soft.assembly->host);
+		if (asked == Asked::byStep) noteBodies(soft, scene, soft.assembly->host);
 		soft.assembly->host.setFit(true);
+		soft.assembly->host.checkedIn = -1;
 		return soft.assembly;
 	}
 
@@ -313,19 +326,49 @@ std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threa
 		assembly->setInterfaceRange(integrator->interfaceRange);
 	join(scene, assembly);
 	if (last) forgetLastAssembly(scene);
-	noteBodies(soft, scene, assembly->host);
+	if (asked == Asked::byStep) noteBodies(soft, scene, assembly->host);
 	return assembly;
 }
 
 } // namespace
 
-std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene, int threads)
+std::shared_ptr<softgrain::GrainAssembly> assembleScene(Scene& scene)
 {
 	const std::lock_guard<std::mutex> lock(assemblyMutex);
-	return assembleLocked(scene, threads);
+	return assembleLocked(scene, 1, Asked::between);
+}
+
+std::shared_ptr<softgrain::GrainAssembly> assembleForStep(Scene& scene, int threads)
+{
+	const std::lock_guard<std::mutex> lock(assemblyMutex);
+	return assembleLocked(scene, threads, Asked::byStep);
+}
+
+bool isFit(softgrain::GrainAssembly& assembly, const Scene& scene) noexcept
+{
+	softgrain::HostNotes& host = assembly.host;
+	if (host.checkedIn.load(std::memory_order_acquire) != scene.iter) {
+		const std::lock_guard<std::mutex> lock(assemblyMutex);
+		if (host.checkedIn.load(std::memory_order_relaxed) != scene.iter) {
+			try {
+				checkHost(scene);
+				host.setFit(true);
+			} catch (...) { // the step tells why
+				host.setFit(false);
+			}
+			host.checkedIn.store(scene.iter, std::memory_order_release);
+		}
+	}
+	return !host.isUnfit;
 }
 
 bool isSoftGrain(const Body& body) { return isA<SoftGrain>(body.shape); }
+
+bool isPlate(const Shape& shape)
+{
+	const int kind = shape.getClassIndex();
+	return kind == Box::getClassIndexStatic() || kind == Facet::getClassIndexStatic();
+}
 
 bool hasFriction(const Body& body) { return bool(YADE_PTR_DYN_CAST<FrictMat>(body.material)); }
 
@@ -361,19 +404,20 @@ double defaultTimeStep()
 	return step;
 }
 
-std::optional<softgrain::Box<3>> outlineBox(const SoftGrain& shape, Scene& scene,
-					    const softgrain::Mat3& map) noexcept
+AssembledGrain assembledGrain(const SoftGrain& shape)
 {
+	const std::lock_guard<std::mutex> lock(assemblyMutex);
+	return { shape.assembly, shape.index };
+}
+
+AssembledGrain assembledGrain(const SoftGrain& shape, Scene& scene) noexcept
+{
+	const std::lock_guard<std::mutex> lock(assemblyMutex);
 	try {
-		std::unique_lock<std::mutex> lock(assemblyMutex);
-		if (!shape.assembly) assembleLocked(scene, 1);
-		const auto assembly = shape.assembly;
-		lock.unlock(); // boxes are made in parallel
-		if (!assembly) return std::nullopt;
-		return assembly->box(shape.index, map);
-	} catch (...) {
-		return std::nullopt; // assembleScene throws the same again where it can be reported
+		if (!shape.assembly) assembleLocked(scene, 1, Asked::between);
+	} catch (...) { // assembleForStep throws the same again where it can be reported
 	}
+	return { shape.assembly, shape.index };
 }
 
 } // namespace yade

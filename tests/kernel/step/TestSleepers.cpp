@@ -89,17 +89,17 @@ TEST_CASE("Sleep: a load on one of many wakes those that feel it, with the same 
 
 TEST_CASE("Sleep: what is pushed suddenly hands on what it does without sleep", "[sleep]")
 {
-	const bool byHand = GENERATE(true, false);
+	enum class How { kicked, loaded, loadedAwake };
+	const How how = GENERATE(How::kicked, How::loaded, How::loadedAwake);
 	const auto velocities = [](const Scene<2>& scene) {
 		return ofWholes(scene, &WholeGrain<2>::velocity);
 	};
 	Scene<2> with = bed(true), without = bed(false);
 	advance(without, rest(with, all));
 	for (Scene<2>* scene : { &with, &without }) {
-		if (byHand)
-			kick(*scene, below + 3, { 0.6, -0.8 });
-		else
-			loadMore(*scene, below + 3, 20.);
+		if (how == How::kicked) kick(*scene, below + 3, { 0.6, -0.8 });
+		if (how == How::loadedAwake) scene->system.activity().wake(below + 3);
+		if (how != How::kicked) loadMore(*scene, below + 3, 20.);
 	}
 	double fastest = 0, dropped = 0;
 	for (int n = 0; n < 20; ++n) {

@@ -56,7 +56,9 @@ template <int dim> struct ContactOutline {
 	Vec<dim> touchedPoint(int node, const Vec<dim>& normal, double gap) const
 	{
 		if (nodeRadius == 0) return contactPoint(node);
-		return contactPoint(node) - (nodeRadius + 0.5 * gap) * normal;
+		const double radius =
+			isOnGrid() ? 0.5 * gridContactDistance * gridSpacing : nodeRadius;
+		return contactPoint(node) - (radius + 0.5 * gap) * normal;
 	}
 	bool isSharp(int node) const { return mesh->isSharp(node); }
 	/// Whether it is `bent` at this node.

@@ -115,6 +115,12 @@ public:
 				high_[a] = std::max(high_[a], body.velocity[a]);
 			}
 	}
+	/// Of a plane, m/s.
+	void add(const Vec<dim>& velocity)
+	{
+		low_ = low_.cwiseMin(velocity);
+		high_ = high_.cwiseMax(velocity);
+	}
 	/// Velocity of an image beyond that of its body, m/s.
 	void addDrift(const Vec<dim>& drift) { turns_ = turns_ || !drift.isZero(0); }
 	/// Whether they turn, flow with a cell, or move against each other.

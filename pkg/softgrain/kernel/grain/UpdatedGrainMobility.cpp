@@ -51,6 +51,13 @@ SparseRows<double> shapesOfContactNodes(const UpdatedGrain<dim>& grain)
 template <int dim> struct IndexBox {
 	typename SpatialGrid<dim>::Index low, high;
 
+	static IndexBox nowhere()
+	{
+		IndexBox box;
+		box.low.fill(std::numeric_limits<int>::max());
+		box.high.fill(std::numeric_limits<int>::min());
+		return box;
+	}
 	bool overlaps(const IndexBox& other) const
 	{
 		bool together = true;
@@ -67,6 +74,10 @@ std::vector<IndexBox<dim>> boxesOf(const SparseRows<double>& shapes, const Spati
 	std::vector<IndexBox<dim>> boxes;
 	boxes.reserve(shapes.rows());
 	for (int s = 0; s < shapes.rows(); ++s) {
+		if (shapes.begin(s) == shapes.end(s)) { // hangs on nothing
+			boxes.push_back(IndexBox<dim>::nowhere());
+			continue;
+		}
 		const auto& first = index[shapes.column[shapes.begin(s)]];
 		IndexBox<dim> box { first, first };
 		for (int k = shapes.begin(s) + 1; k < shapes.end(s); ++k)

@@ -13,17 +13,14 @@ __attribute__((simd("notinbranch"), const)) double exp(double) noexcept;
 
 namespace softgrain {
 
-#define SOFTGRAIN_IN_EVERY_LANE(name, function)                                                    \
-	inline Lanes name(const Lanes& x)                                                          \
-	{                                                                                          \
-		Lanes y;                                                                           \
-		_Pragma("omp simd simdlen(laneWidth)") for (int l = 0; l < laneWidth; ++l) y[l] =  \
-			function(x[l]);                                                            \
-		return y;                                                                          \
-	}
-SOFTGRAIN_IN_EVERY_LANE(expOf, ::exp)
-SOFTGRAIN_IN_EVERY_LANE(sqrtOf, std::sqrt)
-#undef SOFTGRAIN_IN_EVERY_LANE
+inline Lanes expOf(const Lanes& x)
+{
+	return inEveryLane([&](int l) { return ::exp(x[l]); });
+}
+inline Lanes sqrtOf(const Lanes& x)
+{
+	return inEveryLane([&](int l) { return std::sqrt(x[l]); });
+}
 
 /// Natural logarithm, within 2 units in the last place; not a number unless 0 < x < inf, and for
 /// the subnormal numbers next to 0. In the loops over material points it costs half of a call of

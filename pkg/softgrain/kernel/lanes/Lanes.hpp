@@ -57,7 +57,21 @@ inline void transpose(Lanes (&row)[laneWidth])
 			 LaneBits { 4, 5, 6, 7, 12, 13, 14, 15 });
 }
 
-inline Lanes larger(const Lanes& x, const Lanes& y) { return x > y ? x : y; }
+/// Lane by lane: of whole vectors that are wider than its registers (AVX2) the compiler takes
+/// comparisons apart into single numbers.
+template <class Function> Lanes inEveryLane(Function&& function)
+{
+	Lanes y;
+#pragma omp simd simdlen(laneWidth)
+	for (int l = 0; l < laneWidth; ++l)
+		y[l] = function(l);
+	return y;
+}
+
+inline Lanes larger(const Lanes& x, const Lanes& y)
+{
+	return inEveryLane([&](int l) { return x[l] > y[l] ? x[l] : y[l]; });
+}
 
 } // namespace softgrain
 

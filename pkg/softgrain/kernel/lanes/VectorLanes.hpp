@@ -8,8 +8,7 @@ namespace softgrain {
 
 inline Lanes withinUnit(const Lanes& t)
 {
-	const Lanes zero {}, one = zero + 1;
-	return t < zero ? zero : t > one ? one : t;
+	return inEveryLane([&](int l) { return t[l] < 0 ? 0 : t[l] > 1 ? 1 : t[l]; });
 }
 
 /// With the names and the roundings of Vec<2>.

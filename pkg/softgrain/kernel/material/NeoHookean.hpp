@@ -63,7 +63,10 @@ template <int dim, Condition condition> struct NeoHookean {
 			const Lanes y = detail::thicknessStrain(lnJ, lame.lambda, lame.mu);
 			squareF33 = expOf(2 * y);
 			lnJ += y; // of the in-plane part so far; the thickness follows
-			point.J = (point.J > 0) & (y != y) ? y : point.J;
+			point.J = inEveryLane([&](int l) {
+				const double J = point.J[l];
+				return J > 0 && std::isnan(y[l]) ? y[l] : J;
+			});
 		}
 		respond(point, lame, lnJ, lnJ, squareF33);
 	}

@@ -32,7 +32,7 @@ template <int dim> void Activity<dim>::jolt(int g, double speed, double kick)
 
 template <int dim> void Activity<dim>::joltBy(int g, double force)
 {
-	jolt_[g] = std::max(jolt_[g], force);
+	jolt_[g] += force;
 	anyJolt_ = true;
 }
 

@@ -117,12 +117,13 @@ void Activity<dim>::setLoads(LoadOf&& loadOf, int threads)
 	const int count = grains_.count();
 	std::vector<BodyLoad<dim>>& loads = grains_.loads();
 	constexpr double none = -1;
-	std::vector<double> change(count); // of sleepers, m/s^2
+	std::vector<double> change(count); // where some sleep, m/s^2
 #pragma omp parallel for schedule(static) num_threads(threads)
 	for (int g = 0; g < count; ++g) {
 		const BodyLoad<dim> load = loadOf(g);
-		const bool same = load == loads[g] || !grains_.isAsleep(g);
-		change[g] = same ? none : load.difference(loads[g], parametersOf(g).radius);
+		const bool same = load == loads[g] || grains_.asleep().empty();
+		change[g] = same ? none
+				 : load.difference(loads[g], surfaces_.bodies()[g].outerRadius());
 		loads[g] = load;
 	}
 	for (int g = 0; g < count; ++g)

@@ -203,15 +203,19 @@ TEMPLATE_TEST_CASE_SIG("Search: impulses follow their contacts", "[contact]", ((
 	CHECK(kept < static_cast<int>(before.size()));
 }
 
-TEST_CASE("Search: impulses turn with the bodies in contact", "[contact]")
+TEST_CASE("Search: impulses and slips of bonds turn with the bodies in contact", "[contact]")
 {
 	auto balls = twoBalls<2>(-0.03, 0.1, 6);
 	auto list = pairList<2>();
+	list.interface.emplace();
 	findContacts(balls.body[0], balls.body[1], 0.03, list);
 	Random random(5);
 	std::map<ContactKey, Vec<2>> last;
-	for (Contact<2>& c : list.contacts)
+	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
+		Contact<2>& c = list.contacts[k];
 		last[c.key] = c.impulse = random.vector<2>();
+		list.interface->history[k].slip = c.impulse;
+	}
 	REQUIRE(last.size() > 3);
 	const Mat<2> turn = Eigen::Rotation2Dd(0.3).toRotationMatrix();
 	for (ContactBody<2>& body : balls.body) {
@@ -224,8 +228,11 @@ TEST_CASE("Search: impulses turn with the bodies in contact", "[contact]")
 	}
 	findContacts(balls.body[0], balls.body[1], 0.03, list);
 	REQUIRE(list.contacts.size() == last.size());
-	for (const Contact<2>& c : list.contacts)
-		CHECK((c.impulse - turn * last[c.key]).norm() < 1e-10);
+	for (std::size_t k = 0; k < list.contacts.size(); ++k) {
+		const Vec<2> turned = turn * last[list.contacts[k].key];
+		CHECK((list.contacts[k].impulse - turned).norm() < 1e-10);
+		CHECK((list.interface->history[k].slip - turned).norm() < 1e-10);
+	}
 }
 
 TEMPLATE_TEST_CASE_SIG("Search: candidates are kept while they hold, and miss nothing", "[contact]",

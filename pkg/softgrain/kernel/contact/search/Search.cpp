@@ -143,28 +143,38 @@ void forEachStillThere(const std::vector<Contact<dim>>& last,
 	}
 }
 
-/// The impulse of a contact, turned as its normal has turned since, and in 3D about it. (Normals
-/// far from each other are those of two places.)
+/// A vector turned as the normal of its contact has turned. (Normals far from each other are those
+/// of two places.)
+Vec<2> turnedWith(const Vec<2>& last, const Vec<2>& normal, const Vec<2>& r)
+{
+	const double c = last.dot(normal), s = cross(last, normal);
+	if (last == normal || !(c > 0)) return r;
+	return { c * r[0] - s * r[1], s * r[0] + c * r[1] };
+}
+Vec<3> turnedWith(const Vec<3>& last, const Vec<3>& normal, const Vec<3>& r)
+{
+	const double c = last.dot(normal);
+	if (last == normal || !(c > 0)) return r;
+	const Vec<3> axis = last.cross(normal);
+	return c * r + axis.cross(r) + axis.dot(r) / (1 + c) * axis;
+}
+
+/// The impulse of a contact as its normal has turned since, and in 3D about it.
 Vec<2> turnedImpulse(const Contact<2>& last, const Vec<2>& normal)
 {
-	const Vec<2>& r = last.impulse;
-	const double c = last.normal.dot(normal), s = cross(last.normal, normal);
-	if (last.normal == normal || !(c > 0)) return r;
-	return { c * r[0] - s * r[1], s * r[0] + c * r[1] };
+	return turnedWith(last.normal, normal, last.impulse);
 }
 Vec<3> turnedImpulse(const Contact<3>& last, const Vec<3>& normal)
 {
 	Vec<3> r = last.impulse;
 	if (last.twist != 0) r = Eigen::AngleAxisd(last.twist, last.normal) * r;
-	const double c = last.normal.dot(normal);
-	if (last.normal == normal || !(c > 0)) return r;
-	const Vec<3> axis = last.normal.cross(normal);
-	return c * r + axis.cross(r) + axis.dot(r) / (1 + c) * axis;
+	return turnedWith(last.normal, normal, r);
 }
 
 /// Impulses of the last step, and the history of an interface, go to the contacts that are still
 /// there. Where contacts turn, impulses turn with them: sweeps that begin with those of before
-/// would follow, and not quite reach, what bears a load, always on the same side.
+/// would follow, and not quite reach, what bears a load, always on the same side. So does the slip
+/// of bonds: what is not along the surface any more would be lost, a little in each step.
 template <int dim> void carryOver(const std::vector<Contact<dim>>& last, ContactList<dim>& list)
 {
 	forEachStillThere<dim>(last, list.contacts, [&](std::size_t from, std::size_t to) {
@@ -175,6 +185,8 @@ template <int dim> void carryOver(const std::vector<Contact<dim>>& last, Contact
 	list.interface->resize(list.contacts.size());
 	forEachStillThere<dim>(last, list.contacts, [&](std::size_t from, std::size_t to) {
 		list.interface->carry(from, to);
+		Vec<dim>& slip = list.interface->history[to].slip;
+		slip = turnedWith(last[from].normal, list.contacts[to].normal, slip);
 	});
 	if (list.rigid) list.interface->noteVanished(last);
 }

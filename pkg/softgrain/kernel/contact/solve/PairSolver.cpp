@@ -350,19 +350,30 @@ template <int dim> Vec<dim> PairSolver<dim>::placeOf(const Constraint& c) const
 	return c.onFirst ? place : Vec<dim>(place + list_->image.shift);
 }
 
-/// That of an edge of the facet that the contact lies against.
+/// That of an edge of the facet that the contact lies against; 0 where that edge is along the
+/// normal, as it may be beyond the end of a face.
 template <> double PairSolver<3>::spinOfOther(const Constraint& c) const
 {
+	constexpr double leastShare = 0.25; // of the edge across the normal, squared
 	if (c.partners < 2) return 0;
 	const int from = c.partner[0], to = c.partner[1];
 	const ContactBody<3>& body = *other(c);
 	const Vec<3> edge = body.position[to] - body.position[from];
 	const Vec<3> velocity = body.velocity[to] - body.velocity[from];
 	const Vec<3> across = edge - edge.dot(c.normal) * c.normal;
+	if (!(across.squaredNorm() > leastShare * edge.squaredNorm())) return 0;
 	return across.cross(velocity).dot(c.normal) / across.squaredNorm();
 }
 
 template <> double PairSolver<2>::spinOfOther(const Constraint&) const { return 0; }
+
+template <int dim> void PairSolver<dim>::addHeldMotion(HeldMotion<dim>& motion) const
+{
+	if (second_)
+		motion.addDrift(list_->image.velocity);
+	else
+		motion.add(list_->plane.velocity);
+}
 
 template <int dim> ContactWork PairSolver<dim>::work() const
 {

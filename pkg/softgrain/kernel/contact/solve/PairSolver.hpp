@@ -4,6 +4,7 @@
 #pragma once
 
 #include "contact/ContactList.hpp"
+#include "contact/RigidPartner.hpp"
 #include "contact/solve/Bias.hpp"
 #include "contact/solve/BodySide.hpp"
 #include "contact/solve/ContactWork.hpp"
@@ -84,6 +85,7 @@ public:
 	void finish();
 	int active() const { return list_->impulse.active; } ///< contacts with an impulse
 	ContactWork work() const;
+	void addHeldMotion(HeldMotion<dim>& motion) const;
 
 	int contacts() const { return static_cast<int>(constraints_.size()); }
 	const Constraints& constraints() const { return constraints_; }

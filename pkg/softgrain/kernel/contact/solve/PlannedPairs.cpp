@@ -175,8 +175,7 @@ template <int dim> bool PlannedPairs<dim>::movesRigidBodies(int k) const
 
 template <int dim> void PlannedPairs<dim>::addHeldMotion(int k, HeldMotion<dim>& motion) const
 {
-	if (const auto* contact = rigid(k)) contact->addHeldMotion(motion);
-	if (const auto* pair = grainOnRigid(k)) pair->addHeldMotion(motion);
+	with(k, [&](const auto& pair) { pair.addHeldMotion(motion); });
 }
 
 template class PlannedPairs<2>;
