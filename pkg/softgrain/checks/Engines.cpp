@@ -47,7 +47,8 @@ void checkAfter(const Engine& engine)
 /// What puts forces on bodies for the step at hand.
 const PartialEngine* asPush(const Engine& engine)
 {
-	const bool pushes = liveOne<ForceEngine>(engine) || liveOne<TorqueEngine>(engine);
+	const bool pushes = liveOne<ForceEngine>(engine) || liveOne<HarmonicForceEngine>(engine) ||
+			    liveOne<TorqueEngine>(engine);
 	return pushes ? dynamic_cast<const PartialEngine*>(&engine) : nullptr;
 }
 

@@ -29,7 +29,7 @@ shared_ptr<NewtonIntegrator> sharedNewtonOf(const Scene& scene)
 bool isOutsideItsBox(const Body& body)
 {
 	if (!body.bound || !body.shape->boundFunctor) return false;
-	shared_ptr<Bound> present(new Aabb);
+	thread_local shared_ptr<Bound> present(new Aabb);
 	body.shape->boundFunctor->go(body.shape, present, body.state->se3, &body);
 	const Vector3r &low = body.bound->min, &high = body.bound->max;
 	return (present->min.array() < low.array()).any() ||

@@ -299,15 +299,23 @@ void requireShapesOfTheirOwn(const std::vector<Body*>& bodies)
 	}
 }
 
+/// Whether `isFit` has found in this step, and nobody asked since, that the engines are as they
+/// should be.
+bool isCheckedHost(const SoftScene& soft, const Scene& scene)
+{
+	if (!soft.assembly) return false;
+	softgrain::HostNotes& host = soft.assembly->host;
+	return host.checkedIn.exchange(-1) == scene.iter && !host.isUnfit;
+}
+
 std::shared_ptr<softgrain::GrainAssembly> assembleLocked(Scene& scene, int threads, Asked asked)
 {
 	const SoftScene soft = softScene(scene, threads, asked);
 	if (soft.grains == 0) return nullptr;
-	checkHost(scene);
+	if (!isCheckedHost(soft, scene)) checkHost(scene);
 	if (soft.assembly) {
 		if (asked == Asked::byStep) noteBodies(soft, scene, soft.assembly->host);
 		soft.assembly->host.setFit(true);
-		soft.assembly->host.checkedIn = -1;
 		return soft.assembly;
 	}
 

@@ -14,6 +14,7 @@ template <int dim> void Activity<dim>::followNewGrains()
 		damped_ = damped_ || parameters.damping.acts();
 		resting_.push_back(-1);
 		jolt_.push_back(0);
+		hadLoad_.push_back(0);
 	}
 }
 

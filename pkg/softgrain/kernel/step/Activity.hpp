@@ -107,7 +107,8 @@ private:
 	std::vector<int> resting_;     ///< by sleeping grain: its pairs in contact; -1: woken
 	std::vector<double> jolt_;     ///< forces by which grains are pushed otherwise by hand, N
 	bool anyJolt_ = false;
-	bool damped_ = false; ///< a grain has damping
+	std::vector<char> hadLoad_; ///< by grain: in a step before
+	bool damped_ = false;       ///< a grain has damping
 };
 
 template <int dim>
@@ -121,10 +122,12 @@ void Activity<dim>::setLoads(LoadOf&& loadOf, int threads)
 #pragma omp parallel for schedule(static) num_threads(threads)
 	for (int g = 0; g < count; ++g) {
 		const BodyLoad<dim> load = loadOf(g);
-		const bool same = load == loads[g] || grains_.asleep().empty();
+		const bool isKnown = hadLoad_[g] || grains_.isAsleep(g); // saved with its load
+		const bool same = load == loads[g] || !isKnown || grains_.asleep().empty();
 		change[g] = same ? none
 				 : load.difference(loads[g], surfaces_.bodies()[g].outerRadius());
 		loads[g] = load;
+		hadLoad_[g] = 1;
 	}
 	for (int g = 0; g < count; ++g)
 		if (change[g] != none) {
