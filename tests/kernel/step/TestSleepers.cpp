@@ -97,6 +97,7 @@ TEST_CASE("Sleep: what is pushed suddenly hands on what it does without sleep", 
 	Scene<2> with = bed(true), without = bed(false);
 	advance(without, rest(with, all));
 	for (Scene<2>* scene : { &with, &without }) {
+		loadMore(*scene, below + 3, 0.); // as the host, which tells all loads in each step
 		if (how == How::kicked) kick(*scene, below + 3, { 0.6, -0.8 });
 		if (how == How::loadedAwake) scene->system.activity().wake(below + 3);
 		if (how != How::kicked) loadMore(*scene, below + 3, 20.);
