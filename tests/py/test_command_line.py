@@ -143,7 +143,8 @@ def test_failed_result_leaves_the_old_one(tmp_path):
     command_line.write_result(options, {"a": 1})
     with pytest.raises((TypeError, ValueError)):
         command_line.write_result(options, {"a": object()})
-    assert json.loads((tmp_path / "result.json").read_text())["a"] == 1
+    kept = {"a": 1, "options": {"out": str(tmp_path)}}
+    assert json.loads((tmp_path / "result.json").read_text()) == kept
 
 
 def test_progress_bar(capsys):

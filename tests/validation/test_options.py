@@ -1,6 +1,5 @@
 """Options of the cases: units in the help, and a clear word about what cannot be."""
 
-import re
 import subprocess
 from pathlib import Path
 
@@ -192,7 +191,7 @@ def test_cell_that_the_controller_does_not_shrink(tmp_path):
     options = ("--grains", "10", "--stress", "0.2", "--mu", "0", "--zeta", "0.3")
     process = yade_script("periodic_shear", *options, "--rate", "2", "--out", str(tmp_path))
     assert process.returncode == 1, process.stdout + process.stderr
-    assert re.search(r"cell stands still at stresses of \d\.\d\d and \d\.\d\d of", process.stderr)
+    assert "the cell stands still at stresses of 0.9" in process.stderr
     assert "Take more --grains or less --stress" in process.stderr
 
 
