@@ -21,6 +21,7 @@ YOUNG = 1e6  # Pa
 CELL = 48  # pixels, of the grid on which the script draws
 MARGIN = 4  # pixels, about it
 MOST_COLUMNS = 255  # labels have 16 bits
+COLUMNS, SEED = 4, 1  # of the drawing, unless options say otherwise
 HALF_AXIS = 19  # pixels, the longer one of superdisks and ellipses
 PEBBLE, DENTS = 18, 0.13  # pixels, mean radius of pebbles; over it, depth of their dents
 STEPS_PER_RECORD = 100
@@ -38,15 +39,22 @@ def parse_options(arguments=None):
     add(
         "--columns",
         type=command_line.whole_from(1, MOST_COLUMNS),
-        default=4,
-        help="grains drawn along each side of the picture",
+        help=f"grains drawn along each side of the picture; default: {COLUMNS}",
     )
     add("--zeta", type=command_line.resolution, default=0.2, help="relative resolution 2 dr/D [-]")
     add("--mu", type=command_line.non_negative, default=0.2, help="friction [-]")
     add("--phi", type=command_line.fraction, default=0.95, help="packing fraction to end at [-]")
     add("--speed", type=command_line.positive, default=0.3, help="of each wall [m/s]")
-    add("--seed", type=command_line.seed, default=1, help="of the drawing")
-    return parser.parse_args(arguments)
+    add("--seed", type=command_line.seed, help=f"of the drawing; default: {SEED}")
+    options = parser.parse_args(arguments)
+    if options.image is None:
+        options.columns = options.columns or COLUMNS
+        options.seed = options.seed or SEED
+        return options
+    for name in ("columns", "seed"):
+        if getattr(options, name) is not None:
+            parser.error(f"argument --{name}: nothing is drawn where --image is given")
+    return options
 
 
 def draw_labels(columns, seed):

@@ -336,6 +336,7 @@ def draw(result, path):
     right.set_xlim(0, 1.1 * reach)
     right.set_aspect("equal")
     right.set_xlabel("$x/L_0$")
+    right.set_ylabel("$y/L_0$")
     right.set_title(f"deposit, a = {cases[-1]['aspect']:.1f}", fontsize=9)
     figure.savefig(path, dpi=150)
 

@@ -12,10 +12,10 @@ import math
 import time
 
 import numpy as np
-from yade import FrictMat, O, PeriTriaxController, Sphere, pack, utils
+from yade import FrictMat, O, PeriTriaxController, Sphere, utils
 
 import softgrain as sg
-from softgrain import command_line
+from softgrain import clouds, command_line
 
 RADIUS = 0.01  # m, of the largest sphere
 DENSITY = 2000.0  # kg/m3
@@ -89,6 +89,13 @@ def bearing_contacts(force):
     """Those between spheres, and of spheres with walls, that matter beside a force [N, 2D N/m]."""
     real = [i for i in O.interactions if i.isReal]
     return [i for i in real if i.phys.normalForce.norm() > BEARING * force]
+
+
+def sphere_ends(bearing):
+    """How often these contacts touch a sphere: twice, but once where they are with a wall."""
+    return sum(
+        isinstance(O.bodies[k].shape, Sphere) for i in bearing for k in (i.id1, i.id2)
+    )
 
 
 def largest_overlap(bearing):
@@ -199,7 +206,7 @@ def squeeze(options, rigid):
         "law": rigid,
         "disks": options.disks,
         "packing_fraction": sum(math.pi * b.shape.radius**2 for b in spheres()) / np.prod(sides),
-        "contacts_per_disk": 2 * len(bearing) / options.disks,
+        "contacts_per_disk": sphere_ends(bearing) / options.disks,
         "largest_overlap_over_R": largest_overlap(bearing) / RADIUS,
         "unbalanced_force": utils.unbalancedForce(),
         "time": O.time,
@@ -218,11 +225,8 @@ def fill_cell(dim, mu, options):
     O.periodic = True
     grain = math.pi * RADIUS**2 if dim == 2 else 4 / 3 * math.pi * RADIUS**3
     side = (options.in_cell * grain / LOOSE[dim]) ** (1 / dim)
-    cloud = pack.SpherePack()
     corner = (side, side, side if dim == 3 else 0)
-    cloud.makeCloud(
-        (0, 0, 0), corner, rMean=RADIUS, rRelFuzz=0.2, num=options.in_cell, periodic=True, seed=1
-    )
+    cloud = clouds.full_cloud(options.in_cell, corner, RADIUS, 0.2, periodic=True)
     ids = cloud.toSimulation(material=material(options, mu))
     O.cell.setBox(side, side, side if dim == 3 else 1)
     if dim == 2:

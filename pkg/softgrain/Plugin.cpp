@@ -6,7 +6,6 @@
 #include "classes/WallStressController.hpp"
 #include "python/PythonContactProblem.hpp"
 #include "scene/Hardening.hpp"
-#include "scene/SceneAssembly.hpp"
 
 #include <malloc.h>
 

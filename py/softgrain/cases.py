@@ -90,7 +90,6 @@ def add_wall(position, axis, sense, velocity=0.0):
 def start(options):
     """Engines and time step for the scene."""
     O.engines = time_loop.engines(**command_line.engine_attributes(options))
-    O.trackEnergy = True
     time_loop.set_time_step(options.time_step_fraction)
 
 

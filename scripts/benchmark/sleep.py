@@ -109,7 +109,10 @@ def main():
     options = parse_options()
     with_it, without = run(options, True), run(options, False)
     one = math.pi * RADIUS**2 * options.weight * YOUNG / (2 * RADIUS)
-    print("time [s] | asleep | kinetic/elastic | centres/R | walls/weight | pairs | time [s]")
+    print(
+        "time [s] | asleep | kinetic/elastic | centres/R | walls/weight | pairs | "
+        "processor time with / without [s]"
+    )
     for a, b in zip(with_it, without):
         differences = (
             largest(a["centres"], b["centres"]) / RADIUS,

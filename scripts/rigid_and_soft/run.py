@@ -69,13 +69,13 @@ class Box:
 
 
 def window(box, reached):
-    """Step until ``reached()``; mean forces."""
+    """Step, once at least, until ``reached()``; mean forces."""
     total, steps = np.zeros(4), 0
-    while not reached():
+    while steps == 0 or not reached():
         O.step()
         total += box.forces()
         steps += 1
-    return total / max(steps, 1)
+    return total / steps
 
 
 def cell(model, options):

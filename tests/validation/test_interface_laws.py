@@ -24,7 +24,7 @@ def test_adhesive_disk(tmp_path):
     result = run_case("adhesion", tmp_path, "--zeta", "0.1", "0.05", "0.025")
     for row, bound in zip(result["runs"], (0.05, 0.03, 0.015), strict=True):
         assert abs(row["error"]) < bound
-        assert abs(row["energy_lost"]) < 0.01
+        assert row["energy_error"] < 0.01
 
 
 def test_pull_off_of_stiff_and_soft_disks(tmp_path):

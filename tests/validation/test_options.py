@@ -9,6 +9,7 @@ import compare_rigid
 import harden_packing
 import hertz
 import hexagonal_cell
+import image_grains
 import interfaces
 import periodic_lattice
 import pytest
@@ -37,6 +38,7 @@ OTHERS = (
     "rigid_column",
     "compare_rigid",
     "periodic_lattice",
+    "periodic_shear",
 )
 
 
@@ -117,6 +119,10 @@ REFUSED = {
     },
     square_cell: CELLS,
     hexagonal_cell: {**CELLS, "--rings 1": "--rings: '1' is not a whole number in [2, inf)"},
+    image_grains: {
+        "--image IMAGE --columns 3": "--columns: nothing is drawn where --image is given",
+        "--image IMAGE --seed 3": "--seed: nothing is drawn where --image is given",
+    },
     adhesion: {
         "--zeta 0.1 0": "--zeta: '0' is not a number in [0.001, 0.5]",
         "--range 0": "--range: '0' is not a number in (0, inf)",
@@ -163,7 +169,8 @@ REFUSED = {
 )
 def test_refusal(case, options, capsys, tmp_path):
     with pytest.raises(SystemExit) as caught:
-        case.parse_options(["--out", str(tmp_path), *options.split()])
+        words = options.replace("IMAGE", __file__).split()
+        case.parse_options(["--out", str(tmp_path), *words])
     assert caught.value.code == 2
     assert REFUSED[case][options] in capsys.readouterr().err
 
@@ -178,6 +185,12 @@ def test_stress_that_walls_do_not_bear_in_time(tmp_path):
     process = yade_script("harden_packing", "--stress", "1", "--out", str(tmp_path))
     assert process.returncode == 1, process.stdout + process.stderr
     assert "--stress: after 0.25 s under 1.0 Pa a wall bears 0 of it" in process.stderr
+
+
+def test_adhesion_that_no_theory_is_for(tmp_path):
+    process = yade_script("adhesion", "--cohesion", "1e7", "--out", str(tmp_path))
+    assert process.returncode == 1, process.stdout + process.stderr
+    assert "adhesion: the disk is pulled off at a contact as wide as itself" in process.stderr
 
 
 def test_packing_that_begins_where_it_ends(tmp_path):

@@ -36,7 +36,16 @@ SLOW = (
     "density_ratio",
     "density_impact",
     "packing",
+    "undamped",
+    "multirate",
 )
+
+
+def test_every_study_is_made(monkeypatch):
+    monkeypatch.syspath_prepend(SCRIPT.parent)
+    import stability
+
+    assert {*SLOW, "at_rest"} == set(stability.STUDIES)
 
 
 def make(studies, folder, *options):

@@ -62,8 +62,11 @@ def test_mask_of_one_grain(how, tmp_path):
     if how == "file":
         image = tmp_path / "mask.png"
         Image.fromarray(mask).save(image)
-    found = sg.grains_from_image(image, 1e-4, soft_material(), zeta=0.25)
-    assert found.labels == [1] and len(found.bodies) == 1
+    found = sg.grains_from_image(image, 1e-4, soft_material(), origin=(0.3, -0.2, 0.1), zeta=0.25)
+    assert found.labels == [1]
+    (square,) = found.bodies
+    place = (0.3 + 77.5e-4, -0.2 + 15e-4, 0.1)
+    np.testing.assert_allclose(square.state.pos, place, atol=0.1e-4)
 
 
 @pytest.mark.parametrize("mode", ("RGBA", "LA"))

@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 from interface_scenes import BOND, COHESION, SIDE, add_block, damped, interaction
+from partner_scenes import add_rigid_disk
 from scenes import (
     RADIUS,
     add_disk,
@@ -138,12 +139,17 @@ def test_force_momentum_and_energy_of_two_blocks(law, friction):
     assert sg.integrator().lostBonds == 0
 
 
-def test_cohesion_is_felt_before_touch():
-    """Across its range, with a wall and with a rigid disk; not beyond."""
+@pytest.mark.parametrize(
+    "add_other",
+    (lambda: add_wall(0, 1), lambda: add_rigid_disk((0, -RADIUS, 0), RADIUS, fixed=True)),
+    ids=("wall", "rigid disk"),
+)
+def test_cohesion_is_felt_before_touch(add_other):
+    """Across its range; not beyond."""
     for gap, attracts in ((0.9e-4, True), (1.5e-4, False)):
         O.reset()
         block = add_block(gap)
-        add_wall(0, 1)
+        add_other()
         ready(interface=COHESION)
         run(20)
         assert (block.state.vel[1] < -1e-4) == attracts

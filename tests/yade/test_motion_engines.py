@@ -84,7 +84,7 @@ def test_rotation_engine_on_a_grain():
 
 
 def test_translation_engine_on_a_wall():
-    """And a wall driven by HarmonicMotionEngine: the grain follows it."""
+    """The grain between two of them follows."""
     disk = free_grain()
     low, high = add_wall(-RADIUS, axis=0), add_wall(RADIUS, axis=0)
     with_engine(TranslationEngine(ids=[low.id, high.id], translationAxis=(1, 0, 0), velocity=0.2))

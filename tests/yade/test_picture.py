@@ -81,6 +81,8 @@ def test_colours_are_the_stresses(drawn):
         np.testing.assert_allclose(np.sort(shown), np.sort(expected), atol=1e-12)
         assert np.abs(expected).max() > 1e-3 > 1e6 * np.abs(free).max()
         assert 0.5 * expected.max() < mesh.get_clim()[1] <= expected.max()
+        sg.draw_packing("p.png", field=field, scale=1e6, limits=(-0.1, 0.3))
+        assert the_one(drawn[-1], TriMesh).get_clim() == (-0.1, 0.3)
 
 
 @pytest.mark.parametrize(

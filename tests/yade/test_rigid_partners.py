@@ -67,6 +67,34 @@ def test_momentum_and_reactions():
     assert sg.integrator().cappedSteps == 0
 
 
+def node_contacts(ball):
+    """Contacts of a rigid body as they were when the step began, by node of a grain, with the
+    impulses of the step."""
+    found = {}
+    for i in O.interactions:
+        if ball.id in (i.id1, i.id2) and i.isReal:
+            arrays = i.geom.contacts()
+            for k, node in enumerate(arrays["node"]):
+                found[i.id1, i.id2, node] = {name: array[k] for name, array in arrays.items()}
+    return found
+
+
+def is_sticking(contact, mu):
+    normal = contact["impulse"].dot(contact["normal"])
+    shear = np.linalg.norm(contact["impulse"] - normal * contact["normal"])
+    return shear < 0.999 * mu * normal
+
+
+def shift_of(point, place, velocity, spin):
+    """In the step that a body ended with these velocities, of a point of it [m]."""
+    return O.dt * (velocity + np.cross(spin, point - place))
+
+
+def way(place, velocity, spin):
+    """Of a small body in a step, roughly [m]."""
+    return O.dt * (np.linalg.norm(velocity) + RADIUS * np.linalg.norm(spin))
+
+
 def test_conditions_at_the_end_of_the_step():
     """What the solver promises holds for what NewtonIntegrator makes of it: no contact closes, and
     sticking ones do not slide, at the velocities after the step; another force acts too."""
@@ -75,16 +103,25 @@ def test_conditions_at_the_end_of_the_step():
     O.forces.setPermF(ball.id, (0.05, -2, 0))
     add_wall(-RADIUS, 1, friction=0.5)
     ready(gravity=(0, -10, 0), tolerance=1e-10, maxSweeps=2000)
-    seen = 0
+    closed, sticking = 0, 0
+    before, points = None, {}
     for _ in range(300):
+        place = np.array(ball.state.pos)
         run(1)
-        for i in O.interactions:
-            if ball.id not in (i.id1, i.id2) or not i.isReal:
+        last, points = points, node_contacts(ball)
+        for node in last.keys() & points.keys():
+            found, now = last[node], points[node]
+            if not found["impulse"].any():
                 continue
-            contacts = i.geom.contacts()
-            active = np.linalg.norm(contacts["impulse"], axis=1) > 0
-            seen += active.sum()
-    assert seen > 50
+            closed += 1
+            assert abs(now["gap"]) < 1e-4 * way(*before)
+            if is_sticking(found, 0.3):
+                sticking += 1
+                slip = now["point"] - found["point"] - shift_of(found["point"], *before)
+                slip -= slip.dot(found["normal"]) * found["normal"]
+                assert np.linalg.norm(slip) < 1e-4 * way(*before)
+        before = place, np.array(ball.state.vel), np.array(ball.state.angVel)
+    assert closed > 50 and sticking > 20
     # the ball's velocity is that of the solve: it follows from the forces alone
     velocity = np.array(ball.state.vel)
     run(1)

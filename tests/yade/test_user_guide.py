@@ -1,4 +1,4 @@
-"""The examples of doc/user_guide.md run as they stand there."""
+"""The examples of doc/user_guide.md, and the script of README.md, run as they stand there."""
 
 import re
 from pathlib import Path
@@ -6,16 +6,21 @@ from pathlib import Path
 import __main__
 import pytest
 
-GUIDE = Path(__file__).parents[2] / "doc" / "user_guide.md"
+ROOT = Path(__file__).parents[2]
+GUIDE = ROOT / "doc" / "user_guide.md"
+
+
+def blocks_in(text):
+    """Of Python."""
+    return re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 
 def sections():
     """Heading, level, and python blocks of each section."""
     heading = re.compile(r"^(#{2,3}) (.*)$", re.MULTILINE)
-    block = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
     parts = heading.split(GUIDE.read_text())[1:]
     return [
-        (title, len(marks), block.findall(text))
+        (title, len(marks), blocks_in(text))
         for marks, title, text in zip(parts[::3], parts[1::3], parts[2::3])
     ]
 
@@ -36,7 +41,8 @@ def examples():
     return found
 
 
-EXAMPLES = examples()
+(README,) = blocks_in((ROOT / "README.md").read_text())
+EXAMPLES = [("README", README), *examples()]
 
 
 def test_there_are_examples():

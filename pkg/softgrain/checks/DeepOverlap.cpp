@@ -1,6 +1,6 @@
 #include "checks/DeepOverlap.hpp"
 #include "classes/SoftContact.hpp"
-#include "scene/SceneAssembly.hpp"
+#include "scene/Bodies.hpp"
 
 #include <cmath>
 #include <sstream>

@@ -3,7 +3,7 @@
 #include "classes/SoftGrainIntegrator.hpp"
 #include "classes/SoftenWhenLoaded.hpp"
 #include "classes/WallStressController.hpp"
-#include "scene/SceneAssembly.hpp"
+#include "scene/Bodies.hpp"
 
 #include <algorithm>
 #include <stdexcept>

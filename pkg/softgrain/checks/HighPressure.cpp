@@ -1,7 +1,7 @@
 #include "checks/HighPressure.hpp"
 #include "classes/SoftGrain.hpp"
 #include "classes/SoftMat.hpp"
-#include "scene/SceneAssembly.hpp"
+#include "scene/Bodies.hpp"
 
 #include <limits>
 #include <sstream>

@@ -2,7 +2,7 @@
 #include "Require.hpp"
 #include "checks/Engines.hpp"
 #include "classes/SoftGrainIntegrator.hpp"
-#include "scene/RigidTimeStep.hpp"
+#include "scene/HostTimeStep.hpp"
 #include "scene/SceneAssembly.hpp"
 
 #include <limits>

@@ -1,6 +1,8 @@
 #include "classes/SoftSearch.hpp"
 #include "assembly/RigidInKernel.hpp"
 #include "classes/SoftContact.hpp"
+#include "scene/Bodies.hpp"
+#include "scene/HostTimeStep.hpp"
 #include "scene/PeriodicCell.hpp"
 #include "scene/SceneAssembly.hpp"
 #include "scene/Timing.hpp"

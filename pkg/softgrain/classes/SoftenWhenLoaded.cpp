@@ -3,7 +3,7 @@
 #include "checks/Engines.hpp"
 #include "classes/SoftContact.hpp"
 #include "classes/SoftGrainIntegrator.hpp"
-#include "scene/SceneAssembly.hpp"
+#include "scene/Bodies.hpp"
 
 #include <lib/pyutil/gil.hpp>
 

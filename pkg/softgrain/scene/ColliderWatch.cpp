@@ -1,7 +1,7 @@
 #include "scene/ColliderWatch.hpp"
 #include "Threads.hpp"
 #include "checks/Engines.hpp"
-#include "scene/SceneAssembly.hpp"
+#include "scene/Bodies.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,7 @@
 #include "scene/DrawnOutline.hpp"
 #include "classes/SoftGrain.hpp"
 #include "classes/SoftMat.hpp"
+#include "scene/Bodies.hpp"
 #include "scene/SceneAssembly.hpp"
 
 #include <atomic>

@@ -4,9 +4,9 @@
 #include "classes/NonsmoothLaw.hpp"
 #include "classes/SoftContact.hpp"
 #include "classes/SoftSearch.hpp"
+#include "scene/Bodies.hpp"
 #include "scene/PeriodicCell.hpp"
 #include "scene/RigidPartners.hpp"
-#include "scene/SceneAssembly.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "scene/RigidPartners.hpp"
 #include "Require.hpp"
+#include "scene/Bodies.hpp"
 
 #include <cmath>
 
@@ -9,7 +10,7 @@ using softgrain::Vec3;
 
 namespace {
 
-string nameOf(const Body& body)
+string rigidNameOf(const Body& body)
 {
 	return "rigid body #" + std::to_string(body.getId()) + " (" +
 	       (body.shape ? body.shape->getClassName() : string("no shape")) + ")";
@@ -31,7 +32,7 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 	const State& state = *body.state;
 	if (isDampedBy(newton, body))
 		throw std::runtime_error(
-			nameOf(body) +
+			rigidNameOf(body) +
 			" takes part in contact dynamics and is free, but NewtonIntegrator.damping "
 			"= " +
 			std::to_string(newton.damping) +
@@ -41,16 +42,16 @@ void requireExactReactions(const Body& body, const NewtonIntegrator& newton)
 		   turns = (state.blockedDOFs & State::DOF_RXRYRZ) != State::DOF_RXRYRZ;
 	if (translates && !(state.mass > 0 && std::isfinite(state.mass)))
 		softgrain::refuse(
-			nameOf(body) +
+			rigidNameOf(body) +
 				" takes part in contact dynamics and is free to move: state.mass",
 			state.mass, "(0, inf) kg");
 	if (turns && dynamic_cast<const Wall*>(body.shape.get()))
 		throw std::runtime_error(
-			nameOf(body) +
+			rigidNameOf(body) +
 			" touches soft grains and is free to turn, which a Wall cannot; block "
 			"'XYZ' in state.blockedDOFs, or use a Box");
 	if (turns && !(state.inertia.minCoeff() > 0))
-		throw std::runtime_error(nameOf(body) +
+		throw std::runtime_error(rigidNameOf(body) +
 					 " takes part in contact dynamics and is free to turn, but "
 					 "state.inertia has a component that is not in (0, inf)");
 }

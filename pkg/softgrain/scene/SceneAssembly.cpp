@@ -1,13 +1,14 @@
 #include "scene/SceneAssembly.hpp"
 #include "Fetch.hpp"
-#include "Require.hpp"
 #include "Threads.hpp"
+#include "checks/BodyChecks.hpp"
 #include "checks/Engines.hpp"
 #include "checks/HostChecks.hpp"
 #include "classes/SoftContact.hpp"
 #include "classes/SoftGrain.hpp"
 #include "classes/SoftGrainIntegrator.hpp"
 #include "classes/SoftMat.hpp"
+#include "scene/Bodies.hpp"
 #include "scene/PeriodicCell.hpp"
 #include "scene/StateChange.hpp"
 
@@ -15,7 +16,6 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
-#include <typeinfo>
 
 namespace yade {
 
@@ -25,77 +25,6 @@ std::mutex assemblyMutex;
 
 /// What a thread does with so many, 20 to 25 ns each, takes about as long as waking it.
 constexpr int bodiesPerThread = 1000;
-
-std::string name(const Body& body) { return "body #" + std::to_string(body.getId()); }
-
-/// Nothing derives from the soft classes, and this is asked of every body in every step.
-template <class Soft, class Base> bool isA(const shared_ptr<Base>& object)
-{
-	return object && typeid(*object) == typeid(Soft);
-}
-
-/// (Of soft grains the state is checked where it was changed.)
-void checkRigidBody(const Body& body)
-{
-	const State& state = *body.state;
-	const std::pair<const char*, Real> sums[] { { "pos", state.pos.sum() },
-						    { "ori", state.ori.coeffs().sum() },
-						    { "vel", state.vel.sum() },
-						    { "angVel", state.angVel.sum() } };
-	for (const auto& [which, sum] : sums)
-		if (!math::isfinite(sum))
-			throw std::invalid_argument(name(body) + ": state." + which +
-						    " is not finite; admissible: finite numbers");
-	if (!isA<Box>(body.shape)) return;
-	const Vector3r& extents = static_cast<const Box&>(*body.shape).extents;
-	if (!(extents.minCoeff() >= 0))
-		softgrain::refuse(name(body) + ": half a side in shape.extents", extents.minCoeff(),
-				  "[0, inf) m");
-}
-
-void checkBody(const Body& body)
-{
-	checkSubdomain(body);
-	const bool softShape = isA<SoftGrain>(body.shape);
-	const bool softMaterial = isA<SoftMat>(body.material);
-	if (!softShape) checkRigidBody(body);
-	if (softShape && !softMaterial)
-		throw std::invalid_argument(
-			name(body) + " has the soft shape SoftGrain but the material " +
-			(body.material ? body.material->getClassName() : string("None")) +
-			"; soft grains need a SoftMat");
-	if (softMaterial && !softShape)
-		throw std::invalid_argument(
-			name(body) + " has the material SoftMat but the rigid shape " +
-			(body.shape ? body.shape->getClassName() : string("None")) +
-			"; use sg.soften() or give it a rigid material such as FrictMat");
-	if (softShape && (body.isClumpMember() || body.isClump()))
-		throw std::invalid_argument(name(body) +
-					    " is a soft grain in a clump, which is not supported");
-	if (softShape && body.state->blockedDOFs != State::DOF_ALL)
-		throw std::invalid_argument(
-			name(body) +
-			" is a soft grain with degrees of freedom left to NewtonIntegrator: "
-			"state.blockedDOFs = '" +
-			string(body.state->blockedDOFs_vec_get()) +
-			"'; admissible: 'xyzXYZ', which sg.soften() and sg.soft_disk() set "
-			"(SoftGrainIntegrator moves the grain, in 2D within its plane)");
-}
-
-void checkPeriodic(const Body& body, const Scene& scene)
-{
-	if (isA<Wall>(body.shape))
-		throw std::invalid_argument(
-			name(body) +
-			" is a Wall, but O.periodic = True: the collider of YADE never ends with "
-			"its infinite box in a periodic cell; leave it out");
-	if (isA<Box>(body.shape) && isSheared(scene))
-		throw std::invalid_argument(name(body) +
-					    " is a Box in a sheared periodic cell, where the "
-					    "collider of YADE would end "
-					    "the process; use Facets, or keep O.cell.hSize and "
-					    "O.cell.velGrad diagonal");
-}
 
 const SoftMat& softMaterial(const Body& body)
 {
@@ -128,17 +57,11 @@ bool isInAssembly(const Body& body, MaterialCheck& materials)
 	       materials.passes(softMaterial(body), *grain.assembledMaterial);
 }
 
-void check(const Body& body, const Scene& scene)
-{
-	if (scene.isPeriodic) checkPeriodic(body, scene);
-	checkBody(body);
-}
-
 /// For parallel loops, which nothing may leave.
 bool passes(const Body& body, const Scene& scene) noexcept
 {
 	try {
-		check(body, scene);
+		checkBody(body, scene);
 		return true;
 	} catch (const std::invalid_argument&) {
 		return false;
@@ -218,7 +141,7 @@ SoftScene softScene(const Scene& scene, int threads, Asked asked)
 		if (asked == Asked::byStep)
 			grain.assembly->host.moved[grain.index] = !isAsWritten(*body);
 	}
-	if (faulty < count) check(*bodies[faulty], scene);
+	if (faulty < count) checkBody(*bodies[faulty], scene);
 	SoftScene soft { grains, unbounded < count ? unbounded : -1, hasPlates, nullptr };
 	if (grains == 0 || lowest != highest || inAssembly != grains) return soft;
 	const auto& assembly = static_cast<SoftGrain&>(*bodies[first]->shape).assembly;
@@ -293,7 +216,8 @@ void requireShapesOfTheirOwn(const std::vector<Body*>& bodies)
 	for (const Body* body : bodies) {
 		const auto [known, isNew] = owner.emplace(body->shape.get(), body);
 		if (!isNew)
-			throw std::invalid_argument(name(*known->second) + " and " + name(*body) +
+			throw std::invalid_argument(nameOf(*known->second) + " and " +
+						    nameOf(*body) +
 						    " share one SoftGrain as their shape; give "
 						    "each a SoftGrain of its own");
 	}
@@ -368,48 +292,6 @@ bool isFit(softgrain::GrainAssembly& assembly, const Scene& scene) noexcept
 		}
 	}
 	return !host.isUnfit;
-}
-
-bool isSoftGrain(const Body& body) { return isA<SoftGrain>(body.shape); }
-
-bool isPlate(const Shape& shape)
-{
-	const int kind = shape.getClassIndex();
-	return kind == Box::getClassIndexStatic() || kind == Facet::getClassIndexStatic();
-}
-
-bool hasFriction(const Body& body) { return bool(YADE_PTR_DYN_CAST<FrictMat>(body.material)); }
-
-SoftGrain& grainOf(const Scene& scene, int id)
-{
-	return static_cast<SoftGrain&>(*(*scene.bodies)[id]->shape);
-}
-
-const SoftMat& materialOf(const Scene& scene, int id)
-{
-	return static_cast<const SoftMat&>(*(*scene.bodies)[id]->material);
-}
-
-std::string namesOf(const Interaction& I)
-{
-	return "bodies #" + std::to_string(I.getId1()) + " and #" + std::to_string(I.getId2());
-}
-
-bool isMoved(const Body& body, const NewtonIntegrator& newton)
-{
-	return newton.mask <= 0 || body.maskCompatible(newton.mask);
-}
-
-Vector3r motionOf(const Body& body, const NewtonIntegrator& newton)
-{
-	return isMoved(body, newton) ? body.state->vel : Vector3r(Vector3r::Zero());
-}
-
-double defaultTimeStep()
-{
-	static const double step =
-		Scene().dt; // a Scene is costly to make, and this is asked per pair
-	return step;
 }
 
 AssembledGrain assembledGrain(const SoftGrain& shape)

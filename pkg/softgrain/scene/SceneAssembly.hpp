@@ -5,11 +5,9 @@
 #include "assembly/GrainAssembly.hpp"
 
 #include <memory>
-#include <string>
 
 namespace yade {
 class SoftGrain;
-class SoftMat;
 
 /// The assembly of the scene's soft grains, made anew if grains, materials or shapes changed since;
 /// null if there is none.
@@ -35,27 +33,5 @@ AssembledGrain assembledGrain(const SoftGrain& shape);
 /// The scene is assembled if need be; in none if that fails. For functors, which run in parallel
 /// regions where nothing may be thrown: SoftGrainIntegrator reports why.
 AssembledGrain assembledGrain(const SoftGrain& shape, Scene& scene) noexcept;
-
-bool isSoftGrain(const Body& body);
-bool isPlate(const Shape& shape); ///< a Box or a Facet
-/// Whether a rigid body has a material that contact with soft grains goes by.
-bool hasFriction(const Body& body);
-
-/// Shape of a body that is a soft grain.
-SoftGrain& grainOf(const Scene& scene, int id);
-
-/// Material of the same.
-const SoftMat& materialOf(const Scene& scene, int id);
-
-/// "bodies #1 and #2", for messages.
-std::string namesOf(const Interaction& I);
-
-/// Whether it moves a body (NewtonIntegrator.mask).
-bool isMoved(const Body& body, const NewtonIntegrator& newton);
-/// Velocity with which it does, m/s; of others, whose State may have one, zero.
-Vector3r motionOf(const Body& body, const NewtonIntegrator& newton);
-
-/// O.dt of a scene in which nobody has set it, s.
-double defaultTimeStep();
 
 } // namespace yade

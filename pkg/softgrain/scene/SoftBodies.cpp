@@ -3,6 +3,7 @@
 #include "Threads.hpp"
 #include "classes/SoftGrain.hpp"
 #include "classes/SoftMat.hpp"
+#include "scene/Bodies.hpp"
 #include "scene/SceneAssembly.hpp"
 #include "scene/StateChange.hpp"
 

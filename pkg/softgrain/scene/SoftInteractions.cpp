@@ -3,9 +3,9 @@
 #include "checks/DeepOverlap.hpp"
 #include "classes/SoftContact.hpp"
 #include "classes/SoftSearch.hpp"
+#include "scene/Bodies.hpp"
 #include "scene/PeriodicCell.hpp"
 #include "scene/RigidPartners.hpp"
-#include "scene/SceneAssembly.hpp"
 #include "scene/TouchedBodies.hpp"
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 #include "scene/StateChange.hpp"
 #include "classes/SoftGrain.hpp"
+#include "scene/Bodies.hpp"
 
 namespace yade {
 

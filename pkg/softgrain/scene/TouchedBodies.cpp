@@ -1,6 +1,6 @@
 #include "scene/TouchedBodies.hpp"
 #include "classes/SoftGrain.hpp"
-#include "scene/SceneAssembly.hpp"
+#include "scene/Bodies.hpp"
 
 #include <typeinfo>
 

@@ -1,4 +1,4 @@
-#include "scene/RigidTimeStep.hpp"
+#include "scene/HostTimeStep.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +34,13 @@ Real waveTime(const Body& body, const FrictMat& material)
 }
 
 } // namespace
+
+Real defaultTimeStep()
+{
+	static const Real step =
+		Scene().dt; // a Scene is costly to make, and this is asked per pair
+	return step;
+}
 
 Real rigidTimeStep(const Scene& scene)
 {
