@@ -1,6 +1,8 @@
 #include "Helpers.hpp"
 #include "lanes/LaneMath.hpp"
+#include "lanes/Parts.hpp"
 
+#include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <limits>
@@ -57,14 +59,32 @@ TEST_CASE("Lane math: no logarithm where there is none, in that lane alone", "[m
 	CHECK(y[laneWidth - 1] == lnOf(Lanes {} + 2)[0]);
 }
 
-TEST_CASE("Lanes: transposition", "[material]")
+TEMPLATE_TEST_CASE("Parts of lanes: transposition", "[material]", WholeLanes, HalfLanes)
 {
-	Lanes row[laneWidth];
-	for (int r = 0; r < laneWidth; ++r)
-		for (int l = 0; l < laneWidth; ++l)
+	constexpr int width = TestType::width;
+	typename TestType::Numbers row[width];
+	for (int r = 0; r < width; ++r)
+		for (int l = 0; l < width; ++l)
 			row[r][l] = 10 * r + l;
-	transpose(row);
-	for (int r = 0; r < laneWidth; ++r)
-		for (int l = 0; l < laneWidth; ++l)
+	transpose<TestType>(row);
+	for (int r = 0; r < width; ++r)
+		for (int l = 0; l < width; ++l)
 			CHECK(row[r][l] == 10 * l + r);
+}
+
+TEMPLATE_TEST_CASE("Parts of lanes: ends of arrays", "[material]", WholeLanes, HalfLanes)
+{
+	constexpr int width = TestType::width, count = width + 3;
+	double numbers[count + 1] = {}, copy[count + 1] = {};
+	for (int i = 0; i <= count; ++i)
+		numbers[i] = i + 1;
+	for (int k = 0; k < count; k += width) {
+		const auto some = numbersFrom<TestType>(numbers, k, count);
+		for (int l = 0; l < width; ++l)
+			CHECK(some[l] == (k + l < count ? k + l + 1 : 0));
+		putNumbers<TestType>(some, copy, k, count);
+	}
+	for (int i = 0; i < count; ++i)
+		CHECK(copy[i] == numbers[i]);
+	CHECK(copy[count] == 0);
 }

@@ -3,60 +3,60 @@
 #pragma once
 
 #include "grain/Batch.hpp"
+#include "lanes/Parts.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace softgrain {
 
+/// Numbers of a part, the h-th after it, of component `a` at the k-th place of a block's field that
+/// begins at `first`.
+template <class Part, int dim>
+typename Part::Numbers& lanesAt(double* first, int k, int a, int h = 0)
+{
+	return *reinterpret_cast<typename Part::Numbers*>(first + (k * dim + a) * laneWidth +
+							  h * Part::width);
+}
+template <class Part, int dim>
+const typename Part::Numbers& lanesAt(const double* first, int k, int a, int h = 0)
+{
+	return lanesAt<Part, dim>(const_cast<double*>(first), k, a, h);
+}
+
 namespace detail {
 
-/// Elements from `k` on of an array of `count`.
-inline Lanes loadPart(const double* from, int k, int count)
+/// `scale` times `count` vectors of each grain of a part; vector I goes to `place[I]`. `to` is
+/// the part's first number.
+template <int dim, class Part>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void
+takeSideBySide(const double* const* grain, const int* place, int count,
+	       const typename Part::Numbers& scale, double* to)
 {
-	if (k + laneWidth <= count) return loadLanes(from + k);
-	Lanes part = {};
-	for (int i = k; i < count; ++i)
-		part[i - k] = from[i];
-	return part;
-}
-inline void storePart(const Lanes& part, double* to, int k, int count)
-{
-	if (k + laneWidth <= count) {
-		storeLanes(to + k, part);
-		return;
-	}
-	for (int i = k; i < count; ++i)
-		to[i] = part[i - k];
-}
-
-/// `scale` times `count` vectors of each grain; vector I goes to `place[I]`.
-template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void takeSideBySide(const double* const (&grain)[laneWidth],
-						       const int* place, int count,
-						       const Lanes& scale, LaneSlot* to)
-{
-	for (int k = 0; k < count * dim; k += laneWidth) {
-		Lanes row[laneWidth];
-		for (int l = 0; l < laneWidth; ++l)
-			row[l] = loadPart(grain[l], k, count * dim);
-		transpose(row);
-		for (int i = 0; i < laneWidth && k + i < count * dim; ++i)
-			to[place[(k + i) / dim] * dim + (k + i) % dim].value = scale * row[i];
+	for (int k = 0; k < count * dim; k += Part::width) {
+		typename Part::Numbers row[Part::width];
+		for (int l = 0; l < Part::width; ++l)
+			row[l] = numbersFrom<Part>(grain[l], k, count * dim);
+		transpose<Part>(row);
+		for (int i = 0; i < Part::width && k + i < count * dim; ++i)
+			lanesAt<Part, dim>(to, place[(k + i) / dim], (k + i) % dim) =
+				scale * row[i];
 	}
 }
-/// The way back, to the first `grains` lanes.
-template <int dim>
-SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void putAsunder(const LaneSlot* from, const int* place,
-						   int count, const Lanes& scale, int grains,
-						   double* const (&grain)[laneWidth])
+/// The way back, to the first `grains` of them.
+template <int dim, class Part>
+SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void putAsunder(const double* from, const int* place, int count,
+						   const typename Part::Numbers& scale, int grains,
+						   double* const* grain)
 {
-	for (int k = 0; k < count * dim; k += laneWidth) {
-		Lanes row[laneWidth] = {};
-		for (int i = 0; i < laneWidth && k + i < count * dim; ++i)
-			row[i] = scale * from[place[(k + i) / dim] * dim + (k + i) % dim].value;
-		transpose(row);
+	for (int k = 0; k < count * dim; k += Part::width) {
+		typename Part::Numbers row[Part::width] = {};
+		for (int i = 0; i < Part::width && k + i < count * dim; ++i)
+			row[i] = scale *
+				 lanesAt<Part, dim>(from, place[(k + i) / dim], (k + i) % dim);
+		transpose<Part>(row);
 		for (int l = 0; l < grains; ++l)
-			storePart(row[l], grain[l], k, count * dim);
+			putNumbers<Part>(row[l], grain[l], k, count * dim);
 	}
 }
 
@@ -77,8 +77,8 @@ public:
 	{
 		return const_cast<BlockField*>(this)->at(place, a);
 	}
-	LaneSlot* data() { return data_.data(); }
-	const LaneSlot* data() const { return data_.data(); }
+	double* data() { return reinterpret_cast<double*>(data_.data()); }
+	const double* data() const { return reinterpret_cast<const double*>(data_.data()); }
 
 	/// Takes `scale` times a block of a field of the batch; vector I goes to `place[I]`. Lanes
 	/// without a grain repeat the first.
@@ -88,8 +88,11 @@ public:
 		const double* own[laneWidth];
 		for (int l = 0; l < laneWidth; ++l)
 			own[l] = field.of(batch.grainInLane(block, l))->data();
-		detail::takeSideBySide<dim>(own, place.data(), static_cast<int>(place.size()),
-					    scale, data());
+		forEachPart([&]<class Part>(Part, int begin) {
+			detail::takeSideBySide<dim, Part>(
+				own + begin, place.data(), static_cast<int>(place.size()),
+				partOf<Part>(scale, begin), data() + begin);
+		});
 	}
 	/// All of it, as it is.
 	void load(const NodalField<dim>& field, const Batch<dim>& batch, int block)
@@ -105,8 +108,12 @@ public:
 		double* own[laneWidth] = {};
 		for (int l = 0; l < grains; ++l)
 			own[l] = field.of(batch.grainInLane(block, l))->data();
-		detail::putAsunder<dim>(data(), place.data(), static_cast<int>(place.size()), scale,
-					grains, own);
+		forEachPart([&]<class Part>(Part, int begin) {
+			detail::putAsunder<dim, Part>(
+				data() + begin, place.data(), static_cast<int>(place.size()),
+				partOf<Part>(scale, begin),
+				std::clamp(grains - begin, 0, Part::width), own + begin);
+		});
 	}
 
 	void store(NodalField<dim>& field, const Batch<dim>& batch, int block) const

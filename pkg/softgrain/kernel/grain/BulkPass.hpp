@@ -55,12 +55,13 @@ public:
 		for (int l = 0; l < laneWidth; ++l)
 			numbers_[side.place(strip, group, l)] = values[l];
 	}
-	template <class Side, int dim>
-	Lanes at(const Side& side, const Strip<dim>& strip, int group) const
+	template <class Part, class Side, int dim>
+	typename Part::Numbers part(const Side& side, const Strip<dim>& strip, int group,
+				    int begin) const
 	{
-		Lanes values;
-		for (int l = 0; l < laneWidth; ++l)
-			values[l] = at(side, strip, group, l);
+		typename Part::Numbers values;
+		for (int l = 0; l < Part::width; ++l)
+			values[l] = at(side, strip, group, begin + l);
 		return values;
 	}
 	template <class Side, int dim>
@@ -79,11 +80,13 @@ private:
 	std::vector<double> numbers_; ///< see `place` of the side
 };
 
-template <int dim> void copy(const Lanes (&from)[dim][dim], Lanes (&to)[dim][dim])
+/// The lanes from `begin` on.
+template <int dim, class Part>
+void copyPart(const Lanes (&from)[dim][dim], int begin, PointLanes<dim, Part>& point)
 {
 	for (int a = 0; a < dim; ++a)
 		for (int b = 0; b < dim; ++b)
-			to[a][b] = from[a][b];
+			point.F[a][b] = partOf<Part>(from[a][b], begin);
 }
 
 } // namespace softgrain

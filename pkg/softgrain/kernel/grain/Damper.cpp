@@ -118,8 +118,10 @@ private:
 		auto &F = F_.tensor[group], &rate = rate_.tensor[group];
 		stretch = larger(largestSquaredStretch(F), stretch);
 		const Lanes trace =
-			projected ? trace_.at(positions_, F_, group) : traceOf<dim>(F, rate);
-		becomeStress<dim>(F, rate, viscosity_, trace, positions_.volume(F_, group));
+			projected ? trace_.template part<WholeLanes>(positions_, F_, group, 0)
+				  : traceOf<dim>(F, rate);
+		becomeStress<dim>(F, rate, viscosity_, trace,
+				  positions_.template volume<WholeLanes>(F_, group, 0));
 	}
 	/// As the volumetric strain of the law: else this term would lock, and damp stiffer modes
 	/// than there are.

@@ -14,9 +14,9 @@ namespace {
 /// Stress from F, every point on its own.
 template <int dim, class LawEvaluator> struct PointwiseLaw {
 	template <class Side> void prepare(const Side&, const GrainTemplate<dim>&) {}
-	template <class Side>
-	void evaluate(const Side&, const LameConstants& lame, const Strip<dim>&, int,
-		      PointLanes<dim>& point) const
+	template <class Side, class Part>
+	void evaluate(const Side&, const LameNumbers<Part>& lame, const Strip<dim>&, int, int,
+		      PointLanes<dim, Part>& point) const
 	{
 		LawEvaluator::evaluate(point, lame);
 	}
@@ -39,11 +39,12 @@ template <int dim, class LawEvaluator> struct ProjectedLaw {
 		forEachStrip(side, reference.pointLines, strip, [&] { logarithms(side, strip); });
 		theta_.project<Side>(reference);
 	}
-	template <class Side>
-	void evaluate(const Side& side, const LameConstants& lame, const Strip<dim>& strip,
-		      int group, PointLanes<dim>& point) const
+	template <class Side, class Part>
+	void evaluate(const Side& side, const LameNumbers<Part>& lame, const Strip<dim>& strip,
+		      int group, int begin, PointLanes<dim, Part>& point) const
 	{
-		LawEvaluator::evaluateProjected(point, lame, theta_.at(side, strip, group));
+		LawEvaluator::evaluateProjected(
+			point, lame, theta_.template part<Part>(side, strip, group, begin));
 	}
 	template <class Side>
 	double theta(const Side& side, const Strip<dim>& strip, int group, int lane,
@@ -59,7 +60,7 @@ private:
 	{
 		PointLanes<dim> point;
 		for (int group = 0; group < strip.groups; ++group) {
-			copy(strip.tensor[group], point.F);
+			copyPart(strip.tensor[group], 0, point);
 			theta_.set(side, strip, group, LawEvaluator::volumetricStrain(point));
 		}
 	}
@@ -81,25 +82,29 @@ template <int dim, class Use> void withVolumetricLaw(const Batch<dim>& batch, Us
 	});
 }
 
-/// Turns the deformation gradients of a strip into Vp0 P.
-template <int dim, class VolumetricLaw, class Side>
+/// Turns the deformation gradients of a strip into Vp0 P, in the lanes from `begin` on.
+template <int dim, class Part, class VolumetricLaw, class Side>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS void stressesOfStrip(const VolumetricLaw& law, const Side& side,
-							Strip<dim>& strip, BulkSums& sums)
+							int begin, Strip<dim>& strip,
+							BulkSums& sums)
 {
-	const LameConstants lame = side.lame(); // a copy that no store to the strip can change
-	BulkSums all = sums;
-	PointLanes<dim> point;
+	// a copy that no store to the strip can change
+	const LameNumbers<Part> lame = side.lame().template part<Part>(begin);
+	typename Part::Numbers energy = partOf<Part>(sums.energy, begin),
+			       stiffening = partOf<Part>(sums.stiffening, begin);
+	PointLanes<dim, Part> point;
 	for (int group = 0; group < strip.groups; ++group) {
-		copy(strip.tensor[group], point.F);
-		law.evaluate(side, lame, strip, group, point);
-		const Lanes V = side.volume(strip, group);
-		all.energy += V * point.energy;
-		all.stiffening = larger(point.stiffening, all.stiffening);
+		copyPart(strip.tensor[group], begin, point);
+		law.evaluate(side, lame, strip, group, begin, point);
+		const auto V = side.template volume<Part>(strip, group, begin);
+		energy += V * point.energy;
+		stiffening = larger<Part>(point.stiffening, stiffening);
 		for (int a = 0; a < dim; ++a)
 			for (int b = 0; b < dim; ++b)
-				strip.tensor[group][a][b] = V * point.P[a][b];
+				partOf<Part>(strip.tensor[group][a][b], begin) = V * point.P[a][b];
 	}
-	sums = all;
+	partOf<Part>(sums.energy, begin) = energy;
+	partOf<Part>(sums.stiffening, begin) = stiffening;
 }
 
 template <int dim, class VolumetricLaw, class Side>
@@ -111,7 +116,9 @@ void forceOf(Batch<dim>& batch, const Side& side)
 	BulkSums sums;
 	Strip<dim> strip;
 	forEachStrip(side, batch.reference->pointLines, strip, [&] {
-		stressesOfStrip(law, side, strip, sums);
+		forEachPart([&]<class Part>(Part, int begin) {
+			stressesOfStrip<dim, Part>(law, side, begin, strip, sums);
+		});
 		side.scatter(strip, forces);
 	});
 	side.holdHourglasses(forces, sums.energy);
@@ -135,8 +142,8 @@ template <int dim, class Use> void visitPoints(const Batch<dim>& batch, int g, U
 			for (int i = 0; i < points; ++i) {
 				const int group = i / laneWidth, lane = i % laneWidth;
 				if (lane == 0) {
-					copy(strip.tensor[group], point.F);
-					law.evaluate(side, side.lame(), strip, group, point);
+					copyPart(strip.tensor[group], 0, point);
+					law.evaluate(side, side.lame(), strip, group, 0, point);
 				}
 				use(side.place(strip, group, lane), point, lane,
 				    law.theta(side, strip, group, lane, point));

@@ -231,12 +231,14 @@ public:
 				for (int b = 0; b < dim; ++b)
 					last[a][b][lane] = last[a][b][lane - 1];
 	}
-	Lanes volume(const Strip<dim>& strip, int group) const
+	/// Of the lanes from `begin` on.
+	template <class Part>
+	typename Part::Numbers volume(const Strip<dim>& strip, int group, int begin) const
 	{
-		const int begin = strip.pointsBegin(lines_) + group * laneWidth;
-		Lanes volume = {};
-		for (int l = 0; l < std::min(laneWidth, strip.pointsEnd(lines_) - begin); ++l)
-			volume[l] = lines_.point[begin + l].volume;
+		const int first = strip.pointsBegin(lines_) + group * laneWidth + begin;
+		typename Part::Numbers volume = {};
+		for (int l = 0; l < std::min(Part::width, strip.pointsEnd(lines_) - first); ++l)
+			volume[l] = lines_.point[first + l].volume;
 		return volume;
 	}
 	int place(const Strip<dim>& strip, int group, int lane) const

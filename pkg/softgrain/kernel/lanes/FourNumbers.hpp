@@ -16,16 +16,6 @@ inline const FourNumbers& fourAt(const double* first)
 	return *reinterpret_cast<const FourNumbers*>(first);
 }
 
-/// From the k-th of `count` numbers on; zero behind their end.
-inline FourNumbers fourOf(const double* numbers, int k, int count)
-{
-	if (k + 4 <= count) return fourAt(numbers + k);
-	FourNumbers part = {};
-	for (int i = k; i < count; ++i)
-		part[i - k] = numbers[i];
-	return part;
-}
-
 inline double sumOf(const FourNumbers& numbers)
 {
 	return numbers[0] + numbers[1] + numbers[2] + numbers[3];

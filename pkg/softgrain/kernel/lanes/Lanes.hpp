@@ -37,42 +37,6 @@ inline void storeLanes(double* to, const Lanes& lanes)
 	*reinterpret_cast<detail::UnalignedLanes*>(to) = lanes;
 }
 
-/// Lane i of row j becomes lane j of row i.
-inline void transpose(Lanes (&row)[laneWidth])
-{
-	static_assert(laneWidth == 8);
-	auto exchange = [](Lanes& x, Lanes& y, const LaneBits& low, const LaneBits& high) {
-		const Lanes first = __builtin_shuffle(x, y, low);
-		y = __builtin_shuffle(x, y, high);
-		x = first;
-	};
-	for (int r = 0; r < laneWidth; r += 2)
-		exchange(row[r], row[r + 1], LaneBits { 0, 8, 2, 10, 4, 12, 6, 14 },
-			 LaneBits { 1, 9, 3, 11, 5, 13, 7, 15 });
-	for (int r : { 0, 1, 4, 5 })
-		exchange(row[r], row[r + 2], LaneBits { 0, 1, 8, 9, 4, 5, 12, 13 },
-			 LaneBits { 2, 3, 10, 11, 6, 7, 14, 15 });
-	for (int r = 0; r < laneWidth / 2; ++r)
-		exchange(row[r], row[r + 4], LaneBits { 0, 1, 2, 3, 8, 9, 10, 11 },
-			 LaneBits { 4, 5, 6, 7, 12, 13, 14, 15 });
-}
-
-/// Lane by lane: of whole vectors that are wider than its registers (AVX2) the compiler takes
-/// comparisons apart into single numbers.
-template <class Function> Lanes inEveryLane(Function&& function)
-{
-	Lanes y;
-#pragma omp simd simdlen(laneWidth)
-	for (int l = 0; l < laneWidth; ++l)
-		y[l] = function(l);
-	return y;
-}
-
-inline Lanes larger(const Lanes& x, const Lanes& y)
-{
-	return inEveryLane([&](int l) { return x[l] > y[l] ? x[l] : y[l]; });
-}
-
 } // namespace softgrain
 
 /// Marks a function over lanes: it is compiled for several instruction sets with everything it

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "Vector.hpp"
-#include "lanes/FourNumbers.hpp"
+#include "lanes/Parts.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -11,6 +11,13 @@
 namespace softgrain {
 
 constexpr int nodesPerBlock = 4;
+
+/// From the k-th of `count` numbers on; zero behind their end.
+inline FourNumbers fourOf(const double* numbers, int k, int count)
+{
+	return numbersFrom<HalfLanes>(numbers, k, count);
+}
+
 /// Of the vectors of a block.
 template <int dim> constexpr int numbersPerBlock = dim * nodesPerBlock;
 

@@ -11,8 +11,10 @@ namespace softgrain {
 /// volumetricStrain(point) and evaluateProjected(point, lame, theta).)
 template <class L, int dim>
 concept ConstitutiveLaw =
-	requires(PointLanes<dim>& point, const LameConstants& lame, const Lanes& theta) {
-		L::evaluate(point, lame);       // P, J, energy and stiffening from F
+	requires(PointLanes<dim>& point, const LameConstants& lame, const Lanes& theta,
+		 PointLanes<dim, HalfLanes>& half, const LameNumbers<HalfLanes>& lameOfHalf) {
+		L::evaluate(point, lame); // P, J, energy and stiffening from F
+		L::evaluate(half, lameOfHalf);
 		L::stiffenInSpace(point, lame); // then: stiffening as a grid fixed in space sees it
 		{ L::outOfPlane(point, lame, theta) } -> std::same_as<OutOfPlane>;
 		{ L::canProject } -> std::convertible_to<bool>;

@@ -1,7 +1,7 @@
 // Elastic constants and kinematic conditions common to all laws.
 #pragma once
 
-#include "lanes/Lanes.hpp"
+#include "lanes/Parts.hpp"
 
 #include <string>
 
@@ -47,14 +47,22 @@ struct ElasticConstants {
 	double waveImpedance(Condition condition) const { return density * waveSpeed(condition); }
 };
 
-/// Constants of the grains of a block as laws use them.
-struct LameConstants {
-	Lanes lambda, mu; ///< Pa
+/// Constants of the grains in a part of a block as laws use them.
+template <class Part> struct LameNumbers {
+	typename Part::Numbers lambda, mu; ///< Pa
 	/// Square of the highest frequency that 2 mu alone gives an undeformed grain over that of
 	/// all; 0 where pressure waves are the stiffest however it is deformed.
-	Lanes isochoricShare;
-	bool anyIsochoric = false; ///< in some lane
+	typename Part::Numbers isochoricShare;
+	bool anyIsochoric = false; ///< in some lane of the block
+};
 
+/// Of all of its grains.
+struct LameConstants : LameNumbers<WholeLanes> {
+	template <class Part> LameNumbers<Part> part(int begin) const
+	{
+		return { partOf<Part>(lambda, begin), partOf<Part>(mu, begin),
+			 partOf<Part>(isochoricShare, begin), anyIsochoric };
+	}
 	void set(int lane, const ElasticConstants& constants, double isochoric)
 	{
 		lambda[lane] = constants.lambda();

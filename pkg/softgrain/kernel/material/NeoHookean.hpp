@@ -35,14 +35,17 @@ inline double auxeticThicknessStrain(double lnJ2, double lambda, double mu)
 /// ln F33 from P33 = 0: mu (F33^2 - 1) + lambda (ln J2 + ln F33) = 0. For lambda >= 0 the function
 /// is convex and increasing in ln F33, so Newton's method converges; 8 steps reach rounding for all
 /// J2 in [0.05, 20].
-inline Lanes thicknessStrain(const Lanes& lnJ2, const Lanes& lambda, const Lanes& mu)
+template <class Part>
+typename Part::Numbers thicknessStrain(const typename Part::Numbers& lnJ2,
+				       const typename Part::Numbers& lambda,
+				       const typename Part::Numbers& mu)
 {
-	Lanes y = -lambda * lnJ2 / (lambda + 2 * mu);
+	typename Part::Numbers y = -lambda * lnJ2 / (lambda + 2 * mu);
 	for (int k = 0; k < 8; ++k) {
-		const Lanes a = expOf(2 * y);
+		const typename Part::Numbers a = expOf<Part>(2 * y);
 		y -= (mu * (a - 1) + lambda * (lnJ2 + y)) / (2 * mu * a + lambda);
 	}
-	for (int l = 0; l < laneWidth; ++l)
+	for (int l = 0; l < Part::width; ++l)
 		if (lambda[l] < 0) y[l] = auxeticThicknessStrain(lnJ2[l], lambda[l], mu[l]);
 	return y;
 }
@@ -56,14 +59,16 @@ template <int dim, Condition condition> struct NeoHookean {
 
 	/// Fills P, J, energy and stiffening from F. Where J <= 0 the results are not finite, and
 	/// where no thickness is free of stress none of them is a number.
-	static void evaluate(PointLanes<dim>& point, const LameConstants& lame)
+	template <class Part>
+	static void evaluate(PointLanes<dim, Part>& point, const LameNumbers<Part>& lame)
 	{
-		Lanes lnJ = volumetricStrain(point), squareF33 = Lanes {} + 1;
+		typename Part::Numbers lnJ = volumetricStrain(point),
+				       squareF33 = typename Part::Numbers {} + 1;
 		if constexpr (condition == Condition::planeStress) {
-			const Lanes y = detail::thicknessStrain(lnJ, lame.lambda, lame.mu);
-			squareF33 = expOf(2 * y);
+			const auto y = detail::thicknessStrain<Part>(lnJ, lame.lambda, lame.mu);
+			squareF33 = expOf<Part>(2 * y);
 			lnJ += y; // of the in-plane part so far; the thickness follows
-			point.J = inEveryLane([&](int l) {
+			point.J = inEveryLane<Part>([&](int l) {
 				const double J = point.J[l];
 				return J > 0 && std::isnan(y[l]) ? y[l] : J;
 			});
@@ -72,21 +77,23 @@ template <int dim, Condition condition> struct NeoHookean {
 	}
 
 	/// Fills J from F; ln J.
-	static Lanes volumetricStrain(PointLanes<dim>& point)
+	template <class Part>
+	static typename Part::Numbers volumetricStrain(PointLanes<dim, Part>& point)
 	{
-		Lanes C[dim][dim];
-		point.J = cofactors(point.F, C);
-		return lnOf(point.J);
+		typename Part::Numbers C[dim][dim];
+		point.J = cofactors<Part>(point.F, C);
+		return lnOf<Part>(point.J);
 	}
 
 	/// As `evaluate`, with theta in the place of ln J in the volumetric part lambda/2 (ln J)^2:
 	/// its energy is lambda/2 theta ln J, the sum of which over a grain is that of theta^2.
-	static void evaluateProjected(PointLanes<dim>& point, const LameConstants& lame,
-				      const Lanes& theta)
+	template <class Part>
+	static void evaluateProjected(PointLanes<dim, Part>& point, const LameNumbers<Part>& lame,
+				      const typename Part::Numbers& theta)
 	{
 		static_assert(canProject);
-		const Lanes lnJ = volumetricStrain(point);
-		respond(point, lame, lnJ, theta, Lanes {} + 1);
+		const auto lnJ = volumetricStrain(point);
+		respond(point, lame, lnJ, theta, typename Part::Numbers {} + 1);
 	}
 
 	/// Replaces the stiffening, after `evaluate`, by that seen by a grid fixed in space: with a
@@ -100,9 +107,9 @@ template <int dim, Condition condition> struct NeoHookean {
 			b += point.F[0][a] * point.F[0][a];
 		}
 		const Lanes rest = tau - mu * b; // lambda ln J - mu; with P33 = 0 also -mu F33^2
-		point.stiffening =
-			(mu * largestSquaredStretch(point.F) + inPlane(lambda, -rest) - rest) /
-			(inPlane(lambda, mu) + 2 * mu);
+		point.stiffening = (mu * largestSquaredStretch(point.F) +
+				    inPlane<WholeLanes>(lambda, -rest) - rest) /
+				   (inPlane<WholeLanes>(lambda, mu) + 2 * mu);
 	}
 
 	/// Of a point with the volumetric strain `theta`: ln J or its projection. With F33 = 1,
@@ -114,40 +121,47 @@ template <int dim, Condition condition> struct NeoHookean {
 		if constexpr (condition == Condition::planeStrain)
 			out.stress = lame.lambda * theta / point.J;
 		if constexpr (condition == Condition::planeStress)
-			out.stretch = expOf(detail::thicknessStrain(theta, lame.lambda, lame.mu));
+			out.stretch = expOf(
+				detail::thicknessStrain<WholeLanes>(theta, lame.lambda, lame.mu));
 		return out;
 	}
 
 private:
 	/// Stress, energy and stiffening with the volumetric strain `theta`: ln J or its
 	/// projection.
-	static void respond(PointLanes<dim>& point, const LameConstants& lame, const Lanes& lnJ,
-			    const Lanes& theta, const Lanes& squareF33)
+	template <class Part>
+	static void respond(PointLanes<dim, Part>& point, const LameNumbers<Part>& lame,
+			    const typename Part::Numbers& lnJ, const typename Part::Numbers& theta,
+			    const typename Part::Numbers& squareF33)
 	{
-		const Lanes &lambda = lame.lambda, &mu = lame.mu;
-		Lanes C[dim][dim];
-		const Lanes inverseJ = 1 / cofactors(point.F, C);
-		const Lanes pressure = lambda * theta - mu, onInverse = pressure * inverseJ;
-		Lanes squares = dim == 2 ? squareF33 : Lanes {};
+		using Numbers = typename Part::Numbers;
+		const Numbers &lambda = lame.lambda, &mu = lame.mu;
+		Numbers C[dim][dim];
+		const Numbers inverseJ = 1 / cofactors<Part>(point.F, C);
+		const Numbers pressure = lambda * theta - mu, onInverse = pressure * inverseJ;
+		Numbers squares = dim == 2 ? squareF33 : Numbers {};
 		for (int a = 0; a < dim; ++a)
 			for (int b = 0; b < dim; ++b) {
 				point.P[a][b] = mu * point.F[a][b] + onInverse * C[a][b];
 				squares += point.F[a][b] * point.F[a][b];
 			}
 		point.energy = 0.5 * (mu * (squares - 3) + lnJ * (pressure - mu));
-		const Lanes inverseStretch = largestSquaredStretch(C) * (inverseJ * inverseJ);
-		const Lanes tangentLambda = inPlane(lambda, mu * squareF33);
+		const Numbers inverseStretch =
+			largestSquaredStretch<Part>(C) * (inverseJ * inverseJ);
+		const Numbers tangentLambda = inPlane<Part>(lambda, mu * squareF33);
 		// the divisions are the same in all points
 		point.stiffening = (mu + (tangentLambda - pressure) * inverseStretch) *
-				   (1 / (inPlane(lambda, mu) + 2 * mu));
+				   (1 / (inPlane<Part>(lambda, mu) + 2 * mu));
 		if (lame.anyIsochoric)
-			point.stiffening = larger((mu - pressure * inverseStretch) *
-							  (lame.isochoricShare / (2 * mu)),
-						  point.stiffening);
+			point.stiffening = larger<Part>((mu - pressure * inverseStretch) *
+								(lame.isochoricShare / (2 * mu)),
+							point.stiffening);
 	}
 
 	/// First Lame constant that acts in the plane where the thickness is free to follow.
-	static Lanes inPlane(const Lanes& lambda, const Lanes& mu)
+	template <class Part>
+	static typename Part::Numbers inPlane(const typename Part::Numbers& lambda,
+					      const typename Part::Numbers& mu)
 	{
 		if constexpr (condition == Condition::planeStress)
 			return 2 * mu * lambda / (2 * mu + lambda);
