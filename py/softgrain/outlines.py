@@ -10,7 +10,8 @@ from softgrain.checks import indices
 
 #: Vertices at which a polygon turns by more than this are corners, if nothing else is said [rad].
 CORNER_TURN = np.radians(20)
-#: Longest side of the bounding box over the radius of the largest circle inside; as in the kernel.
+#: Longest side of the bounding box over half the width of the hull; the kernel bounds the distance
+#: from the centroid over the radius of the largest circle inside.
 SLENDEREST = 1000
 
 

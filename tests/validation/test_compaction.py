@@ -120,8 +120,9 @@ def test_a_stricter_one_is_met(tmp_path):
     assert result["sweeps_per_step"] < 45
 
 
-#: Mean of the last records of a hundred grains, by friction [-].
-LATE_STRESS = {0: 0.2, 0.3: 0.2, 0.5: 0.2}
+#: Over Young's modulus, of a hundred grains in the mean of the last records, by friction [-]. (Of
+#: packings by other seeds it scatters by a tenth, and rounding makes another one of a packing.)
+LATE_STRESS = {0: 0.158, 0.3: 0.232, 0.5: 0.253}
 
 
 def wall_of(mu):
@@ -136,7 +137,7 @@ def test_hundred_grains(tmp_path, mu):
     options = ("--grains", "100", "--mu", str(mu), "--until-phi", "0.98", *wall_of(mu))
     result = compact(tmp_path, *options)
     check(tmp_path, result, 0.98)
-    assert late(result, "stress_over_E", 0.98).mean() == pytest.approx(LATE_STRESS[mu], rel=0.25)
+    assert late(result, "stress_over_E", 0.98).mean() == pytest.approx(LATE_STRESS[mu], rel=0.2)
 
 
 @pytest.mark.slow

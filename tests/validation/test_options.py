@@ -188,7 +188,8 @@ def test_stress_that_walls_do_not_bear_in_time(tmp_path):
 
 
 def test_adhesion_that_no_theory_is_for(tmp_path):
-    process = yade_script("adhesion", "--cohesion", "1e7", "--range", "1e-3", "--out", str(tmp_path))
+    options = ("--cohesion", "1e7", "--range", "1e-3")
+    process = yade_script("adhesion", *options, "--out", str(tmp_path))
     assert process.returncode == 1, process.stdout + process.stderr
     assert "adhesion: the disk is pulled off at a contact as wide as itself" in process.stderr
 

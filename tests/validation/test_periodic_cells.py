@@ -39,7 +39,7 @@ def test_shear(tmp_path):
     result = run_case("periodic_shear", tmp_path)
     assert result["normal_stress_error_rms"] < 0.005
     late = result["shear"] > 0.2
-    assert 0.05 < result["stress_xy_over_target"][late].mean() < 0.6
+    assert result["stress_xy_over_target"][late].mean() == pytest.approx(0.26, rel=0.3)
     assert result["largest_overlap_over_dr"] < 0.2
     height, width, _ = imread(tmp_path / "packing.png").shape
     assert height > 600 and width > 600

@@ -160,6 +160,23 @@ def test_one_sided_wall():
     assert disk.state.vel[0] == pytest.approx(2, rel=1e-12)
 
 
+def test_one_sided_wall_hides_no_corner():
+    """What it lets pass falls on the end of a box that lies in it as if it were not there."""
+    places = []
+    for sense in (1, None):
+        O.reset()
+        disk = add_disk((-0.02 * RADIUS, RADIUS, 0), material=soft_material(massDamping=500))
+        box = (-2 * RADIUS, -RADIUS, 0), (2 * RADIUS, RADIUS, RADIUS)
+        O.bodies.append(utils.box(*box, material=FrictMat(frictionAngle=0), fixed=True))
+        if sense:
+            add_wall(0, 0, sense=sense)
+        ready(gravity=(0, -50, 0))
+        run(600)
+        places.append(tuple(disk.state.pos))
+    assert places[0] == places[1]
+    assert places[0][0] < -0.021 * RADIUS
+
+
 def test_two_balls_touch():
     """3D: head-on impact of unequal balls, momentum kept."""
     balls = [

@@ -73,6 +73,10 @@ def superdisk(half_axes, exponent=4.0, angle=0.0, center=(0, 0, 0), material=Non
         (lambda: sg.soft_superdisk((0, 0, 0), (2, 1), 1.0), "exponent = 1 is outside"),
         (lambda: sg.soft_polygon([(0, 0), (2, 2), (2, 0), (0, 3)]), "crosses or touches itself"),
         (lambda: sg.SoftGrain(dim=2, form="polygon"), "a polygon has at least three"),
+        (
+            lambda: sg.soft_polygon([(0, 0), (1, 0), (0, 1)], quadrature="lattice"),
+            "quadrature = 'lattice' is not for polygons",
+        ),
         (lambda: sg.SoftGrain(dim=3, form="superdisk"), "dim = 3 is outside"),
         (lambda: sg.SoftGrain(dim=2, exponent=3), "exponent = 3 is outside"),
         (lambda: sg.SoftGrain(dim=2, vertices=[(0, 0)] * 3), "vertices (number) = 3"),

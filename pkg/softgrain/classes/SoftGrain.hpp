@@ -64,7 +64,7 @@ public:
 		((int, order, 3, Attr::readonly, "Order of the B-splines: 1, 2 or 3."))
 		((Real, nodeSpacing, 1.25, Attr::readonly, "Spacing of background nodes h/dr, in [1.25, 4] [-]: larger is coarser and allows longer steps."))
 		((Real, surfaceSpacing, 1, Attr::readonly, "Spacing of surface nodes over dr, in [0.5, 4] [-]; above 1 blocks under load sink into each other between nodes, above 1.25 disks, too. Where the grain is coarse (zeta above 0.2 at the default nodeSpacing) they are denser than this says, by up to 0.77."))
-		((string, quadrature, "cutCell", Attr::readonly, "Where the material points lie: 'cutCell' (lattice cells cut with the outline, weights exact) or 'lattice' (uniform weights)."))
+		((string, quadrature, "cutCell", Attr::readonly, "Where the material points lie: 'cutCell' (lattice cells cut with the outline, weights exact) or 'lattice' (uniform weights; not for polygons)."))
 		((string, contact, "surface", Attr::readonly, "What touches: 'surface' (nodes on the outline against the other outline), "
 			"'points' (boundary points as disks of diameter dr) or 'nodes' (nodes of a grid in space that get mass from two bodies; for comparison only)."))
 		((string, formulation, "total", Attr::readonly, "'total' (total Lagrangian: grid and shape functions stay in the reference configuration) or 'updated' (updated Lagrangian: a grid fixed in space, shape functions made anew in every step; order 2 or 3). 'updated' is there for comparison: slower and less accurate."))

@@ -139,6 +139,11 @@ double sideOf(const Wall& wall, const State& state, const Vec3& grain)
 {
 	return grain[wall.axis] > state.pos[wall.axis] ? 1 : -1;
 }
+/// Whether it is not one-sided and the grain on its other side.
+bool actsOn(const Wall& wall, const State& state, const Vec3& grain)
+{
+	return wall.sense == 0 || wall.sense == sideOf(wall, state, grain);
+}
 
 /// The part of a wall that a grain may touch: the face of a block, so wide and deep that the
 /// grain meets none of its edges.
@@ -235,12 +240,15 @@ othersBeside(const Interaction& I, const SoftGrain& grain, const State& soft, co
 		if (!body || !body->shape) continue;
 		auto d = describeRigid(*body->shape, *body->state, id, grain);
 		if (const auto* wall = dynamic_cast<const Wall*>(body->shape.get())) {
+			if (!actsOn(*wall, *body->state, soft.pos)) continue;
 			d.emplace();
 			d->id = Body::ID_NONE; // before all others
 			describeFaceOfWall(*wall, *body->state, grain, *d);
 		}
 		if (!d || d->form == softgrain::RigidBodyDescription::Form::ball) continue;
-		others.push_back(displaced(*d, shiftTowards(scene, body->state->pos, soft.pos)));
+		const Vector3r shift =
+			shiftToNearest(scene, { id, body->state->pos }, { I.getId2(), soft.pos });
+		others.push_back(displaced(*d, shift));
 	}
 	return others;
 }
@@ -336,7 +344,7 @@ Vector3r Ig2_Wall_SoftGrain_SoftGeom::search(const Shape& shape, const State& ri
 	Vec3 normal = Vec3::Zero();
 	normal[wall.axis] = side;
 	const softgrain::WallDescription plane { I.getId1(), rigid.pos, normal, rigid.vel };
-	if (wall.sense != 0 && wall.sense != side)
+	if (!actsOn(wall, rigid, soft.pos))
 		grain.assembly->separate(pair, grain.index, plane);
 	else if (const auto body = describeRigid(wall, rigid, I.getId1(), grain))
 		grain.assembly->search(pair, grain.index, *body, {}, {}, dt);

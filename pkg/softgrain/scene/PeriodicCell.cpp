@@ -26,13 +26,6 @@ softgrain::ImageDescription imageOf(const Scene& scene, const Interaction& I, bo
 	return { -shift, -velocity };
 }
 
-Vector3r shiftTowards(const Scene& scene, const Vector3r& place, const Vector3r& other)
-{
-	if (!scene.isPeriodic) return Vector3r::Zero();
-	const Vector3r periods = scene.cell->hSize.inverse() * (other - place);
-	return scene.cell->hSize * Vector3r(periods.array().round());
-}
-
 Vector3r spanInCell(const Scene& scene, const Bound& bound)
 {
 	return (bound.max - bound.min).cwiseQuotient(scene.cell->getSize());
@@ -42,25 +35,36 @@ namespace {
 
 /// Middle of the box that the collider has of a body, by the period in which its place is, in
 /// lengths of the base vectors.
-Vector3r middleInCell(const Scene& scene, Body::id_t id, const Vector3r& place)
+Vector3r middleInCell(const Scene& scene, const PlacedBody& body)
 {
 	const Vector3r& size = scene.cell->getSize();
-	const Vector3r inCell = scene.cell->unshearPt(place).cwiseQuotient(size);
-	const auto& bound = (*scene.bodies)[id]->bound;
+	const Vector3r inCell = scene.cell->unshearPt(body.place).cwiseQuotient(size);
+	const auto& bound = (*scene.bodies)[body.id]->bound;
 	if (!bound) return inCell;
 	const Vector3r middle = 0.5 * (bound->min + bound->max).cwiseQuotient(size);
 	return middle + Vector3r((inCell - middle).array().round());
 }
 
+/// By which a body is displaced to be nearest to another.
+Vector3i periodsToNearest(const Scene& scene, const PlacedBody& body, const PlacedBody& to)
+{
+	const Vector3r apart = middleInCell(scene, body) - middleInCell(scene, to);
+	return -Vector3r(apart.array().round()).cast<int>();
+}
+
 } // namespace
+
+Vector3r shiftToNearest(const Scene& scene, const PlacedBody& body, const PlacedBody& to)
+{
+	if (!scene.isPeriodic) return Vector3r::Zero();
+	return scene.cell->hSize * periodsToNearest(scene, body, to).cast<Real>();
+}
 
 void chooseNearestImage(const Scene& scene, const Vector3r& place1, const Vector3r& place2,
 			Interaction& I)
 {
 	if (!scene.isPeriodic) return;
-	const Vector3r apart =
-		middleInCell(scene, I.getId2(), place2) - middleInCell(scene, I.getId1(), place1);
-	I.cellDist = -Vector3r(apart.array().round()).cast<int>();
+	I.cellDist = periodsToNearest(scene, { I.getId2(), place2 }, { I.getId1(), place1 });
 }
 
 namespace {

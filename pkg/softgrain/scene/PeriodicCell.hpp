@@ -19,8 +19,13 @@ Vector3r imageShift(const Scene& scene, const Interaction& I);
 /// The same as a pair takes it, whose second body is #2 of the interaction or else #1.
 softgrain::ImageDescription imageOf(const Scene& scene, const Interaction& I, bool secondIsBody2);
 
-/// By which whole periods a place comes nearest to another, m.
-Vector3r shiftTowards(const Scene& scene, const Vector3r& place, const Vector3r& other);
+/// Where a body is taken to be.
+struct PlacedBody {
+	Body::id_t id;
+	Vector3r place; ///< m
+};
+/// By which whole periods a body comes nearest to another, m.
+Vector3r shiftToNearest(const Scene& scene, const PlacedBody& body, const PlacedBody& to);
 
 /// YADE's collider tells by which periods two bodies come near each other when it finds the pair,
 /// and leaves that as it is while their boxes overlap in any way: not where the cell flips, or a

@@ -83,7 +83,8 @@ PointResult<Case::dim> respondInSpace(const Mat<Case::dim>& F, const ElasticCons
 inline double thicknessStrain(double J2, const ElasticConstants& c)
 {
 	const Lanes one = Lanes {} + 1;
-	return detail::thicknessStrain(std::log(J2) * one, c.lambda() * one, c.mu() * one)[5];
+	return detail::thicknessStrain<WholeLanes>(std::log(J2) * one, c.lambda() * one,
+						   c.mu() * one)[5];
 }
 
 } // namespace softgrain::testing

@@ -14,7 +14,8 @@ struct ContactKey {
 	static constexpr int edges = 2; ///< side, where sharp edges cross
 
 	int side = 0;   ///< 0: the node belongs to the pair's first body, 1: to the second
-	int node = -1;  ///< where edges cross, the number of that of the first body
+	int node = -1;  ///< where edges cross, the number of that of the first body; on a common
+			///< grid it does not last, and `other` names the grid's node
 	int other = -1; ///< node of the other body, or -1 against an outline or a plane; where
 			///< edges cross, the number of that of the second body
 

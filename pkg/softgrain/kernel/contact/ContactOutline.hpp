@@ -90,8 +90,8 @@ template <int dim> struct ContactOutline {
 	{
 		return std::min(inradius, 0.5 * (box.high - box.low).minCoeff());
 	}
-	/// The outline bulges out of its facets by less, m: an eighth of the longest edge (3D: 0.29
-	/// of it).
+	/// The outline bulges out of its facets by less, m: up to a quarter of the longest edge
+	/// (3D: 0.29 of it).
 	double bulge() const { return 0.3 * longestEdge; }
 	/// Of a ball about the centre of the box that holds the outline, m.
 	double outerRadius() const { return circumradius + nodeRadius + bulge(); }

@@ -80,13 +80,4 @@ private:
 	std::vector<double> numbers_; ///< see `place` of the side
 };
 
-/// The lanes from `begin` on.
-template <int dim, class Part>
-void copyPart(const Lanes (&from)[dim][dim], int begin, PointLanes<dim, Part>& point)
-{
-	for (int a = 0; a < dim; ++a)
-		for (int b = 0; b < dim; ++b)
-			point.F[a][b] = partOf<Part>(from[a][b], begin);
-}
-
 } // namespace softgrain

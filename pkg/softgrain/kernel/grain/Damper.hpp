@@ -22,7 +22,7 @@ public:
 	/// blocks.
 	void updateForces(const Batch<dim>& batch, int threads);
 	/// Largest squared stretch of the grain at the last `updateForces`, with which its damping
-	/// rates grow; 1 without stiffness damping.
+	/// rates grow; 1 where no grain of its block has stiffness damping.
 	double rateStiffening(int g) const { return rateStiffening_[g]; }
 
 	/// A grain that wakes has no forces of this kind: it did not move. (While it sleeps nobody

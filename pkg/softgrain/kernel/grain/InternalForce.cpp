@@ -11,6 +11,15 @@ namespace softgrain {
 
 namespace {
 
+/// Into a part: the lanes from `begin` on.
+template <int dim, class Part>
+void copyPart(const Lanes (&from)[dim][dim], int begin, PointLanes<dim, Part>& point)
+{
+	for (int a = 0; a < dim; ++a)
+		for (int b = 0; b < dim; ++b)
+			point.F[a][b] = partOf<Part>(from[a][b], begin);
+}
+
 /// Stress from F, every point on its own.
 template <int dim, class LawEvaluator> struct PointwiseLaw {
 	template <class Side> void prepare(const Side&, const GrainTemplate<dim>&) {}

@@ -84,6 +84,7 @@ NodeRows<dim> kickRows(SparseRows<double> shapes, const std::vector<double>& inv
 
 double TemplateRecipe::contactSpacing() const
 {
+	if (basis == Basis::triangles) return surfaceSpacing * zeta;
 	const double h = nodeSpacing * zeta;
 	return surfaceSpacing * zeta * std::min(1., nodeSpacing / (1 + h));
 }
@@ -96,6 +97,10 @@ void TemplateRecipe::validate() const
 	require(surfaceSpacing >= 0.5 && surfaceSpacing <= 4, "surfaceSpacing", surfaceSpacing,
 		"[0.5, 4]");
 	form.validate();
+	if (form.form == Form::polygon && quadrature == QuadratureRule::lattice)
+		throw std::invalid_argument(
+			"quadrature = 'lattice' is not for polygons, whose uniform points have "
+			"another centre of mass than the outline; admissible: 'cutCell'");
 	if (basis == Basis::triangles &&
 	    (form.form != Form::ball || contact != ContactGeometry::surface))
 		throw std::invalid_argument("basis = 'triangles' is for form = 'ball' and contact "

@@ -13,7 +13,8 @@ enum class QuadratureRule {
 	/// point each: the shape functions that just reach into the grain live there, and one point
 	/// a cell leaves them so soft that contacts sink in (doc/decisions/0001-rim.md).
 	cutCell,
-	/// Cell centres inside the outline, uniform weights (the paper).
+	/// Cell centres inside the outline, uniform weights (the paper). Not for polygons, whose
+	/// centre of mass they move.
 	lattice
 };
 

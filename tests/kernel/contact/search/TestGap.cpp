@@ -57,6 +57,26 @@ TEST_CASE("Search: gap and normal of two disks", "[contact]")
 	CHECK(last < 1e-5);
 }
 
+TEST_CASE("Search: a node between an outline and its facet is deep", "[contact]")
+{
+	const double depth = 0.022; // a facet of 0.44 bulges by 0.024
+	TemplateRecipe coarse = recipe(0.11);
+	coarse.surfaceSpacing = 4;
+	const auto reference = makeGrainTemplate<2>(coarse),
+		   other = makeGrainTemplate<2>(recipe(0.11));
+	const ContactBody<2> first = contactBody<2>(*reference, 1, Vec<2>::Zero());
+	const auto& facet = reference->contactMesh.facet[0];
+	const Vec<2> way = (first.position[facet[0]] + first.position[facet[1]]).normalized();
+	const ContactBody<2> second = contactBody<2>(*other, 1, (2 - depth) * way);
+	ContactList<2> list;
+	findContacts(first, second, 0.01, list);
+	double deepest = 0;
+	for (const Contact<2>& c : list.contacts)
+		if (c.key.side == 1) deepest = std::max(deepest, -c.gap);
+	CHECK(deepest > 0.8 * depth);
+	CHECK(deepest < 1.01 * depth);
+}
+
 TEST_CASE("Search: the gap of two disks opens at the relative velocity of the contact", "[contact]")
 {
 	Random random(7);

@@ -40,10 +40,10 @@ bool isOutside(const Vec<2>& x, const ContactOutline<2>& body, const PlaceOnOutl
 {
 	const auto [before, begin, end, after] = body.mesh->carriers(place.facet);
 	const Vec<2> along = body.position[end] - body.position[begin];
-	if (place.weight[0] == 0)
-		return cross(along, body.position[after] - body.position[end]) > 0;
-	if (place.weight[1] == 0)
-		return cross(body.position[begin] - body.position[before], along) > 0;
+	double turn = 0; // where two facets meet
+	if (place.weight[0] == 0) turn = cross(along, body.position[after] - body.position[end]);
+	if (place.weight[1] == 0) turn = cross(body.position[begin] - body.position[before], along);
+	if (turn != 0) return turn > 0;
 	return cross(along, x - body.position[begin]) < 0;
 }
 /// (Beyond an edge or a corner x is before one of the facets that meet there: Baerentzen & Aanaes,
@@ -308,7 +308,7 @@ private:
 	{
 		const double distance = std::sqrt(nearest.squaredDistance) -
 					lessThanDistance<dim> * other_.pointSpacing;
-		if (distance < reach_) return distance; // to be measured, whatever bulges
+		if (distance < reach_) return distance - other_.bulge(); // to be measured anyway
 		auto bulge = [this](int facet) { return bulgeOver(other_, facet); };
 		return distance -
 		       facets_.bulgeTowards(node, std::sqrt(nearest.squaredDistance), bulge);

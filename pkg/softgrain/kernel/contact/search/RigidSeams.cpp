@@ -181,8 +181,8 @@ bool RigidSeams<dim>::leaves(const RigidSurface<dim>& surface, const Vec<dim>& e
 
 template <int dim> bool RigidSeams<dim>::goesOnBefore(const Vec<dim>& before)
 {
-	// A direction that leans along the edge by the angle between nodes of a coarse grain, 0.3,
-	// stays above 0.95.
+	// A direction that leans along the edge by the angle between nodes of a coarse grain, up to
+	// 0.6, stays above 0.8.
 	constexpr double lean = 0.5;
 	return distanceTo<dim>(rigid_.surface, before) < lean * distance_ ||
 	       anyOther([&](const SurfaceBeside<dim>& other) {

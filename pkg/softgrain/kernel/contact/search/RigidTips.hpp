@@ -25,8 +25,8 @@ template <int dim>
 std::optional<Vec<dim>> sideAlong(const RigidSurface<dim>& surface, const Vec<dim>& place,
 				  const Vec<dim>& normal, double angle, double spacing);
 
-/// The ball itself; corners and, in 3D, points of the edges no further apart than `spacing`, those
-/// in `box`.
+/// The ball itself; corners and, in 3D, points of the edges no further apart than `spacing`, of
+/// these the ones in `box`.
 template <int dim>
 std::vector<Tip<dim>> tipsOf(const RigidSurface<dim>& surface, const Box<dim>& box, double spacing);
 

@@ -97,10 +97,12 @@ PlaceAlong followOutline(const Vec<2>& x, const ContactOutline<2>& body, int fac
 	return { best.facet, best.weight[1] };
 }
 
-/// Whether a node that counts as deep is outside all the same.
-bool isBeforeFold(const Vec<2>& x, const ContactOutline<2>& other, double gap)
+/// Whether a node that counts as deep is outside all the same: of the facets, and not under the
+/// curve over its own.
+bool isBeforeFold(const Vec<2>& x, const ContactOutline<2>& other, int facet, double gap)
 {
-	return gap < -trustedOverlap * other.pointSpacing && !other.encloses(x);
+	const double deep = -gap - trustedOverlap * other.pointSpacing;
+	return deep > 0 && deep > OutlineCurve(other, facet).bulge() && !other.encloses(x);
 }
 
 /// Whether a node outside is farther from its facet than the gap says: beside the end of the curve
@@ -125,7 +127,7 @@ void measureCandidates(const ContactOutline<2>& first, const ContactOutline<2>& 
 		++list.tested;
 		node->clearance = gap + list.candidates.approached;
 		const Vec<2>& x = own.position[node->node];
-		if (gap >= reach || isBeforeFold(x, other, gap) ||
+		if (gap >= reach || isBeforeFold(x, other, node->facet, gap) ||
 		    isBesideFold(x, other, node->facet, gap))
 			return;
 		if (auto* contact = append({ node->side, node->node, -1 }, gap, own, other, list))
