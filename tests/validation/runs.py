@@ -11,25 +11,26 @@ from softgrain import finite_elements
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
 
-def run_case(name, folder, *options):
-    """Run ``scripts/<name>.py``; returns its result with arrays for lists of numbers."""
-    process = subprocess.run(
-        [
-            "/usr/bin/yade",
-            "-n",
-            "-x",
-            "-j1",
-            str(SCRIPTS / f"{name}.py"),
-            "--out",
-            str(folder),
-            *options,
-        ],
+def run_yade(script, *options, threads=1, folder=None, timeout=3600):
+    """Run a script of ``scripts/`` in YADE, in a folder; returns the finished process."""
+    return subprocess.run(
+        ["/usr/bin/yade", "-n", "-x", f"-j{threads}", str(SCRIPTS / script), *options],
         capture_output=True,
         text=True,
-        timeout=3600,
+        timeout=timeout,
         cwd=folder,
     )
+
+
+def run_to_end(script, folder, *options, threads=1):
+    """The same where it must succeed, with ``--out`` in that folder."""
+    process = run_yade(script, "--out", str(folder), *options, threads=threads, folder=folder)
     assert process.returncode == 0, process.stdout + process.stderr
+
+
+def run_case(name, folder, *options):
+    """Run ``scripts/<name>.py``; returns its result with arrays for lists of numbers."""
+    run_to_end(f"{name}.py", folder, *options)
     result = json.loads((folder / "result.json").read_text())
     return {k: np.array(v) if is_numbers(v) else v for k, v in result.items()}
 

@@ -1,14 +1,12 @@
 """scripts/compaction.py: uniaxial compaction of a packing, its results, and that they repeat."""
 
 import json
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from runs import run_to_end
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "compaction.py"
 ARRAYS = ("phi", "phi0", "stress_over_E", "stress_top_over_E", "displacement_ratio", "coordination")
 NUMBERS = (
     "wall_seconds",
@@ -27,14 +25,7 @@ PICTURES = ("packing_start.png", "packing_jammed.png", "packing_end.png", "stres
 
 def compact(folder, *options, threads=2):
     folder.mkdir(exist_ok=True)
-    process = subprocess.run(
-        ["/usr/bin/yade", "-n", "-x", f"-j{threads}", str(SCRIPT), "--out", str(folder), *options],
-        capture_output=True,
-        text=True,
-        timeout=3600,
-        cwd=folder,
-    )
-    assert process.returncode == 0, process.stdout + process.stderr
+    run_to_end("compaction.py", folder, *options, threads=threads)
     return json.loads((folder / "result.json").read_text())
 
 

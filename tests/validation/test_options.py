@@ -1,8 +1,5 @@
 """Options of the cases: units in the help, and a clear word about what cannot be."""
 
-import subprocess
-from pathlib import Path
-
 import adhesion
 import compaction
 import compare_rigid
@@ -17,9 +14,8 @@ import rigid_column
 import rigid_packing
 import square_cell
 import stress_control
-from runs import run_case
+from runs import run_case, run_yade
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 UNITS = {
     "compaction": ("[-]", "[m/s]"),
     "hertz": ("[-]", "[m/s]", "[Pa]", "[kg/m3]", "[m]", "[degrees]"),
@@ -43,12 +39,7 @@ OTHERS = (
 
 
 def yade_script(name, *options):
-    return subprocess.run(
-        ["/usr/bin/yade", "-n", "-x", str(SCRIPTS / f"{name}.py"), *options],
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
+    return run_yade(f"{name}.py", *options, timeout=60)
 
 
 @pytest.mark.parametrize("name", UNITS)

@@ -1,12 +1,9 @@
 """scripts/benchmark/stability.py: every case runs or stops with a message that helps."""
 
 import json
-import subprocess
-from pathlib import Path
 
 import pytest
-
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "benchmark" / "stability.py"
+from runs import SCRIPTS, run_to_end
 
 #: Words in the messages of the values that stop, by study; all others run.
 STOPS = {
@@ -42,7 +39,7 @@ SLOW = (
 
 
 def test_every_study_is_made(monkeypatch):
-    monkeypatch.syspath_prepend(SCRIPT.parent)
+    monkeypatch.syspath_prepend(SCRIPTS / "benchmark")
     import stability
 
     assert {*SLOW, "at_rest"} == set(stability.STUDIES)
@@ -50,15 +47,7 @@ def test_every_study_is_made(monkeypatch):
 
 def make(studies, folder, *options):
     """Rows of each study, and the report of all, as the script writes them."""
-    process = subprocess.run(
-        ["/usr/bin/yade", "-n", "-x", "-j1", str(SCRIPT), "--only", *studies, "--out", str(folder)]
-        + list(options),
-        capture_output=True,
-        text=True,
-        timeout=3000,
-        cwd=folder,
-    )
-    assert process.returncode == 0, process.stdout + process.stderr
+    run_to_end("benchmark/stability.py", folder, "--only", *studies, *options)
     for name in ("stability.csv", "stability.md", "stability.png"):
         assert (folder / name).stat().st_size > 0
     return {study: json.loads((folder / f"{study}.json").read_text()) for study in studies}

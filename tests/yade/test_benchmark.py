@@ -17,7 +17,7 @@ CHOSEN = ("bulk, own templates", "dense", "rigid", COMPUTED, SKIPPED, ONE_STEP, 
 
 def run(*arguments):
     command = [sys.executable, str(PROGRAM), "--quick", *arguments]
-    return subprocess.run(command, capture_output=True, text=True)
+    return subprocess.run(command, capture_output=True, text=True, timeout=1800)
 
 
 def table_of(names, out):

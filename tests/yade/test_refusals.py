@@ -345,7 +345,9 @@ def test_grains_that_nobody_moves(tmp_path, left_out, times):
     """Said, not refused: a scene may be looked at before its engines are complete."""
     script = tmp_path / "idle.py"
     script.write_text(SCENE.format(left_out=left_out))
-    process = subprocess.run([YADE, "-n", "-x", str(script)], capture_output=True, text=True)
+    process = subprocess.run(
+        [YADE, "-n", "-x", str(script)], capture_output=True, text=True, timeout=300
+    )
     assert process.returncode == 0
     message = "no SoftGrainIntegrator in O.engines, which computes soft grains"
     assert process.stderr.count(message) == times
