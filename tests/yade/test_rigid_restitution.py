@@ -57,6 +57,7 @@ def test_bouncing_ball(kind, restitution):
     speed = math.sqrt(2 * GRAVITY * height)
     for bounce, top in enumerate(tops, 1):
         expected = height * restitution ** (2 * bounce)
+        # each bounce is up to a step late, and its top is seen at a step
         later = 2 * bounce * dt * speed * restitution**bounce
         assert top == pytest.approx(expected, abs=later + (bounce * dt) ** 2 * GRAVITY)
     assert len(tops) == 3
