@@ -7,6 +7,8 @@ from softgrain.checks import index, number, require_mapping
 
 #: Arrays of a problem with a vector, and a number, for each contact.
 _VECTORS, _NUMBERS = ("free_velocity", "start"), ("bias", "friction")
+_OF_CONTACTS = ("normal", *_VECTORS, *_NUMBERS)
+_OF_DELASSUS = ("delassus_offset", "delassus_column", "delassus_value")
 
 
 def solve_contact_problem(problem, tolerance=1e-10, max_sweeps=100_000):
@@ -27,13 +29,16 @@ def solve_contact_problem(problem, tolerance=1e-10, max_sweeps=100_000):
         ``converged``, whether the residual is within the tolerance.
 
     Raises:
-        ValueError: no mapping, arrays that do not fit together, or a value outside its range.
-        KeyError: an array is missing.
+        ValueError: no mapping, an array is missing, arrays that do not fit together, or a value
+            outside its range.
     """
     tolerance = number("tolerance", tolerance, "(0, inf)")
     max_sweeps = index("max_sweeps", max_sweeps)
     require_mapping("problem", problem, "arrays, as SoftGrainIntegrator.contactProblem gives them")
-    arrays = {name: np.asarray(problem[name]) for name in ("normal", *_VECTORS, *_NUMBERS)}
+    missing = [name for name in (*_OF_CONTACTS, *_OF_DELASSUS) if name not in problem]
+    if missing:
+        raise ValueError(f"problem lacks {missing}")
+    arrays = {name: np.asarray(problem[name]) for name in _OF_CONTACTS}
     shape = arrays["normal"].shape
     if len(shape) != 2 or shape[1] not in (2, 3):
         raise ValueError(f"normal has the shape {shape}; admissible: (contacts, 2 or 3)")

@@ -1,6 +1,6 @@
 """Write the contact problem of a step of a dense packing, and how fast softgrain swept it.
 
-    scripts/yade -n -x scripts/siconos/make_dense.py --out FILE.npz [--grains 400]
+    scripts/yade -n -x scripts/siconos/make_dense.py --result FILE.npz [--grains 400]
 
 For ``speed.py``. Beside the arrays of ``SoftGrainIntegrator.contactProblem``: ``sweeps`` and
 ``residual`` of that step, and ``seconds_per_sweep``, the median over ``--steps`` steps of the time
@@ -26,7 +26,7 @@ import scenes  # noqa: E402
 def parse_options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--out", type=Path, required=True, help="file to write, .npz")
+    add("--result", type=Path, required=True, help="file to write, .npz")
     some = command_line.whole_from(scenes.compaction.FEWEST_GRAINS)
     add("--grains", type=some, default=400, help="number of grains [-]")
     add("--zeta", type=command_line.resolution, default=0.11, help="relative resolution 2 dr/D [-]")
@@ -55,7 +55,7 @@ def main():
     O.timingEnabled = True
     seconds = statistics.median(seconds_per_sweep() for _ in range(options.steps))
     np.savez_compressed(
-        options.out,
+        options.result,
         **integrator.contactProblem(),
         sweeps=integrator.sweeps,
         residual=integrator.residual,

@@ -150,6 +150,21 @@ def test_problem_outlives_the_scene_it_was_taken_from(tmp_path):
         np.testing.assert_array_equal(read[name], array)
 
 
+def test_problem_beside_rigid_bodies_that_are_held():
+    """They touch each other, and no impulse moves them."""
+    for x in (0, 1.99 * RADIUS):
+        add_rigid_disk((x, 5 * RADIUS, 0), RADIUS, fixed=True)
+    add_disk((0, 3.001 * RADIUS, 0)).state.vel = (0, 1, 0)
+    ready(rigid="nonsmooth")
+    run(30)
+    assert O.interactions.has(0, 1) and sg.integrator().activeContacts > 0
+    problem = sg.integrator().contactProblem()
+    assert len(problem["bias"]) == sg.integrator().contacts - 1 > 0
+    assert residual_of(problem, problem["impulse"]) == pytest.approx(
+        sg.integrator().residual, rel=1e-6
+    )
+
+
 def test_no_problem_before_the_first_step():
     add_disk()
     ready()
@@ -242,7 +257,7 @@ def test_bad_problems_are_refused(change, message):
     settings = {key: change[key] for key in ("tolerance", "max_sweeps") if key in change}
     with pytest.raises(ValueError, match=message):
         sg.solve_contact_problem({**problem, **change}, **settings)
-    with pytest.raises(KeyError):
+    with pytest.raises(ValueError, match=r"problem lacks \['free_velocity', 'start', 'bias', "):
         sg.solve_contact_problem({"normal": problem["normal"]})
 
 

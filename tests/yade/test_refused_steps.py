@@ -90,6 +90,32 @@ def test_impulse_that_is_no_number():
     assert np.isfinite(sphere.state.vel[0]) and sphere.state.vel[0] > -1
 
 
+def test_no_problem_is_left_of_the_step_before():
+    """Nor where a step ends before it is solved."""
+    add_disk()
+    add_wall(-0.99 * RADIUS, 0)
+    ready()
+    run(20)
+    assert len(sg.integrator().contactProblem()["bias"]) > 0
+    sg.integrator().maxOverlap = 1e-12
+    assert "maxOverlap" in complaint()
+    assert len(sg.integrator().contactProblem()["bias"]) == 0
+
+
+def test_forces_of_a_step_that_was_refused():
+    """Are those of the step before, over its time."""
+    sphere = pressed_sphere()
+    contacts = O.interactions[0, sphere.id].geom.contacts
+    before = contacts()
+    O.forces.setPermF(sphere.id, (-math.inf, 0, 0))
+    O.dt /= 2
+    assert "not finite" in complaint()
+    for name in ("force", "pressure"):
+        largest = np.abs(before[name]).max()
+        assert largest > 0
+        np.testing.assert_allclose(contacts()[name], before[name], rtol=0, atol=1e-9 * largest)
+
+
 @pytest.mark.parametrize("put", ("setPermF", "setPermT"))
 def test_load_that_is_no_number(put):
     _, second = add_disk(), add_disk((10 * RADIUS, 0, 0))

@@ -151,6 +151,7 @@ public:
 		report.work.lostBonds = vanishedBonds_.exchange(0) - report.work.handedOnBonds;
 		return report;
 	}
+	void forgetContactProblem() override { system_.forgetContactProblem(); }
 	ContactProblemArrays contactProblem() const override
 	{
 		return arraysOf(system_.contactProblem());

@@ -130,6 +130,7 @@ public:
 				std::vector<RigidMotionDescription>& partners,
 				std::vector<RigidContactDescription>& rigidContacts) = 0;
 	virtual ContactProblemArrays contactProblem() const = 0; ///< of the last step, solved
+	virtual void forgetContactProblem() = 0;                 ///< none until the next step
 
 	/// Of all grains g; so many threads share the calls of `loadOf`, which must throw nothing.
 	/// Another load than before wakes a sleeping grain, and so does `moveRigidly`.

@@ -66,13 +66,18 @@ void SoftGrainIntegrator::action()
 			<< timeStepFraction
 			<< "), refine the grain (smaller zeta), or, under pressures above young, "
 			   "make it with nodeSpacing = 2.";
-		lastError = message.str();
-		throw std::runtime_error(lastError);
+		fail(message.str());
 	} catch (const std::exception& e) {
-		lastError = "SoftGrainIntegrator, step " + std::to_string(scene->iter) + ": " +
-			    e.what();
-		throw std::runtime_error(lastError);
+		fail("SoftGrainIntegrator, step " + std::to_string(scene->iter) + ": " + e.what());
 	}
+}
+
+void SoftGrainIntegrator::fail(const std::string& message)
+{
+	lastError = message;
+	if (const auto assembly = assembly_ ? assembly_ : lastAssembly_.lock())
+		assembly->forgetContactProblem();
+	throw std::runtime_error(message);
 }
 
 void SoftGrainIntegrator::letAssemblyGo()

@@ -13,6 +13,7 @@ template <int dim> void System<dim>::add(std::unique_ptr<GrainSet<dim>> set)
 	surfaces_.followNewGrains();
 	timeSteps_.followNewGrains();
 	activity_.followNewGrains();
+	solver_.forget(); // it looks at bodies that may have moved in memory
 	forcesFresh_ = false;
 }
 
@@ -233,7 +234,7 @@ void System<dim>::move(const std::vector<ContactList<dim>*>& lists,
 	};
 	// before the new velocities take the place of the old ones
 	auto measureWorks = [&](int g, GrainSet<dim>&, int) {
-		energies_.measureWorks(g, lastKick_);
+		energies_.measureWorks(g, report.kick);
 	};
 	auto advance = [&](int g, GrainSet<dim>& set, int k) {
 		set.move(k, settings.dt);
@@ -289,10 +290,11 @@ void System<dim>::balanceEnergy(const StepSettings& settings, const StepReport& 
 	if (settings.trackRigidBodies) energies_.balanceRigidBodies(solver_.rigidWork(), partners_);
 }
 
-template <int dim> void System<dim>::endStep(double dt)
+template <int dim> void System<dim>::endStep(double dt, double kick)
 {
 	grains_.renewLists();
 	lastStep_ = dt;
+	lastKick_ = kick;
 	++steps_;
 	forcesFresh_ = false;
 }
@@ -305,7 +307,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 	PhaseClock silent;
 	PhaseClock& clock = settings.clock ? *settings.clock : silent;
 	if (!forcesFresh_) updateForces(settings.threads);
-	report.kick = lastKick_ = kickTime(settings.dt);
+	report.kick = kickTime(settings.dt);
 
 	const std::vector<char> touched = sortLists(lists, report);
 	report.work.handedOnBonds = handOnHistories(lists, surfaces_.bodies(), partners_);
@@ -333,7 +335,7 @@ StepReport System<dim>::step(const StepSettings& settings, std::vector<ContactLi
 		balanceEnergy(settings, report);
 		clock.end("balanceEnergy");
 	}
-	endStep(settings.dt);
+	endStep(settings.dt, report.kick);
 	report.work.points = std::exchange(updatedPoints_, 0);
 	report.work.visits = report.solver.visits;
 	return report;

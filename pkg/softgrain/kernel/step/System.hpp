@@ -127,6 +127,8 @@ public:
 
 	/// Contact problem of the last step, solved.
 	ContactProblem<dim> contactProblem() const { return solver_.problem(); }
+	/// There is none until the next step.
+	void forgetContactProblem() { solver_.forget(); }
 
 	/// Advances all grains by dt. `lists` hold the contacts of t_n and receive their impulses;
 	/// those with a rigid body name their entry of `rigidPartners`.
@@ -147,7 +149,7 @@ private:
 		  const StepSettings& settings, StepReport& report);
 	void balanceEnergy(const StepSettings& settings, const StepReport& report);
 	ContactWork workOfContacts();
-	void endStep(double dt);
+	void endStep(double dt, double kick);
 
 	Grains<dim> grains_;
 	Surfaces<dim> surfaces_ { grains_ };

@@ -75,7 +75,7 @@ template <int dim> void ContactSolver<dim>::noteIslands()
 	for (int k = 0; k < pairs_.count(); ++k) {
 		IslandSweeps& island = islands_[pairs_.islandOf(k)];
 		island.contacts += pairs_.with(k, [](const auto& pair) { return pair.contacts(); });
-		island.hasGrains |= pairs_.grains(k) != nullptr;
+		island.solvesPairsAlone |= pairs_.grains(k) != nullptr;
 		island.movesRigidBodies |= pairs_.movesRigidBodies(k);
 		pairs_.addHeldMotion(k, held[pairs_.islandOf(k)]);
 	}
@@ -208,7 +208,7 @@ template <int dim> void ContactSolver<dim>::beginTurns()
 	for (IslandSweeps& island : islands_)
 		island.residualBefore = island.residual;
 	if (select([this](const IslandSweeps& island) {
-		    return isLeft(island) && island.sweepsThisTurn == 0 && island.hasGrains;
+		    return isLeft(island) && island.sweepsThisTurn == 0 && island.solvesPairsAlone;
 	    })) {
 		const std::vector<long> alone = solvePairsAlone();
 		for (std::size_t i = 0; i < islands_.size(); ++i) {
@@ -218,7 +218,7 @@ template <int dim> void ContactSolver<dim>::beginTurns()
 		measureIslands();
 	}
 	for (IslandSweeps& island : islands_)
-		if (island.sweepsThisTurn == 0) island.beginTurn();
+		if (isLeft(island) && island.sweepsThisTurn == 0) island.beginTurn();
 }
 
 template <int dim> void ContactSolver<dim>::sweepToTolerance()
@@ -232,7 +232,9 @@ template <int dim> void ContactSolver<dim>::sweepToTolerance()
 	for (IslandSweeps& island : islands_)
 		island.beginSweeps();
 	sweepBothWays();
-	select([&](const IslandSweeps& island) { return island.hasGrains || isPromising(island); });
+	select([&](const IslandSweeps& island) {
+		return island.solvesPairsAlone || isPromising(island);
+	});
 	measureIslands();
 	while (selectLeft()) {
 		beginTurns();
@@ -243,7 +245,8 @@ template <int dim> void ContactSolver<dim>::sweepToTolerance()
 			if (island.takesPart) island.noteSweep();
 		select([&](const IslandSweeps& island) {
 			return island.takesPart &&
-			       (isPromising(island) || (island.hasGrains && island.isTurnOver()));
+			       (isPromising(island) ||
+				(island.solvesPairsAlone && island.isTurnOver()));
 		});
 		measureIslands();
 		for (IslandSweeps& island : islands_)

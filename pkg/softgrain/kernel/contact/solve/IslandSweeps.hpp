@@ -14,7 +14,7 @@ namespace softgrain {
 struct IslandSweeps {
 	// what is in it
 	long contacts = 0;
-	bool hasGrains = false;        ///< pairs of grains, or of a grain and a plane
+	bool solvesPairsAlone = false; ///< some are of grains, or of a grain and a plane
 	bool movesRigidBodies = false; ///< impulses of some pair do
 	bool isDriven = false;         ///< HeldMotion::isFelt
 	double exchangedAtFirst = 0;   ///< by the impulses of the last step, with rigid bodies, J

@@ -169,8 +169,9 @@ template <int dim> void PlannedPairs<dim>::fetchForPrepare(int k) const
 
 template <int dim> bool PlannedPairs<dim>::movesRigidBodies(int k) const
 {
+	if (const auto* contact = rigid(k)) return contact->movesBodies();
 	const auto* pair = grainOnRigid(k);
-	return rigid(k) || (pair && pair->movesPartner());
+	return pair && pair->movesPartner();
 }
 
 template <int dim> void PlannedPairs<dim>::addHeldMotion(int k, HeldMotion<dim>& motion) const

@@ -66,15 +66,7 @@ template <int dim> void RigidContactSolver<dim>::beginWith(double share)
 template <int dim> SweepChange RigidContactSolver<dim>::sweep(SweepOrder)
 {
 	if (!solvable_) return {};
-	const Vec<dim> r = c_.solvedAt(velocity(), friction_);
-	const Vec<dim> J = r - c_.impulse;
-	SweepChange change { 0, c_.energy(r) };
-	if (J.isZero(0)) return change;
-	change.changed = c_.energy(J);
-	change.along = c_.product(J, r - c_.impulseBefore);
-	push(J);
-	c_.impulse = r;
-	return change;
+	return c_.visit(velocity(), friction_, [this](const Vec<dim>& J) { push(J); });
 }
 
 template <int dim> void RigidContactSolver<dim>::extrapolate(double share)

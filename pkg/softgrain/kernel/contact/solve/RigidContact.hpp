@@ -71,6 +71,8 @@ public:
 	ContactWork work() const;
 	int contacts() const { return 1; }
 	int active() const { return c_.impulse.isZero(0) ? 0 : 1; }
+	/// Whether impulses move one of the bodies at least.
+	bool movesBodies() const { return firstMoves_ || secondMoves_; }
 
 private:
 	/// b: the speed at which the gap may close; a contact that closes in this step leaves with

@@ -3,6 +3,8 @@
 #include "contact/solve/PairSum.hpp"
 #include "lanes/Lanes.hpp"
 
+#include <algorithm>
+
 namespace softgrain {
 
 template <int dim>
@@ -117,16 +119,16 @@ template <int dim> void RigidPairSolver<dim>::applyImpulse(const Constraint& c, 
 template <int dim>
 SOFTGRAIN_FOR_ALL_INSTRUCTION_SETS SweepChange RigidPairSolver<dim>::sweep(SweepOrder order)
 {
-	double along = 0;
-	SweepChange change = sweepOver(
-		constraints_, order,
-		[this](const Constraint& c) { return c.solvedAt(velocity(c), friction(c)); },
-		[](const Constraint& c, const Vec<dim>& r) { return c.energy(r); },
-		[this, &along](const Constraint& c, const Vec<dim>& J) {
-			if (moves_) along += c.product(J, c.impulse - c.impulseBefore);
-			applyImpulse(c, J);
-		});
-	change.along = along;
+	SweepChange change;
+	auto visit = [&](Constraint& c) {
+		change += c.visit(velocity(c), friction(c),
+				  [&](const Vec<dim>& J) { applyImpulse(c, J); });
+	};
+	if (order == SweepOrder::forwards)
+		std::for_each(constraints_.begin(), constraints_.end(), visit);
+	else
+		std::for_each(constraints_.rbegin(), constraints_.rend(), visit);
+	if (!moves_) change.along = 0; // where nothing is extrapolated
 	return change;
 }
 

@@ -1,11 +1,8 @@
-// A sweep of nonlinear Gauss-Seidel over the contacts of a pair. (Pairs of grains have one of their
-// own, PairSolver::sweep.)
+// What sweeps of nonlinear Gauss-Seidel over contacts did, and how far to go on beyond them.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace softgrain {
 
@@ -51,28 +48,5 @@ private:
 };
 
 enum class SweepOrder { forwards, backwards };
-
-/// Solves each of the constraints once, the others held: solved(c) is the impulse that solves c,
-/// energy(c, r) the square of r in the residual's norm, apply(c, J) hands a change on.
-template <class Constraint, class Solved, class Energy, class Apply>
-SweepChange sweepOver(std::vector<Constraint>& constraints, SweepOrder order, Solved&& solved,
-		      Energy&& energy, Apply&& apply)
-{
-	SweepChange sum;
-	auto visit = [&](Constraint& c) {
-		const auto r = solved(c);
-		const auto J = (r - c.impulse).eval();
-		sum.total += energy(c, r);
-		if (J.isZero(0)) return;
-		sum.changed += energy(c, J);
-		c.impulse = r;
-		apply(c, J);
-	};
-	if (order == SweepOrder::forwards)
-		std::for_each(constraints.begin(), constraints.end(), visit);
-	else
-		std::for_each(constraints.rbegin(), constraints.rend(), visit);
-	return sum;
-}
 
 } // namespace softgrain

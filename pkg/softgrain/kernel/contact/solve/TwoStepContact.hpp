@@ -13,6 +13,7 @@
 
 #include "contact/solve/CoulombCone.hpp"
 #include "contact/solve/Residual.hpp"
+#include "contact/solve/Sweep.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -69,6 +70,20 @@ template <int dim> struct TwoStepContact {
 		const Vec<dim> sliding = u - u.dot(n) * n;
 		const Vec<dim> r = across - sliding / Wt + after * n;
 		return onCone<dim>(r, n, friction);
+	}
+	/// Takes the impulse that solves the contact at the velocity u, others held, and hands on
+	/// by how much it changed, `push(J)`.
+	template <class Push> SweepChange visit(const Vec<dim>& u, double friction, Push&& push)
+	{
+		const Vec<dim> r = solvedAt(u, friction);
+		const Vec<dim> J = r - impulse;
+		SweepChange change { 0, energy(r) };
+		if (J.isZero(0)) return change;
+		change.changed = energy(J);
+		change.along = product(J, r - impulseBefore);
+		impulse = r;
+		push(J);
+		return change;
 	}
 	/// D for a normal and a tangential impulse, 1/kg.
 	double responseTo(double normal, const Vec<dim>& across, double friction) const
