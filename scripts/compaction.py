@@ -71,10 +71,7 @@ class Box:
     """Four walls: left, right, bottom fixed; top moves."""
 
     def __init__(self, width, height):
-        walls = [
-            utils.wall(position, axis=axis, sense=sense, material="walls")
-            for position, axis, sense in ((0, 0, 1), (width, 0, -1), (0, 1, 1), (height, 1, -1))
-        ]
+        walls = sg.walls_around((0, 0), (width, height), "walls")
         self.left, self.right, self.bottom, self.top = O.bodies.append(walls)
         self.width = width
 

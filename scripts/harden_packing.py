@@ -9,10 +9,11 @@ import math
 import sys
 
 import numpy as np
-from yade import FrictMat, O, pack, utils
+from yade import FrictMat, O
 
 import softgrain as sg
 from softgrain import command_line, hardening
+from softgrain.clouds import full_cloud
 
 SIDE = 0.1  # m, of the loose box
 RADIUS = 0.01  # m, mean
@@ -55,14 +56,11 @@ def parse_options(arguments=None):
 def make_packing(options):
     """Disks in a box that its walls squeeze to the stress; ids of disks and walls."""
     grains = O.materials.append(FrictMat(frictionAngle=math.atan(FRICTION), label="grains"))
-    cloud = pack.SpherePack()
-    corners = (0, 0, 0), (SIDE, SIDE, 0)
-    cloud.makeCloud(*corners, rMean=RADIUS, rRelFuzz=0.2, num=20, seed=options.seed)
+    cloud = full_cloud(20, (SIDE, SIDE, 0), RADIUS, 0.2, options.seed)
     ids = cloud.toSimulation(material="grains")
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"
-    sides = [(SIDE * upper, axis, 1 - 2 * upper) for axis in (0, 1) for upper in (0, 1)]
-    walls = O.bodies.append([utils.wall(x, axis=a, sense=s, material=grains) for x, a, s in sides])
+    walls = O.bodies.append(sg.walls_around((0, 0), (SIDE, SIDE), grains))
     soft = sg.SoftMat(
         young=1e6,
         poisson=0.45,

@@ -12,7 +12,7 @@ import sys
 
 import numpy as np
 from PIL import Image
-from yade import FrictMat, O, utils
+from yade import FrictMat, O
 
 import softgrain as sg
 from softgrain import command_line
@@ -104,14 +104,10 @@ def make_scene(options):
     O.engines = sg.engines()
     sg.set_time_step(0.8)
     outlines = np.vstack([b.shape.outline()[:, :2] for b in grains.bodies])
-    walls = []
-    for axis in (0, 1):
-        for sense in (1, -1):
-            place = (outlines.min if sense == 1 else outlines.max)(axis=0)[axis]
-            wall = utils.wall(float(place), axis=axis, sense=sense, material="walls")
-            wall.state.vel[axis] = sense * options.speed
-            walls.append(O.bodies.append(wall))
-    return grains, walls
+    walls = sg.walls_around(outlines.min(axis=0), outlines.max(axis=0), "walls")
+    for k, wall in enumerate(walls):
+        wall.state.vel[k // 2] = (-1) ** k * options.speed
+    return grains, O.bodies.append(walls)
 
 
 def area():

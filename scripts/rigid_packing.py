@@ -169,9 +169,7 @@ def loose_disks(options):
     random, row = np.random.default_rng(2), math.ceil(math.sqrt(options.disks))
     pitch = 2.6 * RADIUS
     smooth, grains = material(options, 0), material(options)
-    places = [(0, 0), (row * pitch, 0), (0, 1), (row * pitch, 1)]
-    walls = [utils.wall(place, axis=axis, material=smooth) for place, axis in places]
-    ids = O.bodies.append(walls)
+    ids = O.bodies.append(sg.walls_around((0, 0), (row * pitch, row * pitch), smooth))
     for k in range(options.disks):
         jitter = 0.05 * RADIUS * random.uniform(-1, 1, 2)
         centre = pitch * (np.array(divmod(k, row)) + 0.5) + jitter

@@ -89,12 +89,7 @@ def squeezed_packing(options):
         else:
             add_rigid_disk(centre, RADIUS, options)
     side = PACKING_ROWS * pitch
-    walls = [
-        utils.wall(place, axis=axis, material=FrictMat(frictionAngle=0))
-        for axis in (0, 1)
-        for place in (0, side)
-    ]
-    ids = O.bodies.append(walls)
+    ids = O.bodies.append(sg.walls_around((0, 0), (side, side), FrictMat(frictionAngle=0)))
     O.engines = sg.engines()
     O.trackEnergy = True
     sg.set_time_step()

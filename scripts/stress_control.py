@@ -105,13 +105,7 @@ def make_walls(sides, boxes):
             [(0, 0, 0), tuple(sides)], thickness=2 * thick, oversizeFactor=1.5, material=material
         )
         return O.bodies.append(walls)
-    return O.bodies.append(
-        [
-            utils.wall(place, axis=axis, sense=sense, material=material)
-            for axis, side in enumerate(sides)
-            for place, sense in ((0, 1), (side, -1))
-        ]
-    )
+    return O.bodies.append(sg.walls_around([0] * len(sides), sides, material))
 
 
 def press_by_controller(walls, stress, drag):

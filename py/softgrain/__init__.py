@@ -43,7 +43,7 @@ from softgrain.observe import (  # noqa: E402
     von_mises,
     wall_force,
 )
-from softgrain.picture import draw_packing, wall_box  # noqa: E402
+from softgrain.picture import draw_packing  # noqa: E402
 from softgrain.profile import contact_halfwidth, contact_profile  # noqa: E402
 from softgrain.quasi_static import (  # noqa: E402
     quasi_static,
@@ -62,6 +62,7 @@ from softgrain.time_loop import (  # noqa: E402
 )
 from softgrain.timing import phase_times, reset_times  # noqa: E402
 from softgrain.vtk_files import write_vtk  # noqa: E402
+from softgrain.walls import wall_box, walls_around  # noqa: E402
 
 yade_utils.replace()
 
@@ -109,5 +110,6 @@ __all__ = sorted(_classes) + [
     "von_mises",
     "wall_box",
     "wall_force",
+    "walls_around",
     "write_vtk",
 ]

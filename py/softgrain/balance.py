@@ -2,19 +2,21 @@
 
 from yade import O
 
-from softgrain.bodies import material_of, soft_bodies
+from softgrain.bodies import material_of, some_soft_bodies
 from softgrain.observe import integrator
 
 
 class Balance:
-    """Relative closure of the energy balance since this object was made. What a script changes by
-    hand (``vel``, ``young``, bodies erased), and what ``SoftenWhenLoaded`` turns soft, is no work
-    that is booked: it counts as error.
+    """Relative closure of the energy balance of all soft grains since this object was made. What a
+    script changes by hand (``vel``, ``young``, bodies erased), and what ``SoftenWhenLoaded`` turns
+    soft, is no work that is booked: it counts as error.
 
-    The work of walls, loads and a periodic cell must be found again as kinetic and elastic energy
-    and as what friction, impacts and damping dissipated, and grains that fell asleep lost.
+    The work of walls, rigid bodies, loads and a periodic cell must be found again as kinetic and
+    elastic energy of the grains and as what friction, impacts and damping dissipated, and grains
+    that fell asleep lost. What rigid bodies have and lose among themselves is not in it.
 
     Raises:
+        ValueError: the scene has no soft grain.
         RuntimeError: ``O.trackEnergy`` is off, or no step has been taken with it: there are no
             energies to compare.
     """
@@ -33,9 +35,10 @@ class Balance:
     _ROUNDING = 1e-15
 
     def __init__(self):
+        grains = some_soft_bodies("Balance")
         self._check()
         self._start = self._stored_and_lost(integrator().energy())
-        stiffness = sum(material_of(b).young * b.shape.undeformedVolume() for b in soft_bodies())
+        stiffness = sum(material_of(b).young * b.shape.undeformedVolume() for b in grains)
         self._scale = self._ROUNDING * stiffness
 
     @staticmethod

@@ -1,8 +1,9 @@
 """Contact forces of the last step as arrays: by contact point, by pair, by body.
 
-Forces are exact; pressures and shear tractions are smoothed over about one spacing of background
-nodes (``doc/theory.md``), and 0 with contact geometries other than 'surface'. In 2D forces are per
-metre of thickness and areas are lengths.
+Forces are exact; pressures and shear tractions of contact points are smoothed over about one
+spacing of background nodes (``doc/theory.md``). With contact geometries other than 'surface' nodes
+have no area: these are 0 then, and those of pairs and bodies nan. In 2D forces are per metre of
+thickness and areas are lengths.
 """
 
 import numpy as np
@@ -24,7 +25,8 @@ def contact_forces():
         force (n, 3) on the owner [N, 2D N/m]; gap (n,) [m]; area (n,), share of the node in the
         outline [m², 2D m]; pressure (n,) and shear (n, 3), tractions on the owner [Pa].
     """
-    names = ("point", "normal", "force", "gap", "area", "pressure", "shear")
+    vectors = ("point", "normal", "force", "shear")
+    names = (*vectors, "gap", "area", "pressure")
     columns = {name: [] for name in ("owner", "other", *names)}
     for interaction in _soft_interactions():
         arrays = interaction.geom.contacts()
@@ -37,7 +39,8 @@ def contact_forces():
         for name in names:
             columns[name].append(arrays[name])
     return {
-        name: np.concatenate(parts) if parts else _no_rows(name) for name, parts in columns.items()
+        name: np.concatenate(parts) if parts else _no_rows(name, vectors)
+        for name, parts in columns.items()
     }
 
 
@@ -49,21 +52,22 @@ def pair_forces():
         points by the size of their normal forces, in a periodic cell beside id1 [m]; normal_force
         (n, 3) and shear_force (n, 3), sums of the normal and of the tangential forces of all
         contact points on #2 [N, 2D N/m]; area (n,) of contact, of what presses and what pulls [m²,
-        2D m]; pressure (n,) and traction (n,), magnitudes of these sums over the area, whichever
-        way they point [Pa]. The last three are nan where contact points are not there: after
-        ``O.load``, before the next step.
+        2D m]; pressure (n,), positive where the pair presses, and shear (n,), >= 0, sizes of these
+        sums over the area [Pa]. The last two are nan where the area is 0 under a force (contact
+        'points' and 'nodes', contacts by ends and edges alone), all three where contact points are
+        not there: after ``O.load``, before the next step.
     """
     rows = [_pair(i) for i in _soft_interactions() if i.phys.activeContacts > 0]
-    names = ("id1", "id2", "point", *_SUMS, "area", "pressure", "traction")
+    names = ("id1", "id2", "point", *_SUMS, "area", "pressure", "shear")
     return {
-        name: np.array([row[k] for row in rows]) if rows else _no_rows(name)
+        name: np.array([row[k] for row in rows]) if rows else _no_rows(name, ("point", *_SUMS))
         for k, name in enumerate(names)
     }
 
 
-def _no_rows(name):
-    """The column of that name in a table without rows."""
-    if name in ("point", "normal", "force", "shear", *_SUMS):
+def _no_rows(name, vectors):
+    """The column of that name in a table without rows; ``vectors`` are names of those."""
+    if name in vectors:
         return np.zeros((0, 3))
     return np.zeros(0, int if name in ("owner", "other", "id1", "id2") else float)
 
@@ -75,7 +79,8 @@ def body_forces():
         dict of arrays, by id, for all soft grains and the bodies that they exchange force with: id
         (n,); force (n, 3), sum over its pairs [N, 2D N/m]; area (n,) of all its contacts [m², 2D
         m]; pressure (n,), sum of the magnitudes of the normal forces of its pairs over the area,
-        and traction (n,), the same of the shear forces [Pa].
+        whichever way they point, and shear (n,), the same of the shear forces [Pa]; nan as for
+        :func:`pair_forces`.
     """
     pairs = pair_forces()
     ids = np.array(
@@ -97,13 +102,14 @@ def body_forces():
         "force": force,
         "area": area,
         "pressure": _over(pushed, area),
-        "traction": _over(sheared, area),
+        "shear": _over(sheared, area),
     }
 
 
 def _over(force, area):
-    """0 without an area, nan where it is not known."""
-    return np.divide(force, area, out=np.zeros_like(force), where=(area > 0) | np.isnan(area))
+    """0 without a force, nan under one where the area is 0 or not known."""
+    unknown = np.where((force == 0) & (area == 0), 0.0, np.nan)
+    return np.divide(force, area, out=unknown, where=area > 0)
 
 
 def _soft_interactions():
@@ -144,6 +150,8 @@ def _pair(interaction):
     if len(arrays["side"]) == 0:
         area = np.nan
     sums = np.array([np.linalg.norm(normal), np.linalg.norm(shear)])
-    pressure, traction = _over(sums, np.full(2, area))
+    pressure, tangential = _over(sums, np.full(2, area))
+    pulls = np.sum(arrays["force"] * arrays["normal"]) < 0
     point = np.array(interaction.geom.contactPoint)
-    return interaction.id1, interaction.id2, point, normal, shear, area, pressure, traction
+    tractions = (-pressure if pulls else pressure, tangential)
+    return interaction.id1, interaction.id2, point, normal, shear, area, *tractions

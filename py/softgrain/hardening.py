@@ -78,7 +78,7 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
     Args:
         ids (iterable of int | None): soft grains; None: all of the scene.
         material (FrictMat | int | str | None): of the rigid bodies, or its index or label in
-            ``O.materials``; None: the last FrictMat there. Its density is not used.
+            ``O.materials``; None: the only FrictMat there. Its density is not used.
         into (str): 'spheres', 'clumps' or 'fixed'.
         overlap (str): of 'spheres'. 'keep': radii of the present areas; YADE's law makes forces of
             the overlaps. 'shrink': all radii are reduced by one common factor so that no two of
@@ -94,8 +94,8 @@ def harden(ids=None, material=None, into="spheres", overlap="keep", error=None):
 
     Raises:
         ValueError: a body is no soft grain, of a material with massScaling, or of a form or contact
-            geometry that cannot be converted, there is no FrictMat, or a value is unknown or out
-            of its range. Nothing has been changed then.
+            geometry that cannot be converted, there is no FrictMat, or none is given and there are
+            several, or a value is unknown or out of its range. Nothing has been changed then.
         RuntimeError: a run is going on in the background. Nothing has been changed then.
     """
     refuse_background_run("harden")
@@ -131,9 +131,10 @@ def _grains(ids):
 def _rigid_material(material):
     if material is None:
         found = [m for m in O.materials if isinstance(m, FrictMat)]
-        if not found:
-            raise ValueError("material: give a FrictMat, O.materials holds none")
-        return found[-1]
+        if len(found) != 1:
+            labels = [m.label for m in found] if found else "none"
+            raise ValueError(f"material: give a FrictMat; O.materials holds {labels}")
+        return found[0]
     material = found_material(material)
     if not isinstance(material, FrictMat):
         raise ValueError(f"material = {type(material).__name__}: rigid bodies need a FrictMat")

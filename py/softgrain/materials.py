@@ -13,8 +13,9 @@ def soft_material(material):
     """The SoftMat that is meant.
 
     Args:
-        material (SoftMat | int | str): itself, an index or a label of ``O.materials``; -1: the last
-            one there, or a new one with default values, which :func:`keep_material` adds.
+        material (SoftMat | int | str | None): itself, an index or a label of ``O.materials``; None
+            or, as in YADE, -1: the last one there, or a new one with default values, which
+            :func:`keep_material` adds.
 
     Returns:
         SoftMat.
@@ -22,7 +23,7 @@ def soft_material(material):
     Raises:
         ValueError: there is none of that kind.
     """
-    if np.ndim(material) == 0 and material == -1:
+    if material is None or (np.ndim(material) == 0 and material == -1):
         soft = [m for m in O.materials if isinstance(m, wrapper.SoftMat)]
         return soft[-1] if soft else wrapper.SoftMat(label=_DEFAULT_MATERIAL)
     material = found_material(material)
@@ -58,9 +59,13 @@ def found_material(material):
     if not 0 <= place < len(O.materials):
         raise ValueError(
             f"material = {material!r}: admissible are a Material, a label, or an index of "
-            f"O.materials, in [0, {len(O.materials) - 1}]"
+            f"O.materials, {_known_indices()}"
         )
     return O.materials[place]
+
+
+def _known_indices():
+    return f"in [0, {len(O.materials) - 1}]" if len(O.materials) else "which is empty"
 
 
 def keep_material(material):

@@ -48,7 +48,7 @@ def packing_fraction(box_area=None, nominal=False):
             there is no soft grain.
     """
     if box_area is None:
-        box_area = cell_volume()
+        box_area = cell_volume("packing_fraction without box_area")
     box_area = number("box_area", box_area, "(0, inf)", "m² or m³")
     grains = some_soft_bodies("packing_fraction")
     if nominal:

@@ -62,7 +62,7 @@ def overlap_factor(balls, overlap, dim):
         hint = "" if overlap == "shrink" else " or use overlap='shrink'"
         raise ValueError(
             f"overlap = {overlap!r}: bodies #{worst.ids[0]} and #{worst.ids[1]} overlap by "
-            f"{100 * worst.overlap:.2g} % of the smaller radius, more than the admissible "
+            f"{100 * worst.overlap:.3g} % of the smaller radius, more than the admissible "
             f"{100 * limit:g} %; relax the rigid packing further{hint}"
         )
     if overlap != "shrink":

@@ -255,18 +255,3 @@ def _shaded(fields, outlines):
         shades.append(values)
         count += len(vertices)
     return np.vstack(places), np.vstack(triangles), np.concatenate(shades)
-
-
-def wall_box():
-    """(xmin, xmax, ymin, ymax) spanned by the axis-aligned walls of a 2D scene [m].
-
-    Raises:
-        ValueError: there are not two walls for each of the axes x and y.
-    """
-    positions = {0: [], 1: []}
-    for b in O.bodies:
-        if b and isinstance(b.shape, wrapper.Wall) and b.shape.axis in positions:
-            positions[b.shape.axis].append(b.state.pos[b.shape.axis])
-    if any(len(p) < 2 for p in positions.values()):
-        raise ValueError("wall_box: two walls are needed for each of the axes x and y")
-    return (min(positions[0]), max(positions[0]), min(positions[1]), max(positions[1]))

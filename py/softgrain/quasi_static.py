@@ -32,12 +32,8 @@ def quasi_static():
         dict: *kinetic*, of all soft grains at the end of the last step, and *elastic*, at its
         beginning, when forces were computed [J, 2D J/m];
         *kinetic_over_elastic* [-], inf where nothing is deformed but something moves;
-        *unbalanced_force* [-], mean magnitude of the sum of forces on a soft grain (contacts,
-        ``O.forces``, weight) over mean magnitude of the contact forces, as
-        ``utils.unbalancedForce`` has it for rigid bodies, inf where grains are accelerated without
-        any contact, nan where the forces of the last step are not there: before the first step and
-        between ``ForceResetter`` and ``SoftGrainIntegrator`` (an engine put in by
-        ``sg.insert_before_solve``). Both ratios are 0 where there is neither motion nor force.
+        *unbalanced_force* [-], see :func:`unbalanced_force`. Both ratios are 0 where there is
+        neither motion nor force.
 
     Raises:
         ValueError: the scene has no soft grain.
@@ -50,31 +46,32 @@ def quasi_static():
         "kinetic": kinetic,
         "elastic": elastic,
         "kinetic_over_elastic": _ratio(kinetic, elastic),
-        "unbalanced_force": _over_present_forces(_mean(_net_forces(bodies)), _mean_contact_force()),
+        "unbalanced_force": unbalanced_force(),
     }
 
 
 def unbalanced_force(largest=False):
-    """Mean magnitude of the sum of forces on all soft grains and free rigid bodies (along the axes
-    that are not blocked) over the mean magnitude of the contact forces that are not zero, after the
-    last step.
+    """Mean magnitude of the sum of forces (contacts, ``O.forces``, weight) on all soft grains and
+    free rigid bodies (along the axes that are not blocked) over the mean magnitude of the contact
+    forces that are not zero, after the last step, as ``utils.unbalancedForce`` has it for rigid
+    bodies.
 
     Args:
         largest (bool): the largest sum of forces on a body in place of their mean.
 
     Returns:
         float: 0 without any force, inf where something is accelerated without any contact, nan
-        where the forces of the last step are not there (see :func:`quasi_static`) [-].
+        where the forces of the last step are not there: before the first step and between
+        ``ForceResetter`` and ``SoftGrainIntegrator`` (an engine put in by
+        ``sg.insert_before_solve``) [-].
     """
     phys = [i.phys for i in O.interactions if i.isReal and isinstance(i.phys, NormShearPhys)]
     forces = [(p.normalForce + p.shearForce).norm() for p in phys]
     carried = _mean([force for force in forces if force > 0])
     net = _net_forces([b for b in O.bodies if b and has_own_motion(b)])
-    return _over_present_forces(max(net, default=0.0) if largest else _mean(net), carried)
-
-
-def _over_present_forces(net, carried):
-    return _ratio(net, carried) if _softgrain.hasForcesOfLastStep() else math.nan
+    if not _softgrain.hasForcesOfLastStep():
+        return math.nan
+    return _ratio(max(net, default=0.0) if largest else _mean(net), carried)
 
 
 def _ratio(numerator, denominator):
@@ -104,15 +101,6 @@ def _weighed_mass(body):
     if is_soft(body):
         return unscaled_mass(body)
     return body.state.mass
-
-
-def _mean_contact_force():
-    bearing = [
-        phys
-        for i in O.interactions
-        if i.isReal and isinstance(phys := i.phys, wrapper.SoftPhys) and phys.activeContacts > 0
-    ]
-    return _mean([(phys.normalForce + phys.shearForce).norm() for phys in bearing])
 
 
 def _mean(values):

@@ -12,7 +12,7 @@ from softgrain.materials import keep_material, soft_material
 from softgrain.overlaps import Ball, overlap_factor
 from softgrain.rigid_disks import is_single_sphere, require_plane, spheres_of
 from softgrain.time_loop import (
-    checked_fraction,
+    chosen_fraction,
     insert_before_solve,
     integrators,
     refuse_background_run,
@@ -31,7 +31,7 @@ def soften(
     zeta=0.11,
     dim=None,
     overlap="relax",
-    time_step_fraction=0.85,
+    time_step_fraction=None,
     when="now",
     load=None,
     **shape,
@@ -73,7 +73,8 @@ def soften(
         zeta (float): relative resolution 2 dr/D, in [0.001, 0.5] [-].
         dim (int | None): 2 or 3; None: by the scene.
         overlap (str): 'relax', 'shrink' or 'refuse'.
-        time_step_fraction (float): O.dt over the critical step, in (0, 1] [-].
+        time_step_fraction (float | None): O.dt over the critical step, in (0, 1] [-]; None: as for
+            :func:`set_time_step`.
         when (str): 'now' or, spheres only, 'loaded'.
         load (float | None): with 'loaded', force of a contact over E D (3D: E D^2) above which a
             sphere is turned, E of the material, D its diameter, >= 0 [-]; None: 1e-3.
@@ -92,7 +93,7 @@ def soften(
         RuntimeError: a run is going on in the background. Nothing has been changed then.
     """
     refuse_background_run("soften")
-    time_step_fraction = checked_fraction("time_step_fraction", time_step_fraction)
+    time_step_fraction = chosen_fraction("time_step_fraction", time_step_fraction)
     load_given = load is not None
     load = number("load", load if load_given else USUAL_LOAD, "[0, inf)")
     _refuse_kept(shape)
@@ -115,6 +116,7 @@ def soften(
     factor = overlap_factor([Ball.of(sphere) for sphere in spheres], overlap, dim)
     shape.update(dim=dim, zeta=zeta)
     grains = [_soft_counterpart(body, factor, material, shape) for body in bodies]
+    _require_alike(bodies, made(wrapper.SoftGrain, {**shape, "radius": 1}))
     return _replace(bodies, grains, material, time_step_fraction)
 
 
@@ -271,7 +273,8 @@ def _require_alike(bodies, grain):
         return
     plane = [*(b for b, _ in others), *bodies][0].state.pos[2]
     for body in bodies:
-        if abs(body.state.pos[2] - plane) > ONE_PLANE * body.shape.radius:
+        radius = spheres_of(body)[0].shape.radius
+        if abs(body.state.pos[2] - plane) > ONE_PLANE * radius:
             raise ValueError(
                 f"ids: body #{body.id} is centred at z = {body.state.pos[2]:g} m; admissible in "
                 f"2D: the plane of all soft grains, z = {plane:g} m"

@@ -31,6 +31,8 @@ from yade import (
 from softgrain import _softgrain, interface_laws
 from softgrain.checks import finite_vector, index, made, number
 
+#: Fraction of the critical step that ``O.dt`` is set to, if nothing else is said [-].
+_USUAL_FRACTION = 0.85
 #: Tag of the scene: ``O.dt`` as last set by set_time_step [s] and the fraction of the critical step
 #: that it was.
 _OWN_STEP = "softgrain.timeStep"
@@ -93,7 +95,8 @@ def engines(
             ``Ip2_SoftPhys`` (frictAngle, dynamicFrictAngle, cohesion, cohesionRange, bondStrength,
             bondEnergy, bondStiffness, bondAtTouch, restitution), each a ``MatchMaker`` or a number
             for all pairs; ``interfaceRange`` of the integrator follows from it unless it is given.
-            With rigid = 'nonsmooth' its restitution is also that of rigid bodies with each other.
+            Of rigid bodies with each other it has the frictAngle and, with rigid = 'nonsmooth', the
+            restitution; the rest is that of soft grains alone.
         rigid (str): how rigid bodies touch each other. 'linear': by YADE's linear law with friction
             (``Law2_ScGeom_FrictPhys_CundallStrack``), whose stiffness may ask for a smaller
             ``O.dt`` than soft grains do: assign it by hand then. 'nonsmooth': by the contact
@@ -112,7 +115,8 @@ def engines(
             geometry of the grains.
     """
     if rigid not in _RIGID_LAWS:
-        raise ValueError(f"rigid = {rigid!r} is not one of {', '.join(map(repr, _RIGID_LAWS))}")
+        known = ", ".join(map(repr, _RIGID_LAWS))
+        raise ValueError(f"rigid = {rigid!r} is unknown; known: {known}")
     nonsmooth = rigid == "nonsmooth"
     gravity = finite_vector("gravity", gravity, 3, "m/s²")
     if verlet_distance is None:
@@ -302,10 +306,11 @@ def _geometry_functors(nonsmooth):
 
 def _physics_functors(interface):
     of_soft = {name: value for name, value in interface.items() if name != "restitution"}
+    of_rigid = {name: value for name, value in interface.items() if name == "frictAngle"}
     return [
         wrapper.Ip2_SoftMat_SoftMat_SoftPhys(**of_soft),
         wrapper.Ip2_FrictMat_SoftMat_SoftPhys(**interface),
-        Ip2_FrictMat_FrictMat_FrictPhys(),
+        Ip2_FrictMat_FrictMat_FrictPhys(**of_rigid),
     ]
 
 
@@ -321,9 +326,10 @@ def _laws(nonsmooth, interface):
     ]
 
 
-def checked_fraction(name, fraction):
-    """As a float; ValueError unless ``fraction`` of the critical step [-] is in (0, 1]."""
-    return number(name, fraction, "(0, 1]")
+def chosen_fraction(name, fraction):
+    """Of the critical step, as a float, the one in use for None; ValueError unless it is in (0, 1]
+    [-]."""
+    return number(name, _fraction_in_use() if fraction is None else fraction, "(0, 1]")
 
 
 def critical_time_step():
@@ -354,6 +360,13 @@ def automatic_fraction():
     return _fraction_set()
 
 
+def _fraction_in_use():
+    """That of the integrator, of the scene while there is none [-]."""
+    for engine in integrators():
+        return engine.timeStepFraction
+    return _fraction_set() or _USUAL_FRACTION
+
+
 def _fraction_set():
     """Fraction of the critical step that set_time_step made ``O.dt``; None where it did not [-]."""
     if _OWN_STEP not in O.tags.keys():
@@ -362,13 +375,14 @@ def _fraction_set():
     return fraction if O.dt == dt else None
 
 
-def set_time_step(fraction=0.85):
+def set_time_step(fraction=None):
     """Set ``O.dt`` to a fraction of the critical step and let the integrator keep it there while
     the grains deform. The first step logs a warning if that is too long for rigid spheres that
     touch by YADE's linear law.
 
     Args:
-        fraction (float): in (0, 1] [-].
+        fraction (float | None): in (0, 1] [-]; None: the one in use, ``timeStepFraction`` of the
+            ``SoftGrainIntegrator`` or what was last given here; 0.85 if there was none.
 
     Returns:
         float: the new ``O.dt`` [s].
@@ -378,7 +392,7 @@ def set_time_step(fraction=0.85):
         RuntimeError: a run is going on in the background.
     """
     refuse_background_run("set_time_step")
-    fraction = checked_fraction("fraction", fraction)
+    fraction = chosen_fraction("fraction", fraction)
     O.dt = fraction * critical_time_step()
     O.tags[_OWN_STEP] = f"{O.dt!r} {fraction!r}"
     for engine in integrators():

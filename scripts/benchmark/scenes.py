@@ -290,8 +290,7 @@ def resting(options):
     fill(centers, np.full(options.grains, RADIUS), options)
     sg.soft_bodies()[0].material.massDamping = DAMPING
     low, high = -0.5 * spacing, centers.max() + 0.5 * spacing
-    for axis in (0, 1):
-        O.bodies.append([utils.wall(x, axis=axis, material=FrictMat()) for x in (low, high)])
+    O.bodies.append(sg.walls_around((low, low), (high, high), FrictMat()))
     start()
     able = skip(options.skip) and options.skip
     sg.advance(SETTLING_STEPS)
@@ -308,12 +307,10 @@ def balls(options):
     centers = lattice(options.grains, 2 * RADIUS, options.dim)
     fill(centers, np.full(options.grains, RADIUS), options)
     rough, high = FrictMat(frictionAngle=math.atan(0.3)), centers.max() + RADIUS
-    ids = []
-    for axis, velocity in enumerate(PRESSING_SPEED / 4 * np.eye(3)):
-        for place, sense in ((-RADIUS, 1), (high, -1)):
-            wall = utils.wall(place, axis, sense=sense, material=rough)
-            wall.state.vel = tuple(sense * velocity)
-            ids.append(O.bodies.append(wall))
+    walls = sg.walls_around((-RADIUS,) * 3, (high,) * 3, rough)
+    for k, wall in enumerate(walls):
+        wall.state.vel[k // 2] = (-1) ** k * PRESSING_SPEED / 4
+    ids = O.bodies.append(walls)
     start()
     skip(False)
     low, width = O.bodies[ids[0]], high + RADIUS
@@ -359,10 +356,7 @@ def sizes(options):
     fill(small, np.full(len(small), RADIUS / 10), options)
     width, height = spacing * (across + 0.5), y.max() + spacing / 2
     rough = FrictMat(frictionAngle=math.atan(0.3))
-    walls = [(0, 0, 1), (width, 0, -1), (0, 1, 1), (height, 1, -1)]
-    ids = O.bodies.append(
-        [utils.wall(at, axis, sense=sense, material=rough) for at, axis, sense in walls]
-    )
+    ids = O.bodies.append(sg.walls_around((0, 0), (width, height), rough))
     start(multirate=options.multirate)
     skip(False)
     top = O.bodies[ids[-1]]

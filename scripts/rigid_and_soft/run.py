@@ -7,8 +7,9 @@ import time
 from pathlib import Path
 
 import numpy as np
-from yade import O, Sphere, utils
+from yade import O, Sphere
 
+import softgrain as sg
 from softgrain import command_line
 
 SCRIPTS = Path(sys.argv[0]).resolve().parents[1]
@@ -42,13 +43,7 @@ class Box:
 
     def __init__(self, low, high, material):
         O.materials.append(material)
-        self.walls = O.bodies.append(
-            [
-                utils.wall(side[axis], axis=axis, sense=sense, material=material)
-                for axis in (0, 1)
-                for side, sense in ((low, 1), (high, -1))
-            ]
-        )
+        self.walls = O.bodies.append(sg.walls_around(low, high, material))
 
     def move(self, velocities):
         """Velocities of left, right, bottom, top along their axes [m/s]."""

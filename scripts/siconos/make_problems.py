@@ -9,7 +9,7 @@ only translate; and the problem of one step of a compaction of soft disks.
 import math
 
 import numpy as np
-from yade import FrictMat, O, utils
+from yade import FrictMat, O
 
 import softgrain as sg
 from softgrain import command_line
@@ -88,9 +88,7 @@ def compaction(friction):
     O.materials.append(FrictMat(frictionAngle=math.atan(0.5 * friction), label="wall"))
     for x, y in ((0.01, 0.01), (0.03, 0.0105), (0.0195, 0.0277)):
         O.bodies.append(sg.soft_disk((x, y, 0), 0.01, soft, zeta=0.25))
-    for axis, position, sense in ((0, 0, 1), (0, 0.0403, -1), (1, 0, 1)):
-        O.bodies.append(utils.wall(position, axis=axis, sense=sense, material="wall"))
-    top = O.bodies.append(utils.wall(0.0378, axis=1, sense=-1, material="wall"))
+    *_, top = O.bodies.append(sg.walls_around((0, 0), (0.0403, 0.0378), "wall"))
     O.bodies[top].state.vel = (0.1, -1, 0)
     O.engines = sg.engines(gravity=(0, -9.81, 0))
     sg.set_time_step()

@@ -113,10 +113,10 @@ def test_tractions_make_the_forces():
     row = np.nonzero(np.maximum(pairs["id1"], pairs["id2"]) == floor)[0][0]
     assert pairs["area"][row] == pytest.approx(4 * RADIUS, rel=0.1)
     assert pairs["pressure"][row] == pytest.approx(force[1] / pairs["area"][row], rel=1e-9)
-    assert pairs["traction"][row] == pytest.approx(abs(force[0]) / pairs["area"][row], rel=1e-9)
+    assert pairs["shear"][row] == pytest.approx(abs(force[0]) / pairs["area"][row], rel=1e-9)
     on_floor = {name: column[-2] for name, column in sg.body_forces().items()}
     assert on_floor["id"] == floor
-    for name in ("area", "pressure", "traction"):
+    for name in ("area", "pressure", "shear"):
         assert on_floor[name] == pytest.approx(pairs[name][row], rel=1e-12)
 
 
@@ -153,10 +153,37 @@ def test_what_is_not_there_after_loading(tmp_path):
     O.load(str(tmp_path / "pressed.yade.bz2"))
     loaded = sg.pair_forces()
     np.testing.assert_array_equal(loaded["normal_force"], before["normal_force"])
-    for name in ("area", "pressure", "traction"):
+    for name in ("area", "pressure", "shear"):
         assert np.isnan(loaded[name]).all() and np.isnan(sg.body_forces()[name]).all()
     run(1)
     np.testing.assert_allclose(sg.pair_forces()["pressure"], before["pressure"], rtol=0.1)
+
+
+def test_what_pulls_has_a_negative_pressure():
+    """Of a pair; that of a body is the size of what acts on it."""
+    floor = add_wall(-1.0001 * RADIUS, axis=1)
+    add_disk()
+    ready(interface={"cohesion": 1e-3 * YOUNG, "cohesionRange": 0.01 * RADIUS})
+    floor.state.vel = (0, -0.01, 0)
+    run(30)
+    pairs, bodies = sg.pair_forces(), sg.body_forces()
+    assert sg.wall_force(floor.id)[1] > 0 > pairs["pressure"][0]
+    np.testing.assert_allclose(bodies["pressure"], -pairs["pressure"][0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("contact", ("points", "nodes"))
+def test_no_pressure_without_areas(contact):
+    """nan, not 0, under a force."""
+    add_disk(contact=contact)
+    add_wall(-RADIUS, axis=1)
+    top = add_wall(RADIUS, axis=1, velocity=(0, -0.1, 0))
+    ready()
+    while not sg.wall_force(top.id)[1] > 0:
+        run(1)
+    pairs = sg.pair_forces()
+    row = np.nonzero(np.maximum(pairs["id1"], pairs["id2"]) == top.id)[0][0]
+    assert pairs["area"][row] == 0 and np.isnan(pairs["pressure"][row])
+    assert pairs["shear"][row] == 0
 
 
 def test_no_contact_gives_empty_arrays():

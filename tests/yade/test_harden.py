@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from harden_scenes import PLACES, all_momenta, box, rigid_material
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
-from yade import O, Sphere, utils
+from yade import FrictMat, O, Sphere, utils
 
 import softgrain as sg
 
@@ -167,6 +167,12 @@ def test_refusals():
     ):
         with pytest.raises(ValueError, match=message):
             sg.harden(**arguments)
+    with pytest.raises(ValueError, match="material: give a FrictMat; O.materials holds none"):
+        sg.harden([0])
+    for name in ("walls", "steel"):
+        O.materials.append(FrictMat(label=name))
+    with pytest.raises(ValueError, match=r"holds \['walls', 'steel'\]"):
+        sg.harden([0])
     assert len(sg.soft_bodies()) == 2
 
 

@@ -23,6 +23,18 @@ from yade import FrictMat, MatchMaker, O, Quaternion, utils
 import softgrain as sg
 
 
+def test_friction_of_rigid_pairs():
+    """The same angles as those of soft grains, by either law."""
+    for rigid in ("linear", "nonsmooth"):
+        O.reset()
+        for x in (0, 1.99 * RADIUS):
+            add_rigid_disk((x, 0, 0), RADIUS, friction=0.3)
+        O.engines = sg.engines(rigid=rigid, interface={"frictAngle": 0.5})
+        O.dt = 1e-6
+        run(1)
+        assert O.interactions[0, 1].phys.tangensOfFrictionAngle == pytest.approx(math.tan(0.5))
+
+
 def test_friction_by_pair_of_materials():
     """A MatchMaker of material ids; without a match its algorithm, without one the minimum."""
     angles = (0.1, 0.2, 0.3)
@@ -124,7 +136,7 @@ def test_force_momentum_and_energy_of_two_blocks(law, friction):
     assert mean == pytest.approx(-1.7e3, rel=0.05)
     pairs = sg.pair_forces()
     assert pairs["area"] == pytest.approx([SIDE], rel=0.05)
-    assert pairs["pressure"] == pytest.approx([1.7e3], rel=0.05)
+    assert pairs["pressure"] == pytest.approx([-1.7e3], rel=0.05)
     for body, sign in ((upper, 1), (lower, -1)):
         O.forces.setPermF(body.id, (0, 1.5 * sign * force, 0))
     while any(i.isReal for i in O.interactions):

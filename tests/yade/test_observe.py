@@ -117,7 +117,8 @@ class Ledger:
 
 
 def keep_books(monkeypatch, ledger):
-    """The ledger instead of an integrator, after a step."""
+    """The ledger instead of an integrator, after a step of a grain."""
+    O.bodies.append(sg.soft_disk((0, 0, 0), 0.01))
     monkeypatch.setattr("softgrain.balance.integrator", lambda: ledger)
     O.trackEnergy = True
     O.energy["softKinetic"] = ledger.values["kinetic"]
@@ -158,6 +159,9 @@ def test_balance_without_energy(monkeypatch):
 
 
 def test_balance_begins_with_a_step():
+    with pytest.raises(ValueError, match="Balance: the scene has no soft grain"):
+        sg.Balance()
+    O.bodies.append(sg.soft_disk((0, 0, 0), 0.01))
     for track in (False, True):
         O.trackEnergy = track
         with pytest.raises(RuntimeError, match="take a step first"):

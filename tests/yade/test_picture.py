@@ -40,13 +40,13 @@ def the_one(axes, kind):
 def test_wall_box():
     for position, axis in ((0, 0), (2, 0), (-1, 1), (3, 1), (7, 2)):
         O.bodies.append(utils.wall(position, axis=axis, material=FrictMat()))
-    assert picture.wall_box() == (0, 2, -1, 3)
+    assert sg.wall_box() == (0, 2, -1, 3)
 
 
 def test_wall_box_with_too_few_walls():
     O.bodies.append(utils.wall(0, axis=0, material=FrictMat()))
     with pytest.raises(ValueError, match="two walls"):
-        picture.wall_box()
+        sg.wall_box()
 
 
 @pytest.mark.parametrize("field", ("von_mises", "pressure", None))

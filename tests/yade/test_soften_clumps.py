@@ -163,6 +163,16 @@ def test_refused_clumps_stay(make, options, message, given):
     assert O.bodies[2].isClump and len(O.bodies) == 3 and len(O.materials) == materials
 
 
+def test_clump_that_does_not_fit_to_other_grains():
+    """It is refused before anything is appended, which would leave a gap among the ids."""
+    clump = add_clump()
+    add_disk((5 * RADIUS, 0, 0))
+    count = len(O.bodies)
+    with pytest.raises(ValueError, match="contact = 'points': other grains .* 'surface'"):
+        sg.soften([clump], soft_material(), contact="points")
+    assert len(O.bodies) == count and O.bodies[clump].isClump
+
+
 @pytest.mark.parametrize("attribute", ("z", "mask", "vertices"))
 def test_what_the_clump_decides_on_is_refused(attribute):
     with pytest.raises(ValueError, match=attribute):

@@ -27,7 +27,24 @@ def test_set_time_step():
     critical = sg.critical_time_step()
     assert sg.set_time_step(0.3) == O.dt == pytest.approx(0.3 * critical, rel=1e-14)
     assert sg.integrator().timeStepFraction == 0.3
-    assert sg.set_time_step() == pytest.approx(0.85 * critical, rel=1e-14)
+    assert sg.set_time_step() == pytest.approx(0.3 * critical, rel=1e-14)
+
+
+def test_fraction_stays_where_none_is_given():
+    """The engines', what was last set without them, or 0.85."""
+    for k in range(4):
+        O.bodies.append(utils.sphere((3 * RADIUS * k, 0, 0), RADIUS, fixed=False))
+        O.bodies[k].state.blockedDOFs = "zXY"
+    sg.soften([0])
+    assert pytest.approx(0.85 * sg.critical_time_step(), rel=1e-14) == O.dt
+    sg.set_time_step(0.4)
+    sg.soften([1])
+    assert pytest.approx(0.4 * sg.critical_time_step(), rel=1e-14) == O.dt
+    O.engines = sg.engines(timeStepFraction=0.5)
+    sg.soften([2])
+    sg.soften([3], when="loaded")
+    assert sg.integrator().timeStepFraction == 0.5
+    assert pytest.approx(0.5 * sg.critical_time_step(), rel=1e-14) == O.dt
 
 
 def test_scaling_of_the_critical_step():
