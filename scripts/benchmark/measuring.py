@@ -38,10 +38,11 @@ def figures_of(steps, wall, processor, before):
     """Figures of each of the steps since the books were reset and ``before`` was counted.
 
     Phases are booked in wall time. ``busy`` is the share of it in which this process had the
-    processor; what other programs took is left out of all phases alike.
+    processor; what other programs took is left out of all phases alike. With several threads that
+    is not known, and taken as 1.
     """
     after = counted_work()
-    busy = min(processor / wall, 1)
+    busy = min(processor / wall, 1) if O.numThreads == 1 else 1.0
     times = {name: seconds for name, (seconds, _) in sg.phase_times().items()}
     times["outside the engines"] = max(wall - sum(times.values()), 0)
     return {
