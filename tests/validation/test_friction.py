@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from bodies import add, add_wall, soft
 from scipy import optimize
 from yade import FrictMat, O, utils
 
@@ -11,23 +12,6 @@ import softgrain as sg
 
 RADIUS = 0.01  # m
 GRAVITY = 9.81  # m/s^2
-
-
-def add(body):
-    O.bodies.append(body)
-    return body
-
-
-def soft(friction, **attributes):
-    attributes = {"young": 1e6, "density": 1000, **attributes}
-    return sg.SoftMat(**attributes, frictionAngle=math.atan(friction))
-
-
-def add_wall(position, axis, sense, friction=0.0, velocity=0.0):
-    material = FrictMat(frictionAngle=math.atan(friction))
-    wall = add(utils.wall(position, axis=axis, sense=sense, material=material))
-    wall.state.vel = tuple(velocity if a == axis else 0.0 for a in range(3))
-    return wall
 
 
 def run_for(time, each=lambda share: None, steps=10):
@@ -75,7 +59,7 @@ def test_partial_slip(zeta, error):
     friction, time = 0.5, 0.03
     disk = add(sg.soft_disk((0, 0, 0), RADIUS, soft(0, poisson=0.45, massDamping=2000), zeta=zeta))
     speed = 0.05 * RADIUS / time
-    plates = [add_wall(-RADIUS, 1, 1, 0, speed), add_wall(RADIUS, 1, -1, 0, -speed)]
+    plates = [add_wall(-s * RADIUS, 1, velocity=s * speed, sense=s) for s in (1, -1)]
     O.engines = sg.engines(tolerance=1e-4, maxSweeps=1000, sleep=False)
     sg.set_time_step(0.9)
     run_for(time)
@@ -106,9 +90,9 @@ def test_partial_slip(zeta, error):
 def test_thrown_block_stops(zeta, error):
     """After v^2/(2 mu g)."""
     friction, speed, side = 0.3, 0.3, 0.02
-    material = soft(friction, poisson=0.3, massDamping=500)
+    material = soft(friction, massDamping=500)
     block = add(sg.soft_block((0, side / 2, 0), (2 * side, side), material, zeta=zeta))
-    add_wall(0, 1, 1, friction)
+    add_wall(0, 1, friction, sense=1)
     O.engines = sg.engines(gravity=(0, 0, 0))
     sg.set_time_step(0.9)
     bring_up_gravity()
@@ -126,7 +110,7 @@ def test_bar_on_two_rollers(young, error):
     a height h below the middle), as long as its speed stays below that of the rims. Of a rigid
     bar: a soft one bends over the rollers."""
     friction, distance, height, start = 0.3, 0.06, 0.01, 0.01
-    material = soft(friction, young=young, poisson=0.3, massDamping=800)
+    material = soft(friction, young=young, massDamping=800)
     bar = add(sg.soft_block((start, height / 2, 0), (0.12, height), material, zeta=0.5))
     rollers = []
     for side in (-1, 1):

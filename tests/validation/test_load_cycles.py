@@ -3,27 +3,25 @@
 import math
 
 import pytest
-from yade import FrictMat, O, utils
+from bodies import add_wall, soft
+from yade import O
 
 import softgrain as sg
 
-RADIUS, YOUNG = 0.01, 1e6  # m, Pa
+RADIUS = 0.01  # m
 LOW, HIGH = 0.04, 0.16  # approach of the lid over the diameter
 
 
 def boxed_disk(zeta, tolerance):
     """A damped disk between four frictionless walls; its lid."""
-    O.materials.append(FrictMat(frictionAngle=0, label="wall"))
-    material = sg.SoftMat(young=YOUNG, poisson=0.3, density=1000, massDamping=4000)
+    material = soft(massDamping=4000)
     O.bodies.append(sg.soft_disk((0, 0, 0), 0.999 * RADIUS, material, zeta=zeta))
     sides = [(axis, side) for axis in (0, 1) for side in (-1, 1)]
-    walls = O.bodies.append(
-        [utils.wall(s * RADIUS, axis=a, sense=-s, material="wall") for a, s in sides]
-    )
+    walls = [add_wall(s * RADIUS, a, sense=-s) for a, s in sides]
     O.engines = sg.engines(tolerance=tolerance, maxSweeps=2000)
     O.trackEnergy = True
     sg.set_time_step()
-    return O.bodies[walls[3]].state
+    return walls[3].state
 
 
 def move(lid, approach, speed):

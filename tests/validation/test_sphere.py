@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from yade import FrictMat, O, utils
+from bodies import YOUNG, add, add_wall
+from yade import O
 
 import softgrain as sg
 
@@ -12,16 +13,13 @@ import softgrain as sg
 FINITE_ELEMENTS = {0.05: 0.0051315626, 0.1: 0.015291053}
 
 RADIUS = 0.01
-YOUNG = 1e6
 
 
 def press(zeta, speed=0.5, until=0.11):
     """Approaches and mean forces of both plates."""
-    ball = sg.soft_sphere((0, 0, 0), RADIUS, sg.SoftMat(young=YOUNG, poisson=0.45), zeta=zeta)
-    walls = [utils.wall(z, axis=2, material=FrictMat(frictionAngle=0)) for z in (-RADIUS, RADIUS)]
-    O.bodies.append([ball, *walls])
-    for wall, direction in zip(walls, (1, -1)):  # both move: no bouncing of the whole ball
-        wall.state.vel = (0, 0, 0.5 * direction * speed)
+    add(sg.soft_sphere((0, 0, 0), RADIUS, sg.SoftMat(young=YOUNG, poisson=0.45), zeta=zeta))
+    # both move: no bouncing of the whole ball
+    walls = [add_wall(-s * RADIUS, axis=2, velocity=0.5 * s * speed) for s in (1, -1)]
     O.engines = sg.engines()
     sg.set_time_step()
     rows = []

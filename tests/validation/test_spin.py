@@ -4,20 +4,15 @@ import math
 
 import numpy as np
 import pytest
-from yade import FrictMat, O, utils
+from bodies import DENSITY, YOUNG, add_wall, soft
+from yade import O
 
 import softgrain as sg
 
 RADIUS = 0.01  # m
-YOUNG = 1e6  # Pa
 #: Force of each of six walls that have pressed a ball, nu = 0.49, without friction, by 0.195 R [N]:
 #: at zeta = 0.11.
 PRESSED = 129.5
-DENSITY = 1000.0  # kg/m^3
-
-
-def soft(poisson=0.3, **attributes):
-    return sg.SoftMat(young=YOUNG, poisson=poisson, density=DENSITY, **attributes)
 
 
 def ball(zeta, **shape):
@@ -101,7 +96,7 @@ def test_projected_disk_does_not_fold():
 def calm(poisson):
     """Damped within one swing."""
     shear = math.sqrt(YOUNG / (2 * (1 + poisson)) / DENSITY)
-    return soft(poisson, massDamping=3 * shear / RADIUS)
+    return soft(poisson=poisson, massDamping=3 * shear / RADIUS)
 
 
 def force_in_box(grain, dim, inwards, speed):
@@ -123,11 +118,8 @@ def force_in_box(grain, dim, inwards, speed):
 
 def walls_about(dim):
     """Smooth, touching the grain; two along each axis."""
-    smooth = FrictMat(frictionAngle=0)
-    places = [(side * RADIUS, axis, -side) for axis in range(dim) for side in (-1, 1)]
-    walls = [utils.wall(x, axis, sense=sense, material=smooth) for x, axis, sense in places]
-    O.bodies.append(walls)
-    return walls
+    sides = [(axis, side) for axis in range(dim) for side in (-1, 1)]
+    return [add_wall(side * RADIUS, axis, sense=-side) for axis, side in sides]
 
 
 def move(walls, speed):

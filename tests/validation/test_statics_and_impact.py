@@ -4,31 +4,16 @@ import math
 
 import numpy as np
 import pytest
+from bodies import DENSITY, YOUNG, add, add_wall, soft
 from scipy import integrate, optimize
-from yade import FrictMat, O, utils
+from yade import O
 
 import softgrain as sg
 
-YOUNG = 1e6  # Pa
-DENSITY = 1000.0  # kg/m^3
 
-
-def soft(friction=0.0, **attributes):
-    """Without lateral contraction: blocks are bars in one dimension."""
-    return sg.SoftMat(
-        **{"young": YOUNG, "poisson": 0.0, "density": DENSITY, **attributes},
-        frictionAngle=math.atan(friction),
-    )
-
-
-def add(body):
-    O.bodies.append(body)
-    return body
-
-
-def add_floor(axis=1, friction=0.0):
-    floor = utils.wall(0, axis=axis, sense=1, material=FrictMat(frictionAngle=math.atan(friction)))
-    return add(floor)
+def add_bar(center, size, zeta, **attributes):
+    """A block without lateral contraction: a bar in one dimension."""
+    return add(sg.soft_block(center, size, soft(poisson=0, **attributes), zeta=zeta))
 
 
 # --- a block under its own weight ---------------------------------------------------------------
@@ -59,8 +44,8 @@ def place_of(height):
 @pytest.mark.parametrize("zeta, sinking, stress", ((0.25, 0.06, 0.05), (0.125, 0.015, 0.03)))
 def test_block_under_its_own_weight(zeta, sinking, stress):
     """Bounds: of the way its top sinks, and of the stress, relative."""
-    block = add(sg.soft_block((0, SIDE / 2, 0), (SIDE, SIDE), soft(massDamping=2000), zeta=zeta))
-    floor = add_floor()
+    block = add_bar((0, SIDE / 2, 0), (SIDE, SIDE), zeta, massDamping=2000)
+    floor = add_wall(0, axis=1, sense=1)
     O.engines = sg.engines()
     sg.set_time_step()
     while O.time < 10 * LOADING:
@@ -90,8 +75,8 @@ def test_bar_that_hits_a_wall(zeta, loss):
     """A wave of compression runs up and comes back as one of release: the force is rho c v times
     the width for a time of 2 L/c, and the bar leaves as fast as it came (but for waves shorter than
     the grid can carry, which stay behind as vibration)."""
-    bar = add(sg.soft_block((0.5001 * LENGTH, 0, 0), (LENGTH, WIDTH), soft(), zeta=zeta))
-    wall = add_floor(axis=0)
+    bar = add_bar((0.5001 * LENGTH, 0, 0), (LENGTH, WIDTH), zeta)
+    wall = add_wall(0, axis=0, sense=1)
     O.engines = sg.engines()
     sg.set_time_step()
     bar.state.vel = (-SPEED, 0, 0)
@@ -123,10 +108,10 @@ def test_pyramid_of_three_disks(share, stands, zeta):
     """Two disks carry a third and do not press on each other. What the upper one does to a lower
     one runs through its point on the floor, if it is to rest: 15 degrees from the normal. On the
     floor a third of that friction is enough."""
-    material = soft(share * SLIPS, poisson=0.3, massDamping=300)
+    material = soft(share * SLIPS, massDamping=300)
     for x, y in ((-1.0005, 1), (1.0005, 1), (0, 1 + math.sqrt(3))):
         add(sg.soft_disk((x * RADIUS, y * RADIUS, 0), RADIUS, material, zeta=zeta))
-    add_floor(friction=share * SLIPS)
+    add_wall(0, axis=1, friction=share * SLIPS, sense=1)
     O.engines = sg.engines()
     sg.set_time_step()
     upper = O.bodies[2]

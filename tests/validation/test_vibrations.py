@@ -4,19 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from bodies import DENSITY, YOUNG, add, add_wall
 from scipy import linalg, optimize
 from yade import FrictMat, O, utils
 
 import softgrain as sg
 
-YOUNG = 1e6  # Pa
-DENSITY = 1000.0  # kg/m^3
 HEIGHT = 0.01  # m
-
-
-def add(body):
-    O.bodies.append(body)
-    return body
 
 
 def add_bar(ratio, zeta, poisson, damping):
@@ -50,9 +44,9 @@ def test_along(mass, stiffness, zeta):
     bar = add_bar(ratio, zeta, poisson, 3000)
     plates = []
     for side in (-1, 1):
-        plate = utils.wall(side * length / 2, axis=0, sense=-side, material=FrictMat())
-        plate.state.vel = (-side * squeezed * length / 2 / 0.02, 0, 0)
-        plates.append(add(plate))
+        speed = -side * squeezed * length / 2 / 0.02
+        place = side * length / 2
+        plates.append(add_wall(place, 0, velocity=speed, sense=-side, material=FrictMat()))
     O.engines = sg.engines()
     sg.set_time_step(0.4)
     while O.time < 0.04:

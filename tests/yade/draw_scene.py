@@ -1,11 +1,10 @@
 """Renders the scene with YADE's OpenGLRenderer, without a window or a display: into a pixel buffer
 of EGL, with Mesa's software renderer.
 
-For processes started in the environment of :func:`without_display`.
+For processes started in an environment changed by :func:`without_display`.
 """
 
 import ctypes
-import os
 import subprocess
 
 import numpy as np
@@ -42,11 +41,11 @@ def _numbers(*values):
 
 
 def without_display(folder):
-    """Environment of a process that renders; `folder` is for what has to be loaded into it."""
+    """Environment in which a process renders; `folder` is for what has to be loaded into it."""
     source, library = folder / "glut.c", folder / "glut.so"
     source.write_text(NO_GLUT)
     subprocess.run(["gcc", "-shared", "-fPIC", source, "-o", library], check=True)
-    return {**os.environ, "LD_PRELOAD": str(library), "LIBGL_ALWAYS_SOFTWARE": "1"}
+    return {"LD_PRELOAD": str(library), "LIBGL_ALWAYS_SOFTWARE": "1"}
 
 
 def make_context(width):

@@ -1,6 +1,6 @@
 """Blocks with interface laws between them."""
 
-from scenes import RADIUS, soft_material
+from scenes import RADIUS, add, soft_material
 from yade import O
 
 import softgrain as sg
@@ -12,9 +12,8 @@ BOND = dict(bondStrength=2e3, bondEnergy=0.1)
 
 def add_block(height, material=None, length=SIDE):
     """A soft block, its underside at this height; returns its body."""
-    block = sg.soft_block((0, height + RADIUS, 0), (length, SIDE), material or damped(), zeta=0.25)
-    O.bodies.append(block)
-    return block
+    size = (length, SIDE)
+    return add(sg.soft_block((0, height + RADIUS, 0), size, material or damped(), zeta=0.25))
 
 
 def damped(**attributes):

@@ -8,7 +8,8 @@ import numpy as np
 
 import softgrain as sg
 from softgrain import reference
-from yade import FrictMat, Matrix3, O, SoftMat, utils
+from bodies import add_wall
+from yade import Matrix3, O, SoftMat
 
 STEPS = 40
 TOLERANCE = 1e-10
@@ -131,10 +132,7 @@ def build_in_yade(case):
         disk.state.vel, disk.state.angVel = padded(VELOCITIES[g]), (0, 0, SPINS[g])
         O.bodies.append(disk)
     for axis, coordinate, velocity, friction in case.walls:
-        material = FrictMat(frictionAngle=math.atan(friction))
-        wall = utils.wall(coordinate, axis=axis, material=material)
-        wall.state.vel = padded(velocity)
-        O.bodies.append(wall)
+        add_wall(coordinate, axis, friction, padded(velocity))
     # the oracle moves nodes, also of grains that could move as rigid bodies
     multirate = max(case.rates) > 1
     interface = {}

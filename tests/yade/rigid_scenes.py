@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from scenes import RADIUS, add_wall
+from scenes import RADIUS, add, add_wall
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -19,8 +19,7 @@ def material(friction=0.3, density=2000.0):
 def add_sphere(centre, radius=R, friction=0.3, velocity=(0, 0, 0), blocked=""):
     body = utils.sphere(centre, radius, material=material(friction))
     body.state.blockedDOFs, body.state.vel = blocked, velocity
-    O.bodies.append(body)
-    return body
+    return add(body)
 
 
 def start(dt, gravity=(0, 0, -GRAVITY), **options):

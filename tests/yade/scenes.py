@@ -1,23 +1,23 @@
 """Small scenes and subprocesses common to the tests inside YADE."""
 
-import math
 import os
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
+from bodies import DENSITY, YOUNG, add, add_wall, facet_strip  # noqa: F401, for the tests
 
 import softgrain as sg
-from yade import FrictMat, O, utils
+from yade import O
 
 RADIUS = 0.01  # m
 WIDE = 20 * RADIUS  # half the width of facets across the plane of 2D grains, m
 ZETA = 0.25  # coarse: accuracy is not the point
-DENSITY = 1000.0  # kg/m^3
-YOUNG = 1e6  # Pa
 YADE = "/usr/bin/yade"
+TESTS = Path(__file__).resolve().parents[1]
 
 
 def soft_material(**attributes):
@@ -31,9 +31,7 @@ def damped_material():
 def add_disk(center=(0, 0, 0), radius=RADIUS, material=None, **shape):
     """A soft disk in the scene; returns its body."""
     shape = {"zeta": ZETA, **shape}
-    body = sg.soft_disk(center, radius, material or soft_material(), **shape)
-    O.bodies.append(body)
-    return body
+    return add(sg.soft_disk(center, radius, material or soft_material(), **shape))
 
 
 def points_of(body):
@@ -41,20 +39,10 @@ def points_of(body):
     return len(body.shape.points()["volume"])
 
 
-def add_wall(position, axis, friction=0.0, velocity=(0, 0, 0), sense=0):
-    """A wall in the scene; returns its body."""
-    material = FrictMat(frictionAngle=math.atan(friction))
-    wall = utils.wall(position, axis=axis, sense=sense, material=material)
-    wall.state.vel = velocity
-    O.bodies.append(wall)
-    return wall
-
-
 def add_facets(start, end, material):
     """Two, that cut the plane of 2D grains in the way from `start` to `end` (over R)."""
-    ways = ((start, -1), (end, -1), (end, 1), (start, 1))
-    a, b, c, d = ((x * RADIUS, y * RADIUS, z * WIDE) for (x, y), z in ways)
-    O.bodies.append([utils.facet(f, material=material) for f in ((a, b, c), (a, c, d))])
+    ends = [(x * RADIUS, y * RADIUS, 0) for x, y in (start, end)]
+    O.bodies.append(facet_strip(ends, (0, 0, WIDE), material))
 
 
 def ready(**engines):
@@ -137,13 +125,15 @@ def message_of_step(steps=1):
 
 
 def run_python(code, folder, environment=None, command=None):
-    """Run code in a new Python (or by another command, to which the file is added) in a folder."""
+    """Run code in a new Python (or by another command, to which the file is added) in a folder,
+    where it finds what these tests import; `environment` is what differs from that of the tests."""
     script = folder / "script.py"
     script.write_text(textwrap.dedent(code))
+    paths = [str(TESTS / "yade"), str(TESTS / "shared"), os.environ.get("PYTHONPATH", "")]
     return subprocess.run(
         [*(command or [sys.executable]), str(script)],
         cwd=folder,
-        env=environment or dict(os.environ),
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), **(environment or {})},
         capture_output=True,
         text=True,
         timeout=120,

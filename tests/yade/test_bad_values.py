@@ -4,7 +4,7 @@ import math
 import re
 
 import pytest
-from scenes import RADIUS, add_disk, message_of_step, ready, run, soft_material
+from scenes import RADIUS, add_disk, add_wall, message_of_step, ready, run, soft_material
 from yade import Bo1_SoftGrain_Aabb, FrictMat, O, utils
 
 import softgrain as sg
@@ -175,8 +175,7 @@ def test_refused_friction_angle_is_not_that_of_the_partner(angle):
     """The contact is made after it."""
     disk = add_disk((0, 1.2 * RADIUS, 0))
     disk.state.vel = (0, -1, 0)
-    wall = utils.wall(0, axis=1, material=FrictMat(frictionAngle=1.0))
-    O.bodies.append(wall)
+    add_wall(0, axis=1, material=FrictMat(frictionAngle=1.0))
     ready()
     with pytest.raises(ValueError, match="frictionAngle"):
         disk.material.frictionAngle = angle

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from interface_scenes import BOND, SIDE, add_block, damped
-from scenes import RADIUS, ready, run
+from scenes import RADIUS, add_wall, ready, run
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -13,7 +13,7 @@ EDGES = tuple(np.linspace(-2 * SIDE, 4 * SIDE, 49))  # every second one below a 
 
 
 def add_wall_floor():
-    O.bodies.append(utils.wall(0, 1, material=RIGID))
+    add_wall(0, axis=1)
 
 
 def add_facets(edges=EDGES, material=RIGID):
@@ -130,7 +130,7 @@ def test_bonds_bear_on_seams(pieces, toward):
 
 @pytest.mark.parametrize("toward", ((0, 0, 1), (1, 0, 0)), ids=("opening", "slip"))
 def test_bonds_bear_on_a_mesh(toward):
-    on_wall = tear(lambda: O.bodies.append(utils.wall(0, 2, material=RIGID)), cube, 2, toward)
+    on_wall = tear(lambda: add_wall(0, axis=2), cube, 2, toward)
     on_mesh = tear(add_mesh, cube, 2, toward)
     np.testing.assert_allclose(on_mesh, on_wall, rtol=0.02)
     assert sg.integrator().lostBonds == 0

@@ -13,7 +13,7 @@ import softgrain as sg
 from partner_scenes import add_rigid_disk
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 from softgrain.reference import residual
-from yade import FrictMat, O, utils
+from yade import FrictMat, O
 
 FILES = sorted((Path(__file__).resolve().parents[1] / "data" / "contact_problems").glob("*.npz"))
 #: Problems with more than one solution in impulses; velocities are unique in all of them.
@@ -203,7 +203,7 @@ def cubes_in_a_closing_box():
         O.bodies.append(cube)
     for axis in range(3):
         for end, sense in ((0, 1), (2 * side, -1)):
-            O.bodies.append(utils.wall(end, axis, sense=sense, material=rough))
+            add_wall(end, axis, sense=sense, material=rough)
     O.bodies[-3].state.vel = (0.05, -0.3, 0)  # the one on top
     ready()
     run(40)

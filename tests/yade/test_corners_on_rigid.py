@@ -26,7 +26,7 @@ def rough():
 def add_floor(kind):
     material = FrictMat(frictionAngle=0.3)
     if kind == "wall":
-        O.bodies.append(utils.wall(0, axis=1, sense=1, material=material))
+        add_wall(0, axis=1, sense=1, material=material)
     else:
         add_facets((-20, 0), (20, 0), material)
 

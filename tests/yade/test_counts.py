@@ -8,14 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade.timing
-from scenes import RADIUS, add_disk, add_wall, points_of, ready, run, soft_material
+from scenes import RADIUS, add_disk, add_wall, facet_strip, points_of, ready, run, soft_material
 from yade import FrictMat, O, utils
 
 import softgrain as sg
 
 STEPS = 7
-#: Corners of a square in their order, over half its side.
-SQUARE = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 ARCHITECTURE = Path(__file__).resolve().parents[2] / "doc" / "architecture.md"
 
 
@@ -217,15 +215,14 @@ def sides_of_a_cube(kind):
         centre, across = np.zeros(3), np.eye(3)[[a for a in range(3) if a != axis]] * far
         centre[axis] = side * RADIUS
         if kind == "walls":
-            O.bodies.append(utils.wall(tuple(centre), axis, sense=-side, material=material))
+            add_wall(tuple(centre), axis, sense=-side, material=material)
         elif kind == "boxes":
             half = across.sum(axis=0) + 0.5 * RADIUS * np.eye(3)[axis]
             centre[axis] *= 1.5
             O.bodies.append(utils.box(centre, half, material=material, fixed=True))
         else:
-            ends = [centre + i * across[0] + j * across[1] for i, j in SQUARE]
-            for corners in ((0, 1, 2), (0, 2, 3)):
-                O.bodies.append(utils.facet([ends[k] for k in corners], material=material))
+            ends = centre - across[0], centre + across[0]
+            O.bodies.append(facet_strip(ends, across[1], material))
 
 
 def test_nodes_far_from_a_side_are_not_candidates():

@@ -5,14 +5,14 @@ import math
 
 import numpy as np
 import pytest
-from scenes import RADIUS, soft_material
-from yade import FrictMat, O, Quaternion, utils
+from scenes import RADIUS, add_wall, soft_material
+from yade import O, Quaternion
 
 import softgrain as sg
 
 SPACING = 2.2 * RADIUS
 MANY = 4  # grains along each side
-FRICTION = math.atan(0.3)
+FRICTION = 0.3
 
 
 def make_block(place, radius, random, **look):
@@ -33,9 +33,8 @@ def make_superdisk(place, radius, random, **look):
 
 
 def add_grains(make, random):
-    materials = [
-        soft_material(young=young, poisson=0.4, frictionAngle=FRICTION) for young in (1e5, 1e7)
-    ]
+    material = {"poisson": 0.4, "frictionAngle": math.atan(FRICTION)}
+    materials = [soft_material(young=young, **material) for young in (1e5, 1e7)]
     O.materials.append(materials)
     for k in range(MANY**2):
         x, y = (k // MANY + 0.5) * SPACING, (k % MANY + 0.5) * SPACING
@@ -46,12 +45,9 @@ def add_grains(make, random):
 
 
 def add_closing_walls(speed):
-    material = FrictMat(frictionAngle=FRICTION)
     for axis in (0, 1):
-        low = utils.wall(0, axis=axis, sense=1, material=material)
-        high = utils.wall(MANY * SPACING, axis=axis, sense=-1, material=material)
-        high.state.vel = -speed * np.eye(3)[axis]
-        O.bodies.append([low, high])
+        add_wall(0, axis, FRICTION, sense=1)
+        add_wall(MANY * SPACING, axis, FRICTION, velocity=-speed, sense=-1)
 
 
 def signed_distance(x, polygon):

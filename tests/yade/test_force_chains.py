@@ -1,15 +1,11 @@
 """YADE's Gl1_NormPhys draws force chains of soft grains: a rendered picture."""
 
-import os
-
 import numpy as np
 from draw_scene import without_display
 from matplotlib.image import imread
 from scenes import assert_done, run_python
 
 DRAWN = """
-import sys
-sys.path.insert(0, {folder!r})
 from matplotlib.image import imsave
 from draw_scene import Canvas
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
@@ -49,8 +45,7 @@ def thickness(drawn, middle, along, size):
 
 def test_chains_are_drawn(tmp_path):
     """Cylinders from centre to centre, the thicker the larger the force, and nothing elsewhere."""
-    code = DRAWN.format(folder=os.path.dirname(__file__))
-    assert_done(run_python(code, tmp_path, without_display(tmp_path)))
+    assert_done(run_python(DRAWN, tmp_path, without_display(tmp_path)))
     picture = imread(tmp_path / "chains.png")[:, :, :3]
     scene = np.load(tmp_path / "scene.npz")
     drawn, size = picture.min(axis=2) < 0.99, len(picture)

@@ -3,8 +3,8 @@
 import math
 
 import pytest
-from scenes import RADIUS, add_facets, ready, run, soft_material
-from yade import FrictMat, O, utils
+from scenes import RADIUS, add_facets, add_wall, ready, run, soft_material
+from yade import FrictMat, O
 
 import softgrain as sg
 
@@ -19,9 +19,7 @@ def materials(young, friction, damping):
 def press(disk, to, speed=0.5):
     """By a wall from above, to the height `to` (over R); the largest overlap of soft grains."""
     start = disk.state.pos[1] + RADIUS * 1.001
-    lid = utils.wall(start, axis=1, sense=-1, material=FrictMat(frictionAngle=0))
-    O.bodies.append(lid)
-    lid.state.vel = (0, -speed, 0)
+    lid = add_wall(start, axis=1, velocity=-speed, sense=-1)
     ready()
     while lid.state.pos[1] > to * RADIUS:
         run(1)
@@ -52,7 +50,7 @@ def test_disk_is_pressed_on_the_end_of_a_floor(zeta):
     add_facets((-6, -0.6), (0, -0.6), rigid)
     disk = sg.soft_disk((0, 1.001 * RADIUS, 0), RADIUS, soft, zeta=zeta)
     O.bodies.append(disk)
-    O.bodies.append(utils.wall(-1.3 * RADIUS, axis=0, sense=1, material=rigid))
+    add_wall(-1.3 * RADIUS, axis=0, sense=1)
     assert press(disk, to=0.6) < 0.2
 
 

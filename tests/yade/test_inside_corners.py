@@ -4,7 +4,7 @@ import math
 import random
 
 import pytest
-from scenes import RADIUS, add_wall, ready, run, soft_material
+from scenes import RADIUS, add, add_wall, facet_strip, ready, run, soft_material
 from yade import FrictMat, O, geom, utils
 
 import softgrain as sg
@@ -13,9 +13,8 @@ import softgrain as sg
 def add_block(dim, clearance, zeta):
     """A block of sides 2 RADIUS, so far from the planes x = 0, y = 0 (z = 0)."""
     place = [RADIUS + clearance] * dim + [0.0] * (3 - dim)
-    grain = sg.soft_block(place, (2 * RADIUS,) * dim, soft_material(massDamping=2000), zeta=zeta)
-    O.bodies.append(grain)
-    return grain
+    material = soft_material(massDamping=2000)
+    return add(sg.soft_block(place, (2 * RADIUS,) * dim, material, zeta=zeta))
 
 
 @pytest.mark.parametrize("clearance", (0, 1e-4, 0.02))
@@ -72,15 +71,6 @@ def test_container_of_facets_holds_a_block_as_walls_do(dim, zeta):
     assert squeezed("facets", dim, zeta) == pytest.approx(squeezed("walls", dim, zeta), rel=3e-3)
 
 
-def facets_between(start, end):
-    """Two, upright on the way between two places of the plane."""
-    corners = [(*start, -0.1), (*end, -0.1), (*end, 0.1), (*start, 0.1)]
-    return [
-        utils.facet([corners[k] for k in triangle], material=FrictMat(frictionAngle=0.1))
-        for triangle in ((0, 1, 2), (0, 2, 3))
-    ]
-
-
 def box_between(low, high):
     center = [(a + b) / 2 for a, b in zip(low, high)]
     half = [(b - a) / 2 for a, b in zip(low, high)]
@@ -90,8 +80,10 @@ def box_between(low, high):
 def container(kind, width, height):
     """Floor and sides; boxes meet at their edges alone."""
     if kind == "facets":
-        sides = [((0, 0), (0, height)), ((width, 0), (width, height)), ((0, 0), (width, 0))]
-        return [facet for ends in sides for facet in facets_between(*ends)]
+        low, high = ((0, 0, 0), (width, 0, 0)), ((0, height, 0), (width, height, 0))
+        material = FrictMat(frictionAngle=0.1)
+        sides = (*zip(low, high), low)
+        return [f for ends in sides for f in facet_strip(ends, (0, 0, 0.1), material)]
     boxes = [((-RADIUS, 0), (0, height)), ((width, 0), (width + RADIUS, height))]
     return [box_between(*ends) for ends in [*boxes, ((0, -RADIUS), (width, 0))]]
 

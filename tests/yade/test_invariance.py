@@ -9,6 +9,7 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 import pytest
+from bodies import add_wall, facet_strip
 from scenes import ZETA, run
 
 import softgrain as sg
@@ -94,12 +95,11 @@ def add_walls(units, speed=4.0, dim=2):
     ids = []
     for axis in range(dim):
         for sense, position in ((1, 0), (-1, SIDE * CELL if dim == 2 else 2 * CELL)):
-            wall = utils.wall(
-                position * units.length, axis=axis, sense=sense, material=units.rigid()
-            )
-            if sense < 0 and (axis == 1 or dim == 3):
-                wall.state.vel[axis] = -speed * units.speed
-            ids.append(O.bodies.append(wall))
+            moves = sense < 0 and (axis == 1 or dim == 3)
+            velocity = -speed * units.speed if moves else 0
+            place, material = position * units.length, units.rigid()
+            wall = add_wall(place, axis, velocity=velocity, sense=sense, material=material)
+            ids.append(wall.id)
     return ids
 
 
@@ -212,9 +212,7 @@ def on_facets(units):
     profile = [Vector3(0.8 * k - 0.1, height, 0) for k, height in enumerate(heights)]
     floor = [point * (CELL * units.length) for point in profile]
     across = Vector3(0, 0, CELL * units.length)
-    for a, b in zip(floor[:-1], floor[1:]):
-        for corners in ((a - across, b - across, b + across), (b + across, a + across, a - across)):
-            O.bodies.append(utils.facet(corners, material=units.rigid()))
+    O.bodies.append(facet_strip(floor, across, units.rigid()))
     half = Vector3(SIDE, 0.5, 1) * (CELL * units.length)
     place = (0.5 * half[0], (SIDE + 0.5) * CELL * units.length, 0)
     lid = utils.box(place, half, fixed=True, material=units.rigid())

@@ -1,6 +1,5 @@
 """The plugin meets YADE: in plain Python, scripts, batch jobs; it refuses what it does not fit."""
 
-import os
 import sys
 from pathlib import Path
 
@@ -214,8 +213,7 @@ def test_refuses_another_memory_layout(tmp_path):
 
 
 def test_without_yade(tmp_path):
-    package = Path(sg.__file__).parents[1]
-    environment = {**os.environ, "PYTHONPATH": str(package)}
+    environment = {"PYTHONPATH": str(Path(sg.__file__).parents[1])}
     process = run_python("import softgrain\n", tmp_path, environment, [sys.executable])
     assert process.returncode == 1
     assert (

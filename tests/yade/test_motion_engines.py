@@ -5,7 +5,7 @@ import math
 import __main__
 import numpy as np
 import pytest
-from scenes import RADIUS, add_disk, add_wall, damped_material, ready, run, soft_material
+from scenes import RADIUS, add, add_disk, add_wall, damped_material, ready, run, soft_material
 from yade import (
     ForceEngine,
     FrictMat,
@@ -237,15 +237,13 @@ def pressed_cube(lid):
     rough, smooth = FrictMat(frictionAngle=1.1), FrictMat(frictionAngle=0.1)
     side = 2 * RADIUS
     soft = soft_material(massDamping=5000, frictionAngle=1.1)
-    cube = sg.soft_block((0, RADIUS, 0), (side,) * 3, soft, zeta=0.5)
-    O.bodies.append(cube)
+    add(sg.soft_block((0, RADIUS, 0), (side,) * 3, soft, zeta=0.5))
     half = (5 * RADIUS, RADIUS, 5 * RADIUS)
-    floor = utils.box((0, -RADIUS, 0), half, fixed=True, material=rough)
+    floor = add(utils.box((0, -RADIUS, 0), half, fixed=True, material=rough))
     if lid == "wall":
-        top = utils.wall(side, axis=1, sense=-1, material=smooth)
+        top = add_wall(side, axis=1, sense=-1, material=smooth)
     else:
-        top = utils.box((0, side + RADIUS, 0), half, fixed=True, material=smooth)
-    O.bodies.append([floor, top])
+        top = add(utils.box((0, side + RADIUS, 0), half, fixed=True, material=smooth))
     ready()
     sg.integrator().tolerance, sg.integrator().maxSweeps = 1e-4, 1000  # lids differ by what is left
     top.state.vel = (0, -0.4, 0)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scenes import add_wall
 from yade import FrictMat, O, utils
 
 import softgrain as sg
@@ -56,13 +57,8 @@ def test_areas_and_packing_fraction():
 def test_packing_fraction_of_squeezed_grains():
     """The present area is smaller than the nominal one."""
     disks = two_disks()
-    O.bodies.append(
-        [
-            utils.wall(-0.01, axis=0, material=FrictMat()),
-            utils.wall(0.05, axis=0, material=FrictMat()),
-        ]
-    )
-    O.bodies[2].state.vel = (3, 0, 0)
+    add_wall(-0.01, axis=0, velocity=3, material=FrictMat())
+    add_wall(0.05, axis=0, material=FrictMat())
     O.engines = sg.engines()
     sg.set_time_step()
     for _ in range(80):
@@ -84,8 +80,7 @@ def test_coordination_number():
     disks[0].state.vel = (1, 0, 0)
     O.step()
     assert sg.coordination_number() == 1
-    O.bodies.append(utils.wall(-0.00999, axis=0, material=FrictMat()))
-    O.bodies[2].state.vel = (2, 0, 0)
+    add_wall(-0.00999, axis=0, velocity=2, material=FrictMat())
     for _ in range(5):
         O.step()
     assert sg.coordination_number() == pytest.approx(1.5)
@@ -93,7 +88,7 @@ def test_coordination_number():
 
 def test_soft_bodies_and_integrator():
     disks = two_disks()
-    O.bodies.append(utils.wall(-1, axis=0, material=FrictMat()))
+    add_wall(-1, axis=0)
     assert [b.id for b in sg.soft_bodies()] == [d.id for d in disks]
     O.engines = sg.engines(label="soft")
     assert isinstance(sg.integrator(), sg.SoftGrainIntegrator)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from bodies import add, facet_strip
 from periodic_scenes import set_cell
 from scenes import DENSITY, RADIUS, add_disk, complaint, ready, run, soft_material
 from yade import FrictMat, Matrix3, O, utils
@@ -23,20 +24,14 @@ def rigid(friction=0.3):
 
 def box_floor(half_width, middle=0.5 * WIDTH, half_depth=0.5, friction=0.3):
     """A fixed Box, its upper side at y = 0."""
-    floor = utils.box(
-        (middle, -RADIUS, 0), (half_width, RADIUS, half_depth), fixed=True, material=rigid(friction)
-    )
-    O.bodies.append(floor)
-    return floor
+    half = (half_width, RADIUS, half_depth)
+    return add(utils.box((middle, -RADIUS, 0), half, fixed=True, material=rigid(friction)))
 
 
 def facet_floor(pieces, width=WIDTH):
     """Fixed facets one after the other along x, upper side at y = 0; each is two triangles."""
-    for k in range(pieces):
-        left, right = k * width / pieces, (k + 1) * width / pieces
-        corners = [(x, 0, z) for x, z in ((left, -0.1), (right, -0.1), (right, 0.1), (left, 0.1))]
-        for chosen in ((0, 1, 2), (0, 2, 3)):
-            O.bodies.append(utils.facet([corners[c] for c in chosen], fixed=True, material=rigid()))
+    points = [(k * width / pieces, 0, 0) for k in range(pieces + 1)]
+    O.bodies.append(facet_strip(points, (0, 0, 0.1), rigid()))
 
 
 def damped(**attributes):

@@ -2,8 +2,8 @@
 
 import pytest
 from periodic_scenes import set_cell
-from scenes import RADIUS, add_disk, complaint, ready
-from yade import FrictMat, Matrix3, O, utils
+from scenes import RADIUS, add_disk, add_wall, complaint, ready
+from yade import Matrix3, O
 
 import softgrain as sg
 
@@ -11,9 +11,9 @@ import softgrain as sg
 def test_wall_in_a_cell():
     set_cell(0.1, 0.1)
     add_disk()
-    wall = O.bodies.append(utils.wall(0, axis=1, material=FrictMat()))
+    wall = add_wall(0, axis=1)
     for make in (sg.engines, sg.set_time_step):
-        with pytest.raises(ValueError, match=f"body #{wall} is a Wall, but O.periodic"):
+        with pytest.raises(ValueError, match=f"body #{wall.id} is a Wall, but O.periodic"):
             make()
 
 

@@ -7,6 +7,7 @@ import pytest
 from matplotlib.collections import LineCollection, PolyCollection, TriMesh
 from matplotlib.figure import Figure
 from matplotlib.path import Path
+from scenes import add_wall
 from yade import FrictMat, O, geom, utils
 
 import softgrain as sg
@@ -39,12 +40,12 @@ def the_one(axes, kind):
 
 def test_wall_box():
     for position, axis in ((0, 0), (2, 0), (-1, 1), (3, 1), (7, 2)):
-        O.bodies.append(utils.wall(position, axis=axis, material=FrictMat()))
+        add_wall(position, axis)
     assert sg.wall_box() == (0, 2, -1, 3)
 
 
 def test_wall_box_with_too_few_walls():
-    O.bodies.append(utils.wall(0, axis=0, material=FrictMat()))
+    add_wall(0, axis=0)
     with pytest.raises(ValueError, match="two walls"):
         sg.wall_box()
 
@@ -66,8 +67,7 @@ def test_colours_are_the_stresses(drawn):
     soft = sg.SoftMat(young=1e6)
     disks = [sg.soft_disk((x, 0, 0), 0.01, soft, zeta=0.3) for x in (0, 0.05)]
     O.bodies.append(disks)
-    O.bodies.append(utils.wall(-0.01, axis=0, material=FrictMat()))
-    O.bodies[2].state.vel = (1, 0, 0)
+    add_wall(-0.01, axis=0, velocity=1, material=FrictMat())
     O.engines = sg.engines()
     sg.set_time_step()
     sg.advance(40)

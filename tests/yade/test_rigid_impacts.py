@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rigid_scenes import GRAVITY, R, add_sphere, material, spheres, start
 from scenes import add_wall, run
-from yade import O, utils
+from yade import O
 
 import softgrain as sg
 
@@ -90,10 +90,9 @@ def test_lid_stops_on_a_square_of_disks(ratio):
     for i, j in np.ndindex(4, 4):
         centre = ((2 * i + 1) * R, (2 * j + 1) * R, 0)
         add_sphere(centre, friction=0, blocked="zXY")
-    lid = O.bodies[O.bodies.append(utils.wall(side + 0.02 * R, axis=1, material=material()))]
+    lid = add_wall(side + 0.02 * R, axis=1, velocity=-0.1, material=material())
     lid.state.blockedDOFs = "xzXYZ"
     lid.state.mass = ratio * spheres()[0].state.mass
-    lid.state.vel = (0, -0.1, 0)
     start(1e-3, (0, 0, 0))
     run(100)
     assert largest_speed() < 5e-3 * 0.1

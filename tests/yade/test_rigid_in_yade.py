@@ -1,13 +1,12 @@
 """Contact dynamics of rigid bodies as a part of YADE: its tools, engines, saves and refusals."""
 
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
 import yade
 from rigid_scenes import GRAVITY, R, add_sphere, material, pile, start, state
-from scenes import add_disk, add_wall, assert_done, ready, run, run_python
+from scenes import add, add_disk, add_wall, assert_done, ready, run, run_python
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
@@ -41,8 +40,7 @@ def test_tools_of_yade_see_the_forces():
 def add_free_box(place):
     body = utils.box(place, (R, R, R), material=material())
     body.state.blockedDOFs = ""
-    O.bodies.append(body)
-    return body
+    return add(body)
 
 
 def test_warning_of_boxes_that_fall_through_each_other():
@@ -108,9 +106,7 @@ def test_goes_on_after_saving(tmp_path):
     O.save(str(tmp_path / "scene.yade.bz2"))
     run(300)
     np.save(tmp_path / "expected.npy", state())
-    code = f"""
-        import sys
-        sys.path[:0] = [{str(Path(__file__).parent)!r}]
+    code = """
         import softgrain as sg
         from yade import O
         O.load("scene.yade.bz2")

@@ -1,7 +1,6 @@
 """A saved run goes on, in a new process, bit by bit as it would have gone on."""
 
 import hashlib
-from pathlib import Path
 
 import compaction
 import numpy as np
@@ -27,8 +26,6 @@ PHI = 0.85
 STEPS = 200
 
 CONTINUE = f"""
-    import sys
-    sys.path[:0] = [{str(Path(__file__).parent)!r}]
     import softgrain as sg
     from yade import O
     O.load("scene.%s")

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from bodies import add_wall
 from scenes import RADIUS, ZETA, add_disk, assert_goes_on_after_loading, ready, run, soft_material
 from yade import (
     Bo1_Sphere_Aabb,
@@ -179,7 +180,7 @@ def test_unclear_dimension(centers, flat):
 )
 def test_refused_options_change_nothing(options, message):
     sphere = add_spheres([(0, 0, 0)])[0]
-    O.bodies.append(utils.wall(-RADIUS, axis=0, material=FrictMat()))
+    add_wall(-RADIUS, axis=0)
     O.dt = 1e-5
     with pytest.raises(ValueError, match=message):
         sg.soften(**options)
@@ -234,7 +235,7 @@ def test_shrunk_radii():
 
 def test_shrunk_for_a_wall():
     add_spheres([(0, 0, 0), (3 * RADIUS, 0, 0)])
-    O.bodies.append(utils.wall(-0.9 * RADIUS, axis=1, material=FrictMat()))
+    add_wall(-0.9 * RADIUS, axis=1)
     sg.soften(zeta=ZETA, overlap="shrink")
     assert [b.shape.radius for b in sg.soft_bodies()] == pytest.approx([0.9 * RADIUS] * 2)
 
@@ -278,7 +279,7 @@ def test_in_a_run_with_the_same_engines():
     """Rigid contacts are dropped, soft ones found in the next step; the engines stay."""
     spheres = add_spheres([(0, 0, 0), (2.02 * RADIUS, 0, 0)])
     spheres[0].state.vel = (2, 0, 0)
-    O.bodies.append(utils.wall(4 * RADIUS, axis=0, material=FrictMat()))
+    add_wall(4 * RADIUS, axis=0, material=FrictMat())
     O.engines = engines = engines_for_both()
     O.dt = 1e-6
     while not any(i.isReal for i in O.interactions):
@@ -319,7 +320,7 @@ def test_some_of_the_spheres():
 def test_mixed_functors_in_any_order():
     """The order of the rigid and the soft functors in the lists does not matter."""
     add_spheres([(0, 0, 0), (2.05 * RADIUS, 0, 0)])
-    O.bodies.append(utils.wall(-1.01 * RADIUS, axis=0, material=FrictMat()))
+    add_wall(-1.01 * RADIUS, axis=0, material=FrictMat())
     sg.soften(zeta=ZETA)
     O.bodies[1].state.vel = (-2, 0, 0)
     engines = engines_for_both()

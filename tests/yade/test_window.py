@@ -1,7 +1,5 @@
 """Soft grains as YADE's window shows them: rendered pictures."""
 
-import os
-
 import numpy as np
 import pytest
 from draw_scene import without_display
@@ -10,8 +8,6 @@ from scenes import RADIUS, assert_done, run_python
 from scipy import spatial
 
 BEGIN = """
-import sys
-sys.path.insert(0, {folder!r})
 from draw_scene import Canvas
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 import numpy as np
@@ -23,7 +19,7 @@ BOX = (-4 * RADIUS, 4 * RADIUS, -4 * RADIUS, 4 * RADIUS)
 
 
 def save(**pictures):
-    outlines = {{f"outline{{b.id}}": b.shape.outline()[:, :2] for b in sg.soft_bodies()}}
+    outlines = {f"outline{b.id}": b.shape.outline()[:, :2] for b in sg.soft_bodies()}
     np.savez("drawn.npz", box=BOX, **outlines, **pictures)
     print("done")
 
@@ -122,8 +118,7 @@ save(later=picture)
 @pytest.fixture
 def drawn(tmp_path):
     def draw(code):
-        code = BEGIN.format(folder=os.path.dirname(__file__)) + code
-        assert_done(run_python(code, tmp_path, without_display(tmp_path)))
+        assert_done(run_python(BEGIN + code, tmp_path, without_display(tmp_path)))
         return Drawn(np.load(tmp_path / "drawn.npz"))
 
     return draw
