@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
-from yade import FrictMat, O, Vector3, utils
+from scenes import RADIUS, add_disk, add_wall, facet_strip, ready, run, soft_material
+from yade import FrictMat, O, utils
 
 import softgrain as sg
 
@@ -25,10 +25,6 @@ def add_rigid_disk(center, radius, velocity=(0, 0, 0), spin=0, fixed=False, **ma
     return body
 
 
-def momentum():
-    return sum(b.state.mass * np.array(b.state.vel) for b in O.bodies if not b.isClumpMember)
-
-
 def rest_material():
     """Damped, so that a scene comes to rest."""
     return soft_material(massDamping=300, frictionAngle=math.atan(0.5))
@@ -44,15 +40,10 @@ def add_clump(centers, radius, friction=0.5):
     return body
 
 
-def facet_strip(ends, width=4 * RADIUS):
-    """Two facets across the plane along each pair of neighbouring points."""
-    bodies = []
-    for (x0, y0), (x1, y1) in zip(ends, ends[1:]):
-        a, b = Vector3(x0, y0, -width), Vector3(x1, y1, -width)
-        c, d = Vector3(x1, y1, width), Vector3(x0, y0, width)
-        bodies.append(utils.facet((a, b, c), material=rigid_material(0.5)))
-        bodies.append(utils.facet((a, c, d), material=rigid_material(0.5)))
-    return bodies
+def facets_along(ends):
+    """Across the plane, between neighbouring points."""
+    points = [(x, y, 0) for x, y in ends]
+    return facet_strip(points, (0, 0, 4 * RADIUS), rigid_material(0.5))
 
 
 def box_strip():

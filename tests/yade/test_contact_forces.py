@@ -4,15 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from motion import momentum
 from periodic_scenes import set_cell
 from scenes import RADIUS, add_disk, add_wall, ready, run, soft_material
 from yade import FrictMat, O, utils
 
 import softgrain as sg
-
-
-def momentum(bodies):
-    return sum(b.state.mass * np.array(b.state.vel) for b in bodies)
 
 
 def test_head_on_impact():
@@ -200,8 +197,7 @@ def test_two_balls_touch():
 def test_gravity_holds_against_the_floor():
     """A grain rests on the floor: the mean reaction is its weight."""
     disk = add_disk()
-    floor = utils.wall(-RADIUS, axis=1, material=FrictMat())
-    O.bodies.append(floor)
+    floor = add_wall(-RADIUS, axis=1, material=FrictMat())
     ready(gravity=(0, -10, 0))
     run(200)
     total = steps = 0

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from partner_scenes import momentum
+from motion import angular_momentum, momentum
 from scenes import (
     RADIUS,
+    add,
     assert_goes_on_after_loading,
     assert_threads_change_nothing,
     ready,
@@ -30,8 +31,7 @@ def add_cube(center, axis, material=None):
     cube = sg.soft_block(center, (2 * RADIUS,) * 3, material, zeta=ZETA)
     turned_about = (1, 0, 0) if axis == 0 else (0, 1, 0)
     cube.state.ori = Quaternion(turned_about, math.pi / 4)
-    O.bodies.append(cube)
-    return cube
+    return add(cube)
 
 
 def add_upper_cube(height=2 * TO_EDGE):
@@ -75,22 +75,13 @@ def height_of_edge(cube, nodes, along, at):
     return np.interp(at, places[:, along], places[:, 2])
 
 
-def sum_of_spins():
-    """Angular momentum of all grains about the origin."""
-    return sum(
-        np.cross(b.state.pos, b.state.mass * np.array(b.state.vel))
-        + np.array(b.shape.inertia()) @ np.array(b.state.angVel)
-        for b in sg.soft_bodies()
-    )
-
-
 def test_cubes_collide_edge_on_edge():
     """They touch when the edges meet, and stay apart; momenta are kept."""
     add_two_cubes()
     lower, upper = sg.soft_bodies()
     run(1)
     below, above = edge_nodes(lower, True), edge_nodes(upper, False)
-    start, spin = momentum(), sum_of_spins()
+    start, spin = momentum(), angular_momentum()
     touched, deepest = None, 0
     while O.time < 2 * GAP / SPEED + 3e-3:
         run(1)
@@ -106,7 +97,7 @@ def test_cubes_collide_edge_on_edge():
     assert lower.state.vel[2] < -0.3 * SPEED
     np.testing.assert_allclose(momentum(), start, rtol=0, atol=1e-12 * np.linalg.norm(start))
     scale = upper.state.mass * SPEED * RADIUS
-    np.testing.assert_allclose(sum_of_spins(), spin, rtol=0, atol=2e-3 * scale)
+    np.testing.assert_allclose(angular_momentum(), spin, rtol=0, atol=2e-3 * scale)
 
 
 @pytest.mark.parametrize("bodies", (box, facets))

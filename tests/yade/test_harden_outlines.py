@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from harden_scenes import PLACES, all_momenta, box, inertia_in_space, rigid_material
+from harden_scenes import PLACES, box, rigid_material
+from motion import angular_momentum, inertia_of, momenta, momentum
 from scenes import (
     RADIUS,
     add_disk,
@@ -45,7 +46,7 @@ def test_motion_of_a_clump():
         (s.mass, s.pos, s.vel, d.shape.inertia()[2, 2], s.angVel) for s, d in zip(states, disks)
     ]
     outlines = [d.shape.outline() for d in disks[:2]]
-    before = all_momenta()
+    before = momenta()
     hardened = sg.harden([0, 1], material=rigid_material(), into="clumps", error=0.02)
     assert O.bodies[0] is None and set(hardened.bodies) == {0, 1} and len(hardened.ids) == 2
     for clump_id, outline, (mass, pos, vel, inertia, spin) in zip(hardened.ids, outlines, kept):
@@ -58,11 +59,11 @@ def test_motion_of_a_clump():
         np.testing.assert_allclose(clump.state.inertia, inertia, rtol=1e-12)
         gaps = distances(outline, clump)
         assert gaps.max() < 0.025 * RADIUS and gaps.min() > -0.005 * RADIUS
-    np.testing.assert_allclose(all_momenta(), before, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(momenta(), before, rtol=1e-12, atol=1e-15)
     O.dt *= 0.2
     run(1000)
     scale = np.abs(before).max(axis=1, keepdims=True)
-    np.testing.assert_allclose(all_momenta() / scale, before / scale, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(momenta() / scale, before / scale, rtol=0, atol=1e-9)
     assert max(b.state.vel.norm() for b in O.bodies if b) < 2
     assert len(sg.soft_bodies()) == 1
 
@@ -77,17 +78,17 @@ def test_clump_of_a_ball():
     balls[0].state.vel, balls[0].state.angVel = (2, 0, 0), (20, 30, 10)
     ready()
     run(25)
-    inertia, before = np.array(balls[0].shape.inertia()), all_momenta()
+    inertia, before = np.array(balls[0].shape.inertia()), momenta()
     assert np.ptp(np.linalg.eigvalsh(inertia)) > 1e-3 * inertia[0, 0]
     outline = balls[0].shape.outline()
     clump = O.bodies[sg.harden([0], material=rigid_material(), into="clumps", error=0.05).ids[0]]
-    np.testing.assert_allclose(inertia_in_space(clump), inertia, rtol=0, atol=1e-12 * inertia.max())
-    np.testing.assert_allclose(all_momenta(), before, rtol=1e-10, atol=1e-15)
+    np.testing.assert_allclose(inertia_of(clump), inertia, rtol=0, atol=1e-12 * inertia.max())
+    np.testing.assert_allclose(momenta(), before, rtol=1e-10, atol=1e-15)
     assert np.abs(distances(outline, clump)).max() < 0.1 * RADIUS
     run(200)
-    np.testing.assert_allclose(all_momenta()[0], before[0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(momentum(), before[0], rtol=0, atol=1e-12)
     spin = np.abs(before[1]).max()
-    np.testing.assert_allclose(all_momenta()[1], before[1], rtol=0, atol=1e-3 * spin)
+    np.testing.assert_allclose(angular_momentum(), before[1], rtol=0, atol=1e-3 * spin)
 
 
 def test_outline_of_a_grain_that_was_moved():
@@ -115,7 +116,7 @@ def test_momentum_lost_by_fixing():
     disk.state.vel, disk.state.angVel = (1, 2, 0), (0, 0, 30)
     ready()
     run(5)
-    lost, outline, kinetic = all_momenta(), disk.shape.outline(), disk.shape.energy()["kinetic"]
+    lost, outline, kinetic = momenta(), disk.shape.outline(), disk.shape.energy()["kinetic"]
     hardened = sg.harden(material=rigid_material(), into="fixed")
     np.testing.assert_allclose(hardened.momentum, lost[0], rtol=1e-12, atol=1e-15)
     np.testing.assert_allclose(hardened.angular_momentum, lost[1], rtol=1e-12, atol=1e-15)
@@ -253,11 +254,11 @@ def test_clump_in_a_periodic_cell():
     O.run(800, True)
     O.cell.velGrad = Matrix3.Zero
     O.run(1000, True)
-    before, momentum = sg.cell_stress(), all_momenta()[0]
+    before, initial = sg.cell_stress(), momentum()
     sg.harden([0], material=FrictMat(frictionAngle=0.3), into="clumps")
     run(1000)
     np.testing.assert_allclose(np.diag(sg.cell_stress()), np.diag(before), rtol=0.04)
-    np.testing.assert_allclose(all_momenta()[0], momentum, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(momentum(), initial, rtol=0, atol=1e-9)
 
 
 def test_fixed_in_a_periodic_cell():

@@ -7,9 +7,11 @@ import re
 import numpy as np
 import pytest
 from interface_scenes import BOND, COHESION, SIDE, add_block, damped, interaction
+from motion import momentum
 from partner_scenes import add_rigid_disk
 from scenes import (
     RADIUS,
+    add,
     add_disk,
     add_wall,
     assert_goes_on_after_loading,
@@ -142,8 +144,7 @@ def test_force_momentum_and_energy_of_two_blocks(law, friction):
     while any(i.isReal for i in O.interactions):
         run(1)
         assert O.iter < 9000
-    momentum = sum(b.state.mass * np.array(b.state.vel) for b in (upper, lower))
-    assert np.linalg.norm(momentum) < 1e-12 * upper.state.mass
+    assert np.linalg.norm(momentum()) < 1e-12 * upper.state.mass
     energy = sg.integrator().energy()
     work = 0.2 if "cohesion" in law else 0.1
     assert energy["cohesion"] / SIDE == pytest.approx(work, rel=0.05)
@@ -168,9 +169,8 @@ def test_cohesion_is_felt_before_touch(add_other):
 
 
 def rigid_plate(center, half):
-    body = utils.box(center, half, fixed=True, material=FrictMat(frictionAngle=0.5, density=2000))
-    O.bodies.append(body)
-    return body
+    material = FrictMat(frictionAngle=0.5, density=2000)
+    return add(utils.box(center, half, fixed=True, material=material))
 
 
 def test_bond_with_a_rigid_body():

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from motion import momenta, momentum
 from rigid_scenes import (
     GRAVITY,
     R,
@@ -16,7 +17,7 @@ from rigid_scenes import (
     start,
     state,
 )
-from scenes import add_disk, add_wall, ready, run, soft_material
+from scenes import add_disk, add_wall, facet_strip, ready, run, soft_material
 from yade import O, PyRunner, Vector3, utils
 
 import softgrain as sg
@@ -150,16 +151,6 @@ def test_impact_keeps_momentum_and_does_not_bounce():
     first = add_sphere((-1.5 * R, 0, 0), velocity=(1, 0, 0))
     second = add_sphere((1.5 * R, 0.5 * R, 0), 0.7 * R, velocity=(-1, 0, 0))
     start(1e-4, (0, 0, 0))
-
-    def momenta():
-        states = [b.state for b in (first, second)]
-        return (
-            sum(s.mass * np.array(s.vel) for s in states),
-            sum(
-                s.mass * np.cross(s.pos, s.vel) + s.inertia[0] * np.array(s.angVel) for s in states
-            ),
-        )
-
     linear, angular = momenta()
     while O.forces.f(first.id).norm() == 0:
         O.step()
@@ -199,9 +190,8 @@ def test_seams_are_not_felt(kind):
     """A ball rolls across the seams of a floor as across one piece."""
     if kind == "facets":
         for x in np.arange(-3, 12, 3) * R:
-            a, b = Vector3(x, -3 * R, 0), Vector3(x + 3 * R, -3 * R, 0)
-            c, d = Vector3(x + 3 * R, 3 * R, 0), Vector3(x, 3 * R, 0)
-            O.bodies.append([utils.facet((a, b, c), material=material()), utils.facet((a, c, d))])
+            ends = (x, 0, 0), (x + 3 * R, 0, 0)
+            O.bodies.append(facet_strip(ends, (0, 3 * R, 0), material()))
     else:
         for x in np.arange(-3, 12, 3) * R:
             box = utils.box((x + 1.5 * R, 0, -R), (1.5 * R, 3 * R, R), fixed=True)
@@ -272,10 +262,6 @@ def test_rigid_and_soft_in_one_solve():
     disks[1].state.vel = (-1, 0, 0)
     ready(rigid="nonsmooth")
     O.dt = 0.4 * sg.critical_time_step()
-
-    def momentum():
-        return sum(b.state.mass * np.array(b.state.vel) for b in O.bodies)
-
     run(1)
     before, kinds = momentum(), set()
     for _ in range(600):
@@ -322,9 +308,8 @@ def test_disks_on_a_floor_of_two_facets_in_2d(kind):
     """They slide over the edge that the facets share, which leans in the plane of the disks. Of a
     clump the clump is kept in the plane, not its members."""
     add_disk((0, 10 * R, 0))
-    ends = [(x, 0, z) for x, z in ((-9 * R, -R), (9 * R, -R), (9 * R, R), (-9 * R, R))]
-    for corners in (ends[:3], (ends[0], *ends[2:])):
-        O.bodies.append(utils.facet(corners, material=material(0)))
+    ends = (-9 * R, 0, 0), (9 * R, 0, 0)
+    O.bodies.append(facet_strip(ends, (0, 0, R), material(0)))
     if kind == "disk":
         ball = add_sphere((-R, R, 0), velocity=(1, 0, 0), blocked="zXY")
     else:

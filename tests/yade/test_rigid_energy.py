@@ -2,19 +2,12 @@
 
 import numpy as np
 import pytest
+from motion import kinetic_energy
 from rigid_scenes import R, add_incline, add_sphere, material, pile, run_until, start
 from scenes import add_disk, add_wall, ready, run, soft_material
 from yade import O
 
 import softgrain as sg
-
-
-def kinetic_energy():
-    """Of the bodies, at half steps [J]."""
-    states = [b.state for b in O.bodies if b.isStandalone and b.state.mass > 0]
-    return 0.5 * sum(
-        s.mass * s.vel.squaredNorm() + np.dot(s.inertia, np.square(s.angVel)) for s in states
-    )
 
 
 def balance():

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from motion import kinetic_energy, momenta
 from rigid_scenes import GRAVITY, R, add_sphere, pile, spheres, start
 from scenes import add_wall, run
 from yade import FrictMat, MatchMaker, O, utils
@@ -13,22 +14,6 @@ import softgrain as sg
 
 def law():
     return O.engines[2].lawDispatcher.functors[1]
-
-
-def momenta():
-    """Linear and angular momentum about the origin."""
-    states = [b.state for b in spheres()]
-    linear = sum(s.mass * np.array(s.vel) for s in states)
-    moment = sum(s.mass * np.cross(s.pos, s.vel) for s in states)
-    spin = sum(np.array(s.inertia) * np.array(s.angVel) for s in states)
-    return linear, moment + spin
-
-
-def kinetic():
-    states = [b.state for b in spheres()]
-    return 0.5 * sum(
-        s.mass * s.vel.squaredNorm() + np.dot(s.inertia, np.square(s.angVel)) for s in states
-    )
 
 
 @pytest.mark.parametrize("restitution", (0.3, 0.8, 1))
@@ -90,15 +75,15 @@ def test_oblique(restitution, friction):
     O.trackEnergy = True
     start(1e-4, (0, 0, 0), interface={"restitution": restitution})
     run(1)
-    before, energy = momenta(), kinetic()
+    before, energy = momenta(), kinetic_energy()
     relative = np.array(second.state.vel - first.state.vel)
     run(200)
     for old, new in zip(before, momenta()):
         assert new == pytest.approx(old, rel=1e-11, abs=1e-14)
     change = np.array(second.state.vel - first.state.vel) - relative
     lost = sg.integrator().energy()
-    assert kinetic() <= energy * (1 + 1e-12)
-    assert energy - kinetic() == pytest.approx(
+    assert kinetic_energy() <= energy * (1 + 1e-12)
+    assert energy - kinetic_energy() == pytest.approx(
         lost["rigidImpact"] + lost["rigidFriction"], rel=1e-9, abs=1e-12 * energy
     )
     if friction == 0:
@@ -135,7 +120,7 @@ def test_by_pair_of_materials():
     bouncing = FrictMat(label="bouncing")
     floor = O.materials.append(FrictMat(label="floor"))
     O.materials.append(bouncing)
-    O.bodies.append(utils.wall(0, axis=2, material=floor))
+    add_wall(0, axis=2, material=floor)
     for x, material in ((0, "bouncing"), (5 * R, "floor")):
         O.bodies.append(utils.sphere((x, 0, 2 * R), R, material=material))
     match = MatchMaker(matches=((floor, bouncing.id, 0.6),), algo="zero")

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from bodies import add, add_wall, facet_strip
+from motion import angular_momentum, momentum
 from partner_scenes import (
     add_clump,
     assert_comes_to_rest,
     bed_of_grains,
     box_strip,
-    facet_strip,
-    momentum,
+    facets_along,
     rest_material,
     rigid_material,
 )
@@ -26,22 +27,12 @@ def test_clump_keeps_the_momenta():
     ready()
     run(1)
     before = momentum()
-
-    def angular():
-        total = 0
-        for b in O.bodies:
-            if b.isClumpMember:
-                continue
-            s = b.state
-            total += s.mass * s.pos.cross(s.vel)[2] + s.inertia[2] * s.angVel[2]
-        return total
-
-    start = angular()
+    start = angular_momentum()
     run(300)
     np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13 * before[0])
     assert abs(clump.state.angVel[2]) > 10
     scale = disk.state.mass * 2 * RADIUS
-    assert angular() == pytest.approx(start, abs=0.02 * scale)
+    assert angular_momentum() == pytest.approx(start, abs=0.02 * scale)
 
 
 def test_clump_rests_on_soft_grains():
@@ -60,7 +51,7 @@ def test_container(kind):
     if kind == "facets":
         # the floor of two pieces: the grain lies on their seam
         ends = [(-half, half), (-half, -half), (0, -half), (half, -half), (half, half)]
-        bodies = facet_strip(ends)
+        bodies = facets_along(ends)
     else:
         bodies = box_strip()
     ids = O.bodies.append(bodies)
@@ -140,9 +131,9 @@ def test_thin_boxes_bear_as_thick_ones(dim):
 def test_facets_from_the_plane_on_bear(low, high):
     """A floor drawn in the plane of the grains may be extruded to either side."""
     disk = add_disk((0, 0.99 * RADIUS, 0))
-    a, b, c, d = ((x * RADIUS, 0, z) for x, z in ((-5, low), (5, low), (5, high), (-5, high)))
-    floor = [utils.facet(f, material=FrictMat(frictionAngle=0)) for f in ((a, b, c), (a, c, d))]
-    ids = O.bodies.append(floor)
+    ends = [(x * RADIUS, 0, (low + high) / 2) for x in (-5, 5)]
+    across = (0, 0, (high - low) / 2)
+    ids = O.bodies.append(facet_strip(ends, across, FrictMat(frictionAngle=0)))
     ready()
     O.step()
     assert sum(O.forces.f(i)[1] for i in ids) < 0
@@ -163,15 +154,9 @@ def test_box_turned_out_of_the_plane_is_refused():
 
 def test_three_dimensions():
     """A free sphere falls on a soft ball in a box of facets."""
-    ball = sg.soft_sphere((0, 0, 0), RADIUS, rest_material(), zeta=0.4)
-    O.bodies.append(ball)
-    corners = [Vector3(x, y, -RADIUS) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    O.bodies.append(
-        [
-            utils.facet((corners[0], corners[1], corners[2]), material=rigid_material()),
-            utils.facet((corners[0], corners[2], corners[3]), material=rigid_material()),
-        ]
-    )
+    add(sg.soft_sphere((0, 0, 0), RADIUS, rest_material(), zeta=0.4))
+    ends = [(x, 0, -RADIUS) for x in (-1, 1)]
+    O.bodies.append(facet_strip(ends, (0, 1, 0), rigid_material()))
     rigid = utils.sphere((0, 0, 1.62 * RADIUS), 0.6 * RADIUS, material=rigid_material())
     rigid.state.vel = (0.02, 0, -0.5)
     O.bodies.append(rigid)
@@ -281,8 +266,8 @@ def test_plate_that_pokes_into_a_disk(plate, aside):
 def test_coarse_balls_roll_too_slowly(zeta, angle, slower):
     """By what the guide says, against 5/7 g sin: the wall meets nodes."""
     material = soft_material(young=1e6, poisson=0.3, massDamping=1000, frictionAngle=0.8)
-    ball = sg.soft_sphere((0, 0, RADIUS), RADIUS, material, zeta=zeta)
-    O.bodies.append([ball, utils.wall(0, axis=2, sense=1, material=rigid_material(1))])
+    ball = add(sg.soft_sphere((0, 0, RADIUS), RADIUS, material, zeta=zeta))
+    add_wall(0, axis=2, friction=1, sense=1)
     along, down = 9.81 * np.sin(np.radians(angle)), 9.81 * np.cos(np.radians(angle))
     ready(gravity=(along, 0, -down))
     times, speeds = [], []
@@ -304,13 +289,9 @@ def add_floor(kind, dim):
             center[up], half[0] = -half[up], 0.5 * RADIUS
             O.bodies.append(utils.box(center, half, fixed=True, material=material))
             continue
-        ground = [(begin, -1), (begin + RADIUS, -1), (begin + RADIUS, 1), (begin, 1)]
-        corner = [Vector3(x, 0, 5 * RADIUS * y) for x, y in ground]
-        if dim == 3:
-            corner = [Vector3(x, 5 * RADIUS * y, 0) for x, y in ground]
-        for triangle in ((0, 1, 2), (0, 2, 3)):
-            facet = [corner[k] for k in triangle]
-            O.bodies.append(utils.facet(facet, material=material))
+        ends = [(x, 0, 0) for x in (begin, begin + RADIUS)]
+        across = np.eye(3)[3 - up] * 5 * RADIUS
+        O.bodies.append(facet_strip(ends, across, material))
 
 
 @pytest.mark.parametrize("form", ("round", "block"))
@@ -343,14 +324,9 @@ def test_a_step_of_the_floor_stops(step, passes):
     """A block comes to the edge of a facet that lies higher, by so many point spacings."""
     soft = soft_material(young=1e5, poisson=0.3, massDamping=100)
     height = step * 0.3 * RADIUS
-    for ends in ((-5, 1.5, 0), (1.5, 5, height)):
-        begin, end = (Vector3(x * RADIUS, ends[2], 0) for x in ends[:2])
-        side = Vector3(0, 0, RADIUS)
-        for facet in (
-            (begin - side, end - side, end + side),
-            (begin - side, end + side, begin + side),
-        ):
-            O.bodies.append(utils.facet(facet, material=rigid_material(0)))
+    for begin, end, level in ((-5, 1.5, 0), (1.5, 5, height)):
+        ends = [(x * RADIUS, level, 0) for x in (begin, end)]
+        O.bodies.append(facet_strip(ends, (0, 0, RADIUS), rigid_material(0)))
     body = sg.soft_block((0, 0.997 * RADIUS, 0), (2 * RADIUS, 2 * RADIUS), soft, zeta=0.3)
     O.bodies.append(body)
     body.state.vel = (0.2, 0, 0)

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from partner_scenes import add_rigid_disk, momentum, rigid_material
+from motion import momentum
+from partner_scenes import add_rigid_disk, rigid_material
 from scenes import (
     RADIUS,
     add_disk,
