@@ -1,36 +1,14 @@
 """What patch tests and blocks on inclines are made of."""
 
-import math
-
-from yade import FrictMat, O, utils
+from bodies import DENSITY, POISSON, YOUNG
+from neo_hookean import wave_speed
+from yade import O
 
 import softgrain as sg
 
-YOUNG = 1e6  # Pa
-DENSITY = 1000.0  # kg/m^3
-POISSON = 0.3
 GRAVITY = 9.81  # m/s^2
 WIDTH, HEIGHT = 0.02, 0.01  # of a block, m
-WAVE_SPEED = math.sqrt(
-    YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON)) / DENSITY
-)  # of pressure waves, m/s
-
-
-def soft(friction=0.0):
-    return sg.SoftMat(
-        young=YOUNG, poisson=POISSON, density=DENSITY, frictionAngle=math.atan(friction)
-    )
-
-
-def add_wall(position, axis, friction=0.0):
-    wall = utils.wall(position, axis=axis, material=FrictMat(frictionAngle=math.atan(friction)))
-    O.bodies.append(wall)
-    return wall
-
-
-def add(body):
-    O.bodies.append(body)
-    return body
+WAVE_SPEED = wave_speed(YOUNG, POISSON, DENSITY)  # m/s
 
 
 def start(**engines):

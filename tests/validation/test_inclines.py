@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from patches import GRAVITY, HEIGHT, WIDTH, add, add_wall, gentle, soft, start
+from bodies import add, add_wall, soft
+from patches import GRAVITY, HEIGHT, WIDTH, gentle, start
 from yade import O
 
 import softgrain as sg

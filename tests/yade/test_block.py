@@ -5,7 +5,11 @@ import re
 
 import numpy as np
 import pytest
+from motion import angular_momentum
+from neo_hookean import cauchy, with_free_sides
 from scenes import (
+    YOUNG,
+    add,
     add_disk,
     add_wall,
     assert_goes_on_after_loading,
@@ -13,7 +17,6 @@ from scenes import (
     run,
     soft_material,
 )
-from scipy import optimize
 from yade import O, Quaternion
 
 import softgrain as sg
@@ -22,9 +25,7 @@ SIZE = (0.02, 0.01)
 
 
 def add_block(center=(0, 0, 0), size=SIZE, **shape):
-    body = sg.soft_block(center, size, soft_material(), **{"zeta": 0.5, **shape})
-    O.bodies.append(body)
-    return body
+    return add(sg.soft_block(center, size, soft_material(), **{"zeta": 0.5, **shape}))
 
 
 @pytest.mark.parametrize(
@@ -125,7 +126,7 @@ def test_picture(tmp_path):
 
 def force_over_exact(zeta, size):
     """Of a block squeezed by 5 % along y between frictionless walls, free to widen (nu = 0.3)."""
-    strain, width, height = 0.05, size[0], size[1]
+    strain, height = 0.05, size[1]
     material = soft_material(poisson=0.3, massDamping=2000)
     O.bodies.append(sg.soft_block((0, 0, 0), size, material, zeta=zeta))
     add_wall(-height / 2, axis=1)
@@ -137,16 +138,10 @@ def force_over_exact(zeta, size):
     top.state.vel = (0, 0, 0)
     run(1500 if len(size) == 2 else 300)
     squeezed = 0.5 + top.state.pos[1] / height
-    young, mu = 1e6, 1e6 / 2.6
-    lam = young * 0.3 / (1.3 * 0.4)
-    sides = len(size) - 1  # that widen, all alike
-
-    def stress(stretch, widening):
-        return mu * (stretch - 1 / stretch) + lam * math.log(squeezed * widening**sides) / stretch
-
-    widening = optimize.brentq(lambda w: stress(w, w), 0.5, 2)
-    area = width * (size[2] if len(size) == 3 else 1)
-    return sg.wall_force(top.id)[1] / (-stress(squeezed, widening) * area)
+    stretches = with_free_sides(squeezed, len(size) - 1, 0.3)
+    stress, *_ = cauchy(stretches, YOUNG, 0.3)
+    area = math.prod(stretches[1:]) * math.prod(size) / height  # as widened
+    return -sg.wall_force(top.id)[1] / (stress * area)
 
 
 @pytest.mark.parametrize(
@@ -164,10 +159,6 @@ def test_squeezed_block_is_as_stiff_as_it_should_be(zeta, sides):
     assert force_over_exact(zeta, [side * 0.01 for side in sides]) == pytest.approx(1, abs=0.012)
 
 
-def angular_momentum(body):
-    return np.array(body.shape.inertia()) @ np.array(body.state.angVel)
-
-
 @pytest.mark.parametrize("torque", ((1e-6, 0, 0), (0, 2e-6, 0), (3e-6, -1e-6, 2e-6)), ids=str)
 def test_torque_on_a_turned_cuboid(torque):
     """It is what the angular momentum gains, along whatever axis."""
@@ -176,7 +167,7 @@ def test_torque_on_a_turned_cuboid(torque):
     ready()
     O.forces.setPermT(body.id, torque)
     run(5)
-    before, start = angular_momentum(body), O.time
+    before, start = angular_momentum(), O.time
     run(40)
-    gained = (angular_momentum(body) - before) / (O.time - start)
+    gained = (angular_momentum() - before) / (O.time - start)
     np.testing.assert_allclose(gained, torque, atol=1e-6 * np.linalg.norm(torque))

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from neo_hookean import wave_speed
 from scenes import DENSITY, RADIUS, YOUNG, add_disk, add_wall, ready, soft_material
 from yade import FrictMat, O
 
 import softgrain as sg
 
-WAVE_SPEED = math.sqrt(YOUNG * 0.55 / (1.45 * 0.1) / DENSITY)  # nu = 0.45, plane strain
+WAVE_SPEED = wave_speed(YOUNG, 0.45, DENSITY)
 
 
 def test_suggested_speed():
