@@ -10,7 +10,6 @@ import softgrain as sg
 
 TURN = Quaternion((0, 0, 1), 0.7)
 PLACE, VELOCITY, SPIN = (0.4, -0.3, 0), (3.0, -1.0, 0), (0, 0, 40.0)
-SHOWN = ("position", "F", "cauchy", "volume")
 
 
 def collided(dim, **shape):
