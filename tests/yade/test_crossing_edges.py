@@ -34,16 +34,17 @@ def add_cube(center, axis, material=None):
     return add(cube)
 
 
-def add_upper_cube(height=2 * TO_EDGE):
+def add_upper_cube(height=2 * TO_EDGE, x=0):
     """Its lower edge is along y, away from the nodes of what it falls on."""
-    cube = add_cube((0.1 * RADIUS, 0.15 * RADIUS, height + GAP), 1)
+    cube = add_cube((x + 0.1 * RADIUS, 0.15 * RADIUS, height + GAP), 1)
     cube.state.vel = (0, 0, -SPEED)
     return cube
 
 
-def add_two_cubes():
-    add_cube((0, 0, 0), 0)
-    add_upper_cube()
+def add_two_cubes(times=1):
+    for x in 4 * RADIUS * np.arange(times):
+        add_cube((x, 0, 0), 0)
+        add_upper_cube(x=x)
     ready()
 
 
@@ -179,4 +180,6 @@ def test_crossing_edges_go_on_after_loading(tmp_path):
 
 
 def test_threads_do_not_change_crossing_edges():
-    assert_threads_change_nothing(add_two_cubes, 60)
+    """Of so many cubes that they share loops, from 32 on, and sweeps, from 16 pairs in each colour
+    on."""
+    assert_threads_change_nothing(lambda: add_two_cubes(20), 60)

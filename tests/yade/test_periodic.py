@@ -323,10 +323,13 @@ def test_save_and_load(tmp_path):
 
 
 def test_threads_give_the_same_bits():
+    """Of so many grains that they share loops, from 32 on, and sweeps, from 16 pairs in each colour
+    on."""
+
     def make_scene():
-        irregular_packing()
+        irregular_packing(count=8)
         ready()
-        flow(xx=-2.0, yy=-2.0, xy=1.0)
+        flow(xx=-6.0, yy=-6.0, xy=3.0)
 
     assert_threads_change_nothing(make_scene, 300, numbers=(1, 2, 3))
 

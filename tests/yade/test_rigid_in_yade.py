@@ -90,12 +90,13 @@ def test_in_a_list_of_engines_of_ones_own():
 
 
 def test_threads_change_nothing():
+    """Of so many disks that they share sweeps: from 256 contacts in each colour on."""
     found = []
     for threads in (1, 2):
         O.reset()
-        pile(columns=6, layers=4)
+        pile(dim=2, columns=200, layers=5)
         sg.integrator().ompThreads = threads
-        run(800)
+        run(400)
         found.append(state())
     np.testing.assert_array_equal(found[0], found[1])
 
