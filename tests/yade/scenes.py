@@ -1,9 +1,11 @@
 """Small scenes and subprocesses common to the tests inside YADE."""
 
+import ctypes
 import os
 import subprocess
 import sys
 import textwrap
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -94,15 +96,29 @@ def assert_goes_on_after_loading(path, steps):
     assert_same_bits(present_state(), expected)
 
 
-def assert_threads_change_nothing(make_scene, steps, numbers=(1, 2)):
+@contextmanager
+def threads_at_hand(number):
+    """For scenes made within; scripts/test leaves one to each process, and more are not used then,
+    whatever an engine asks for."""
+    openmp = ctypes.CDLL("libgomp.so.1")
+    before = openmp.omp_get_max_threads()
+    openmp.omp_set_num_threads(number)
+    try:
+        yield
+    finally:
+        openmp.omp_set_num_threads(before)
+
+
+def assert_threads_change_nothing(make_scene, steps, numbers=(1, 2), read=present_state):
     """The same bits with every one of the numbers of threads, the scene made anew for each."""
     states = []
-    for threads in numbers:
-        O.reset()
-        make_scene()
-        sg.integrator().ompThreads = threads
-        run(steps)
-        states.append(present_state())
+    with threads_at_hand(max(numbers)):
+        for threads in numbers:
+            O.reset()
+            make_scene()
+            sg.integrator().ompThreads = threads
+            run(steps)
+            states.append(read())
     for state in states[1:]:
         assert_same_bits(state, states[0])
 

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 import yade
 from rigid_scenes import GRAVITY, R, add_sphere, material, pile, start, state
-from scenes import add, add_disk, add_wall, assert_done, ready, run, run_python
+from scenes import (
+    add,
+    add_disk,
+    add_wall,
+    assert_done,
+    assert_threads_change_nothing,
+    ready,
+    run,
+    run_python,
+)
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
@@ -91,14 +100,9 @@ def test_in_a_list_of_engines_of_ones_own():
 
 def test_threads_change_nothing():
     """Of so many disks that they share sweeps: from 256 contacts in each colour on."""
-    found = []
-    for threads in (1, 2):
-        O.reset()
-        pile(dim=2, columns=200, layers=5)
-        sg.integrator().ompThreads = threads
-        run(400)
-        found.append(state())
-    np.testing.assert_array_equal(found[0], found[1])
+    assert_threads_change_nothing(
+        lambda: pile(dim=2, columns=200, layers=5), 400, read=lambda: {"states": state()}
+    )
 
 
 def test_goes_on_after_saving(tmp_path):
