@@ -27,15 +27,14 @@ def add_wall(position, axis, friction=0.0, velocity=0.0, sense=0, material=None)
     return add(wall)
 
 
-def facet_strip(points, across, material, **attributes):
+def facet_strip(points, across, material):
     """From each point to the next one two facets, as wide as from -across to across; the list of
     them, which is not in the scene yet."""
     points, across, facets = np.array(points, float), np.array(across, float), []
     for a, b in zip(points, points[1:]):
         corners = a - across, b - across, b + across, a + across
         for chosen in ((0, 1, 2), (0, 2, 3)):
-            triangle = [corners[k] for k in chosen]
-            facets.append(utils.facet(triangle, material=material, **attributes))
+            facets.append(utils.facet([corners[k] for k in chosen], material=material))
     return facets
 
 
