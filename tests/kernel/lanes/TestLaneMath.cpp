@@ -12,51 +12,57 @@ using namespace softgrain::testing;
 
 namespace {
 
+template <class Part> double lnOfOne(double x)
+{
+	return lnOf<Part>(typename Part::Numbers {} + x)[3];
+}
+
 /// Error in units in the last place of the answer.
-double errorOfLn(double x)
+template <class Part> double errorOfLn(double x)
 {
 	const long double exact = std::log(static_cast<long double>(x));
 	const double answer = static_cast<double>(exact);
 	const double unit =
 		std::nextafter(std::abs(answer), std::numeric_limits<double>::infinity()) -
 		std::abs(answer);
-	return static_cast<double>(std::abs(lnOf(Lanes {} + x)[3] - exact)) / unit;
+	return static_cast<double>(std::abs(lnOfOne<Part>(x) - exact)) / unit;
 }
 
 } // namespace
 
-TEST_CASE("Lane math: the logarithm to two units in the last place", "[material]")
+TEMPLATE_TEST_CASE("Lane math: the logarithm to two units in the last place", "[material]",
+		   WholeLanes, HalfLanes)
 {
 	Random random(1);
 	double worst = 0;
 	for (int n = 0; n < 200000; ++n) {
-		worst = std::max(worst, errorOfLn(random.uniform(0.3, 3)));
-		worst = std::max(worst, errorOfLn(std::exp(random.uniform(-700, 700))));
-		worst = std::max(worst, errorOfLn(1 + random.uniform(-1e-6, 1e-6)));
+		worst = std::max(worst, errorOfLn<TestType>(random.uniform(0.3, 3)));
+		worst = std::max(worst, errorOfLn<TestType>(std::exp(random.uniform(-700, 700))));
+		worst = std::max(worst, errorOfLn<TestType>(1 + random.uniform(-1e-6, 1e-6)));
 	}
 	for (double x : { 0.5, 2., std::sqrt(0.5), std::sqrt(2.),
 			  std::numeric_limits<double>::min(), std::numeric_limits<double>::max() })
 		for (double near : { std::nextafter(x, 1.), x })
-			worst = std::max(worst, errorOfLn(near));
+			worst = std::max(worst, errorOfLn<TestType>(near));
 	CHECK(worst < 2);
-	CHECK(lnOf(Lanes {} + 1)[0] == 0);
+	CHECK(lnOfOne<TestType>(1) == 0);
 }
 
-TEST_CASE("Lane math: no logarithm where there is none, in that lane alone", "[material]")
+TEMPLATE_TEST_CASE("Lane math: no logarithm where there is none, in that lane alone", "[material]",
+		   WholeLanes, HalfLanes)
 {
 	using Limits = std::numeric_limits<double>;
-	const Lanes x { 0,
-			-0.,
-			-1,
-			-Limits::infinity(),
-			Limits::infinity(),
-			Limits::quiet_NaN(),
-			-Limits::denorm_min(),
-			2 };
-	const Lanes y = lnOf(x);
-	for (int l = 0; l < laneWidth - 1; ++l)
-		CHECK(std::isnan(y[l]));
-	CHECK(y[laneWidth - 1] == lnOf(Lanes {} + 2)[0]);
+	constexpr int last = TestType::width - 1;
+	for (double none : { 0., -0., -1., -Limits::infinity(), Limits::infinity(),
+			     Limits::quiet_NaN(), -Limits::denorm_min() }) {
+		CAPTURE(none);
+		auto x = typename TestType::Numbers {} + none;
+		x[last] = 2;
+		const auto y = lnOf<TestType>(x);
+		for (int l = 0; l < last; ++l)
+			CHECK(std::isnan(y[l]));
+		CHECK(y[last] == lnOfOne<TestType>(2));
+	}
 }
 
 TEMPLATE_TEST_CASE("Parts of lanes: transposition", "[material]", WholeLanes, HalfLanes)

@@ -75,7 +75,7 @@ double largestAcousticModulus(const Mat<Case::dim>& F, const ElasticConstants& c
 } // namespace
 
 TEMPLATE_TEST_CASE("Neo-Hookean: P is the derivative of the energy", "[material]", PlaneStrain,
-		   PlaneStress, Solid)
+		   PlaneStress, Solid, Halves<PlaneStrain>, Halves<PlaneStress>, Halves<Solid>)
 {
 	constexpr int dim = TestType::dim;
 	Random random(1);
@@ -100,7 +100,7 @@ TEMPLATE_TEST_CASE("Neo-Hookean: P is the derivative of the energy", "[material]
 }
 
 TEMPLATE_TEST_CASE("Neo-Hookean: objective and isotropic", "[material]", PlaneStrain, PlaneStress,
-		   Solid)
+		   Solid, Halves<PlaneStrain>, Halves<PlaneStress>, Halves<Solid>)
 {
 	constexpr int dim = TestType::dim;
 	Random random(2);
@@ -119,7 +119,7 @@ TEMPLATE_TEST_CASE("Neo-Hookean: objective and isotropic", "[material]", PlaneSt
 }
 
 TEMPLATE_TEST_CASE("Neo-Hookean: nothing at identity and at rotations", "[material]", PlaneStrain,
-		   PlaneStress, Solid)
+		   PlaneStress, Solid, Halves<PlaneStrain>, Halves<PlaneStress>, Halves<Solid>)
 {
 	constexpr int dim = TestType::dim;
 	Random random(3);
@@ -136,7 +136,7 @@ TEMPLATE_TEST_CASE("Neo-Hookean: nothing at identity and at rotations", "[materi
 }
 
 TEMPLATE_TEST_CASE("Neo-Hookean: Hooke's law at small strain", "[material]", PlaneStrain,
-		   PlaneStress, Solid)
+		   PlaneStress, Solid, Halves<PlaneStrain>, Halves<PlaneStress>, Halves<Solid>)
 {
 	constexpr int dim = TestType::dim;
 	Random random(4);
@@ -250,32 +250,100 @@ TEMPLATE_TEST_CASE("Neo-Hookean: stiffening seen by a grid in space bounds the a
 	}
 }
 
-TEMPLATE_TEST_CASE("Neo-Hookean: lanes do not mix", "[material]", PlaneStrain, PlaneStress, Solid)
-{
-	constexpr int dim = TestType::dim;
-	Random random(7);
+namespace {
+
+/// A material point of its own in every lane; in every other, isochoric tension is the stiffest.
+template <int dim> struct MotleyLanes {
 	PointLanes<dim> point;
 	LameConstants lame;
 	std::vector<Mat<dim>> F;
 	std::vector<ElasticConstants> constants;
-	for (int l = 0; l < laneWidth; ++l) {
-		F.push_back(random.deformation<dim>(0.4));
-		constants.push_back({ random.uniform(1, 3), random.uniform(0, 0.49), 1 });
-		setLane<dim>(point, lame, l, F[l], constants[l]);
+
+	explicit MotleyLanes(Random& random, double isochoric = 0)
+	{
+		for (int l = 0; l < laneWidth; ++l) {
+			F.push_back(random.deformation<dim>(0.4));
+			constants.push_back(
+				{ random.uniform(1, 3), random.uniform(-0.3, 0.49), 1 });
+			setLane<dim>(point, l, F[l]);
+			lame.set(l, constants[l], l % 2 * isochoric);
+		}
 	}
+	template <class Part> PointLanes<dim, Part> part(int begin) const
+	{
+		PointLanes<dim, Part> own;
+		for (int l = 0; l < Part::width; ++l)
+			setLane<dim>(own, l, F[begin + l]);
+		return own;
+	}
+};
+
+} // namespace
+
+TEMPLATE_TEST_CASE("Neo-Hookean: lanes do not mix", "[material]", PlaneStrain, PlaneStress, Solid)
+{
+	constexpr int dim = TestType::dim;
+	Random random(7);
+	MotleyLanes<dim> lanes(random);
 	withLaw<dim>(Law::neoHookean, TestType::condition,
-		     [&](auto law) { law.evaluate(point, lame); });
+		     [&](auto law) { law.evaluate(lanes.point, lanes.lame); });
 	for (int l = 0; l < laneWidth; ++l) {
-		const auto together = getLane<dim>(point, l),
-			   alone = respond<TestType>(F[l], constants[l], 0);
+		const auto together = getLane<dim>(lanes.point, l),
+			   alone = respond<TestType>(lanes.F[l], lanes.constants[l], 0);
 		CHECK(together.P == alone.P);
 		CHECK(together.energy == alone.energy);
 		CHECK(together.stiffening == alone.stiffening);
 	}
 }
 
-TEMPLATE_TEST_CASE("Neo-Hookean: an inverted point is not finite", "[material]", PlaneStrain,
+namespace {
+
+template <int dim> void checkAgree(const PointResult<dim>& one, const PointResult<dim>& other)
+{
+	CHECK((one.P - other.P).norm() < 1e-13 * std::max(1., other.P.norm()));
+	CHECK(std::abs(one.J - other.J) < 1e-14);
+	CHECK(std::abs(one.energy - other.energy) < 1e-13 * std::max(1., other.energy));
+	CHECK(std::abs(one.stiffening / other.stiffening - 1) < 1e-13);
+}
+
+/// Half after half against all lanes at once; `evaluate(law, point, constants, first lane)`.
+template <class Case, class Evaluate> void checkHalves(Evaluate&& evaluate)
+{
+	constexpr int dim = Case::dim;
+	using Law = NeoHookean<dim, Case::condition>;
+	Random random(9);
+	for (double isochoric : { 0., 1.8 }) {
+		MotleyLanes<dim> lanes(random, isochoric);
+		evaluate(Law {}, lanes.point, static_cast<LameNumbers<WholeLanes>>(lanes.lame), 0);
+		for (int begin = 0; begin < laneWidth; begin += HalfLanes::width) {
+			auto half = lanes.template part<HalfLanes>(begin);
+			evaluate(Law {}, half, lanes.lame.template part<HalfLanes>(begin), begin);
+			for (int l = 0; l < HalfLanes::width; ++l)
+				checkAgree<dim>(getLane<dim>(half, l),
+						getLane<dim>(lanes.point, begin + l));
+		}
+	}
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("Neo-Hookean: halves of lanes agree with all of them", "[material]", PlaneStrain,
 		   PlaneStress, Solid)
+{
+	checkHalves<TestType>(
+		[](auto law, auto& point, const auto& lame, int) { law.evaluate(point, lame); });
+	if constexpr (TestType::condition != Condition::planeStress)
+		checkHalves<TestType>([]<class Part>(auto law, auto& point,
+						     const LameNumbers<Part>& lame, int begin) {
+			typename Part::Numbers theta;
+			for (int l = 0; l < Part::width; ++l)
+				theta[l] = 0.02 * (begin + l) - 0.1;
+			law.evaluateProjected(point, lame, theta);
+		});
+}
+
+TEMPLATE_TEST_CASE("Neo-Hookean: an inverted point is not finite", "[material]", PlaneStrain,
+		   PlaneStress, Solid, Halves<PlaneStrain>, Halves<PlaneStress>, Halves<Solid>)
 {
 	constexpr int dim = TestType::dim;
 	Mat<dim> F = Mat<dim>::Identity();
@@ -286,14 +354,15 @@ TEMPLATE_TEST_CASE("Neo-Hookean: an inverted point is not finite", "[material]",
 	CHECK(!r.P.allFinite());
 }
 
-TEST_CASE("Neo-Hookean: thickness in plane stress from nu = -0.9 to 0.499", "[material]")
+TEMPLATE_TEST_CASE("Neo-Hookean: thickness in plane stress from nu = -0.9 to 0.499", "[material]",
+		   PlaneStress, Halves<PlaneStress>)
 {
 	for (double poisson : { -0.9, -0.5, -0.4, -0.1, 0., 0.3, 0.49, 0.499 }) {
 		const ElasticConstants c { 1, poisson, 1 };
 		const double lambda = c.lambda(), mu = c.mu();
 		for (double J2 : { 0.05, 0.3, 0.36, 0.38, 0.5, 0.9, 1., 1.5, 5., 20. }) {
 			CAPTURE(poisson, J2);
-			const double y = thicknessStrain(J2, c);
+			const double y = thicknessStrain<typename TestType::Part>(J2, c);
 			// where lambda < 0, the lowest point of the residual says whether there is
 			// a root
 			const double lowest =
@@ -305,7 +374,7 @@ TEST_CASE("Neo-Hookean: thickness in plane stress from nu = -0.9 to 0.499", "[ma
 			if (lambda < 0 && stress(lowest) >= 0) {
 				CHECK(std::isnan(y));
 				CHECK(std::isnan(
-					respond<PlaneStress>(std::sqrt(J2) * Mat<2>::Identity(), c)
+					respond<TestType>(std::sqrt(J2) * Mat<2>::Identity(), c)
 						.J));
 			} else {
 				CHECK(y >= lowest); // the side that hangs together with rest
