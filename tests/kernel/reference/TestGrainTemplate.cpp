@@ -301,6 +301,13 @@ TEST_CASE("Grain template: recipes that differ anywhere are not taken for congru
 	CHECK(differs([](TemplateRecipe& r) { r.surfaceSpacing = 2; }));
 	CHECK(differs([](TemplateRecipe& r) { r.quadrature = QuadratureRule::lattice; }));
 	CHECK(differs([](TemplateRecipe& r) { r.contact = ContactGeometry::points; }));
+	CHECK(differs([](TemplateRecipe& r) { r.volumetric = VolumetricStrain::projected; }));
+	CHECK(differs([](TemplateRecipe& r) { r.basis = Basis::triangles; }));
+	CHECK(differs([](TemplateRecipe& r) { r.lumping = Lumping::rowSums; }));
+	CHECK(differs([](TemplateRecipe& r) { r.form.form = Form::superdisk; }));
+	for (int axis = 0; axis < 3; ++axis)
+		CHECK(differs([&](TemplateRecipe& r) { r.form.aspect[axis] = 2; }));
+	CHECK(differs([](TemplateRecipe& r) { r.form.exponent = 3; }));
 }
 
 TEST_CASE("Grain template: more points than fit into memory are refused", "[reference]")
