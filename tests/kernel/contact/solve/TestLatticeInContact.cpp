@@ -3,11 +3,13 @@
 #include "contact/search/Search.hpp"
 #include "contact/solve/ContactSolver.hpp"
 #include "contact/solve/CoulombCone.hpp"
+#include "contact/solve/Sharing.hpp"
 #include "reference/GrainTemplate.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
+#include <optional>
 
 using namespace softgrain;
 using namespace softgrain::testing;
@@ -22,8 +24,9 @@ public:
 
 	std::vector<ContactBody<dim>> body;
 
-	Lattice()
+	explicit Lattice(const std::optional<InterfaceLaw>& law = {})
 		: template_(makeGrainTemplate<dim>(recipe()))
+		, law_(law)
 	{
 		const int count = static_cast<int>(std::lround(std::pow(across, dim)));
 		for (int k = 0; k < count; ++k) {
@@ -75,8 +78,12 @@ public:
 		std::vector<ContactList<dim>*> lists;
 		for (ContactList<dim>& list : lists_)
 			lists.push_back(&list);
+		constexpr double dt = 1e-3;
+		for (ContactList<dim>& list : lists_)
+			if (list.interface) list.interface->begin(dt, dt);
+		REQUIRE(threadsThatShare<dim>(lists_, body, {}, {}, threads) == threads);
 		solver.plan(lists, static_cast<int>(body.size()));
-		solver.prepare(body, 1e-3, {}, threads);
+		solver.prepare(body, dt, {}, threads);
 		const SolverReport report = solver.solve();
 		CHECK(report.active > 100);
 		CHECK(report.converged);
@@ -95,6 +102,25 @@ public:
 					      c.partner[i], largest, change);
 			}
 		return largest / change;
+	}
+
+	/// What the contacts of all interfaces remember.
+	std::vector<double> histories() const
+	{
+		std::vector<double> all;
+		for (const ContactList<dim>& list : lists_) {
+			const std::vector<double> own = list.interface->numbers();
+			all.insert(all.end(), own.begin(), own.end());
+		}
+		return all;
+	}
+	int bonds() const
+	{
+		int count = 0;
+		for (const ContactList<dim>& list : lists_)
+			for (const ContactHistory<dim>& history : list.interface->history)
+				count += history.bond == Bond::whole;
+		return count;
 	}
 
 	/// The problem of each list on its own, after the four sweeps of every step; with W as it
@@ -146,6 +172,10 @@ private:
 			lists_.back().first = first;
 			lists_.back().second = second;
 			lists_.back().friction = 0.3;
+			if (law_) {
+				lists_.back().interface.emplace();
+				lists_.back().interface->law = *law_;
+			}
 			return lists_.back();
 		};
 		for (int g = 0; g < last; ++g) {
@@ -171,6 +201,7 @@ private:
 	}
 
 	std::shared_ptr<const GrainTemplate<dim>> template_;
+	std::optional<InterfaceLaw> law_; ///< in all pairs
 	std::vector<ContactList<dim>> lists_;
 	std::vector<std::vector<Vec<dim>>> start_;
 };
@@ -219,6 +250,30 @@ TEMPLATE_TEST_CASE_SIG("Solver: grains in contact on all sides move as their imp
 		one.solve(ofOne, shear, 1);
 		three.solve(ofThree, shear, 3);
 		CHECK(one.error() < 1e-10);
+		for (std::size_t g = 0; g < one.body.size(); ++g) {
+			CHECK(one.body[g].velocity == three.body[g].velocity);
+			CHECK(one.body[g].impulse == three.body[g].impulse);
+		}
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Solver: interfaces give the same bits with any number of threads",
+		       "[contact]", ((int dim), dim), 2, 3)
+{
+	InterfaceLaw law;
+	law.dynamicFriction = 0.1;
+	law.cohesion = 1e4;
+	law.cohesionRange = 0.03;
+	law.bondStrength = 3e4;
+	law.bondEnergy = 1e3;
+	Lattice<dim> one(law), three(law);
+	ContactSolver<dim> ofOne, ofThree;
+	for (double shear : { 0., 0.002, 0.02 }) {
+		CAPTURE(shear);
+		one.solve(ofOne, shear, 1);
+		three.solve(ofThree, shear, 3);
+		CHECK(one.bonds() > 100);
+		CHECK(one.histories() == three.histories());
 		for (std::size_t g = 0; g < one.body.size(); ++g) {
 			CHECK(one.body[g].velocity == three.body[g].velocity);
 			CHECK(one.body[g].impulse == three.body[g].impulse);

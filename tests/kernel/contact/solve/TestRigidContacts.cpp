@@ -1,6 +1,7 @@
 #include "Helpers.hpp"
 #include "contact/solve/ContactConditions.hpp"
 #include "contact/solve/ContactSolver.hpp"
+#include "contact/solve/Sharing.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
@@ -45,13 +46,9 @@ template <int dim> struct RigidBodies {
 	}
 };
 
-/// Bodies that touch at random places; `offset`: how far arms are from the normal, over their
-/// length. The first body is held.
-template <int dim>
-RigidBodies<dim> randomBodies(unsigned seed, int count, double share, double friction,
-			      double offset)
+/// The first body is held.
+template <int dim> RigidBodies<dim> looseBodies(Random& random, int count)
 {
-	Random random(seed);
 	RigidBodies<dim> bodies;
 	bodies.body.resize(count);
 	for (RigidPartner<dim>& p : bodies.body) {
@@ -64,22 +61,38 @@ RigidBodies<dim> randomBodies(unsigned seed, int count, double share, double fri
 	}
 	bodies.body[0].inverseMass.setZero();
 	bodies.body[0].inverseInertia.setZero();
+	return bodies;
+}
+
+/// `offset`: how far arms are from the normal, over their length.
+template <int dim>
+void addContact(RigidBodies<dim>& bodies, Random& random, int a, int b, double friction,
+		double offset)
+{
+	const Vec<dim> arm = bodies.body[b].centre - bodies.body[a].centre;
+	RigidContact<dim> c;
+	c.first = a;
+	c.second = b;
+	c.point = bodies.body[a].centre + random.uniform(0.2, 0.8) * arm;
+	c.normal = (arm.normalized() + offset * random.direction<dim>()).normalized();
+	c.gap = random.uniform(0, 0.1);
+	c.size = 1;
+	c.friction = friction;
+	c.impulse = random.vector<dim>(); // a bad start
+	bodies.contacts.push_back(c);
+}
+
+/// Bodies that touch at random places.
+template <int dim>
+RigidBodies<dim> randomBodies(unsigned seed, int count, double share, double friction,
+			      double offset)
+{
+	Random random(seed);
+	auto bodies = looseBodies<dim>(random, count);
 	for (int a = 0; a < count; ++a)
-		for (int b = a + 1; b < count; ++b) {
-			if (random.uniform(0, 1) > share) continue;
-			const Vec<dim> arm = bodies.body[b].centre - bodies.body[a].centre;
-			RigidContact<dim> c;
-			c.first = a;
-			c.second = b;
-			c.point = bodies.body[a].centre + random.uniform(0.2, 0.8) * arm;
-			c.normal =
-				(arm.normalized() + offset * random.direction<dim>()).normalized();
-			c.gap = random.uniform(0, 0.1);
-			c.size = 1;
-			c.friction = friction;
-			c.impulse = random.vector<dim>(); // a bad start
-			bodies.contacts.push_back(c);
-		}
+		for (int b = a + 1; b < count; ++b)
+			if (random.uniform(0, 1) <= share)
+				addContact(bodies, random, a, b, friction, offset);
 	return bodies;
 }
 
@@ -240,15 +253,31 @@ TEST_CASE("what is held along the normal bears nothing", "[rigid]")
 
 TEST_CASE("rigid contacts: the same bits with any number of threads", "[rigid]")
 {
+	constexpr int side = 60; // threads share what has the work of some hundred pairs of grains
 	auto solved = [](int threads) {
-		auto bodies = randomBodies<3>(5, 700, 0.008, 0.4, 0.2);
-		const SolverReport report = bodies.solve(1e-6, 1000, threads);
-		CHECK(report.active > 300);
-		std::vector<double> bits { report.residual, double(report.sweeps) };
+		Random random(5);
+		auto bodies = looseBodies<3>(random, side * side);
+		for (const BodiesOfPair& pair : latticeOf(side)) {
+			addContact(bodies, random, pair.first, pair.second, 0.4, 0.2);
+			if (random.index(3) == 0) bodies.contacts.back().gap = -0.02;
+		}
+		REQUIRE(threadsThatShare<3>(std::vector<ContactList<3>>(), bodies.none, bodies.body,
+					    bodies.contacts, threads) == threads);
+		const SolverReport report = bodies.solve(1e-3, 1000, threads);
+		CHECK(report.active > 2000);
+		bodies.solver.separateRigidBodies(1);
+		int displaced = 0;
+		std::vector<double> bits { report.residual, report.sweeps,
+					   bodies.solver.rigidWork().friction.after };
+		auto note = [&](const Vec<3>& v) { bits.insert(bits.end(), v.begin(), v.end()); };
 		for (const RigidContact<3>& c : bodies.contacts)
-			bits.insert(bits.end(), c.impulse.data(), c.impulse.data() + 3);
-		for (const RigidPartner<3>& p : bodies.body)
-			bits.insert(bits.end(), p.spin.data(), p.spin.data() + 3);
+			note(c.impulse);
+		for (const RigidPartner<3>& p : bodies.body) {
+			for (const Vec<3>& v : { p.velocity, p.spin, p.shift, p.turn })
+				note(v);
+			displaced += p.isDisplaced();
+		}
+		CHECK(displaced > 1000);
 		return bits;
 	};
 	const auto one = solved(1);

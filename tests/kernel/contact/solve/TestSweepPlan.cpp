@@ -1,5 +1,6 @@
 #include "Helpers.hpp"
 #include "contact/solve/ContactSolver.hpp"
+#include "contact/solve/Sharing.hpp"
 #include "contact/solve/SweepPlan.hpp"
 
 #include <algorithm>
@@ -7,8 +8,6 @@
 #include <catch2/catch_test_macros.hpp>
 #include <deque>
 #include <map>
-#include <numeric>
-#include <random>
 #include <set>
 
 using namespace softgrain;
@@ -16,10 +15,23 @@ using namespace softgrain::testing;
 
 namespace {
 
-/// Bodies of one node each, all of them in contact with some others and a few with a plane, at
-/// random places and velocities.
+/// Pairs of bodies at random, and of a few bodies with a plane.
+std::vector<BodiesOfPair> randomPairs(int bodies)
+{
+	Random random(3);
+	std::vector<BodiesOfPair> pairs;
+	for (int g = 0; g < bodies; ++g)
+		for (int k = 0; k < 2; ++k) {
+			const int other = random.index(bodies + 5);
+			if (other != g) pairs.push_back({ g, other < bodies ? other : -1 });
+		}
+	return pairs;
+}
+
+/// Bodies of one node each, neighbours in a lattice in contact and a few with a plane, at random
+/// places and velocities.
 struct Crowd {
-	static constexpr int count = 300;
+	static constexpr int side = 24, count = side * side;
 	SparseRows<double> table;
 	OutlineMesh<2> mesh;
 	std::vector<ContactBody<2>> body = std::vector<ContactBody<2>>(count);
@@ -38,12 +50,10 @@ struct Crowd {
 			b.velocity = b.velocityBefore = { random.vector<2>() };
 			b.impulse = { Vec<2>::Zero() };
 		}
-		for (int g = 0; g < count; ++g)
-			for (int k = 0; k < 2; ++k) {
-				const int other = random.index(count + 5);
-				if (other == g) continue;
-				addList(random, g, other < count ? other : -1);
-			}
+		for (const BodiesOfPair& pair : latticeOf(side))
+			addList(random, pair.first, pair.second);
+		for (int g = 0; g < 5; ++g)
+			addList(random, g, -1);
 	}
 	void addList(Random& random, int first, int second)
 	{
@@ -76,6 +86,10 @@ std::vector<double> solved(ContactSolver<2>& solver, Crowd& crowd,
 	SolverSettings settings;
 	settings.tolerance = 1e-6;
 	settings.maxSweeps = 1000;
+	std::vector<ContactList<2>> copies;
+	for (const ContactList<2>* list : lists)
+		copies.push_back(*list);
+	REQUIRE(threadsThatShare<2>(copies, crowd.body, {}, {}, threads) == threads);
 	solver.plan(lists, static_cast<int>(crowd.body.size()));
 	solver.prepare(crowd.body, 1, settings, threads);
 	const SolverReport report = solver.solve();
@@ -93,13 +107,12 @@ std::vector<double> solved(ContactSolver<2>& solver, Crowd& crowd,
 
 TEST_CASE("Plan of sweeps: every pair once, no body in two tasks of a colour", "[contact]")
 {
-	Crowd crowd;
-	std::vector<BodiesOfPair> pairs;
-	for (const ContactList<2>& list : crowd.lists)
-		pairs.push_back({ list.first, list.sharedSecond(Crowd::count) });
-	const SweepPlan plan = planSweeps(pairs, Crowd::count);
-	CHECK(std::set(plan.pairs.begin(), plan.pairs.end()).size() == crowd.lists.size());
-	REQUIRE(plan.taskEnd.back() == static_cast<int>(crowd.lists.size()));
+	constexpr int bodies = 300;
+	const std::vector<BodiesOfPair> pairs = randomPairs(bodies);
+	const int count = static_cast<int>(pairs.size());
+	const SweepPlan plan = planSweeps(pairs, bodies);
+	CHECK(std::set(plan.pairs.begin(), plan.pairs.end()).size() == pairs.size());
+	REQUIRE(plan.taskEnd.back() == count);
 	REQUIRE(plan.colourEnd.back() == plan.tasks());
 	int task = 0, pair = 0;
 	for (int colour = 0; colour < plan.colours(); ++colour) {
@@ -112,28 +125,8 @@ TEST_CASE("Plan of sweeps: every pair once, no body in two tasks of a colour", "
 						CHECK(taskOf.emplace(body, task).first->second ==
 						      task);
 	}
-	CHECK(plan.tasks() < static_cast<int>(crowd.lists.size()) / 2); // of two pairs and more
+	CHECK(plan.tasks() < count / 2); // of two pairs and more
 }
-
-namespace {
-
-/// Bodies in a square lattice, numbered at random as those of a packing are.
-std::vector<BodiesOfPair> latticeOf(int side)
-{
-	std::vector<int> number(side * side);
-	std::iota(number.begin(), number.end(), 0);
-	std::shuffle(number.begin(), number.end(), std::mt19937(1));
-	std::vector<BodiesOfPair> pairs;
-	auto touch = [&](int a, int b) { pairs.push_back({ number[a], number[b] }); };
-	for (int i = 0; i < side; ++i)
-		for (int j = 0; j + 1 < side; ++j) {
-			touch(i * side + j, i * side + j + 1);
-			touch(j * side + i, (j + 1) * side + i);
-		}
-	return pairs;
-}
-
-} // namespace
 
 TEST_CASE("Plan of sweeps: neighbours share tasks", "[contact]")
 {
