@@ -46,8 +46,14 @@ template <int dim> struct Scene {
 	int laneOf(int g) const { return system.indexInSet(g); }
 	void addPairs(double friction)
 	{
+		addPairs(friction, [](int, int) { return true; });
+	}
+	/// Of those that `mayMeet`.
+	template <class Chosen> void addPairs(double friction, Chosen&& mayMeet)
+	{
 		for (int a = 0; a < system.grains(); ++a)
 			for (int b = a + 1; b < system.grains(); ++b) {
+				if (!mayMeet(a, b)) continue;
 				ContactList<dim> list;
 				list.first = a;
 				list.second = b;

@@ -45,24 +45,27 @@ template <int dim> void weigh(Scene<dim>& scene)
 		load.acceleration = -gravity * Vec<dim>::Unit(1);
 }
 
-/// Two disks on a floor between walls and one upon them, lightly above each other at the start; a
-/// fourth far above, which moves rigidly.
-inline Scene<2> heap(double damping = criticalDamping, double viscosity = 0)
+/// Two disks on a floor between walls and one upon them, lightly above each other at the start; or
+/// several such heaps side by side. At last one far above, which moves rigidly.
+inline Scene<2> heap(double damping = criticalDamping, double viscosity = 0, int heaps = 1)
 {
 	Scene<2> scene;
-	scene.add(grainsAt<2>({ { 0, 0 },
-				{ 2.1 * radius, 0 },
-				{ 1.05 * radius, 1.8 * radius },
-				{ 1.05 * radius, 50 * radius } },
-			      damping, viscosity));
-	scene.addPairs(0.3);
+	auto left = [](int h) { return 10 * radius * h; };
+	std::vector<Vec<2>> places;
+	for (int h = 0; h < heaps; ++h)
+		for (const Vec<2>& place : { Vec<2>(0, 0), Vec<2>(2.1, 0), Vec<2>(1.05, 1.8) })
+			places.push_back(radius * place + Vec<2>(left(h), 0));
+	places.push_back({ 1.05 * radius, 50 * radius });
+	scene.add(grainsAt<2>(places, damping, viscosity));
+	scene.addPairs(0.3, [=](int a, int b) { return b == 3 * heaps || a / 3 == b / 3; });
 	addFloor(scene);
-	for (int g = 0; g < 3; ++g) {
-		scene.addPlane(g, { -1.05 * radius, 0 }, { 1, 0 }, { 0, 0 }, 0.3).second = -2;
-		scene.addPlane(g, { 3.15 * radius, 0 }, { -1, 0 }, { 0, 0 }, 0.3).second = -3;
+	for (int g = 0; g < 3 * heaps; ++g) {
+		const double x = left(g / 3);
+		scene.addPlane(g, { x - 1.05 * radius, 0 }, { 1, 0 }, { 0, 0 }, 0.3).second = -2;
+		scene.addPlane(g, { x + 3.15 * radius, 0 }, { -1, 0 }, { 0, 0 }, 0.3).second = -3;
 	}
 	weigh(scene);
-	scene.system.loads()[3].acceleration.setZero();
+	scene.system.loads()[3 * heaps].acceleration.setZero();
 	return scene;
 }
 

@@ -3,6 +3,7 @@
 #include "step/Formulations.hpp"
 #include "step/Scene.hpp"
 
+#include "Threads.hpp"
 #include "grain/CriticalTimeStep.hpp"
 #include "grain/Vibrations.hpp"
 
@@ -143,29 +144,34 @@ Squeeze squeeze(bool multirate)
 	return result;
 }
 
-/// Two slow grains and two fast ones in a heap that flies together.
-template <int dim> Scene<dim> heap(bool multirate, int threads = 1)
+/// Two slow grains and two fast ones in a heap that flies together, or several such heaps.
+template <int dim> Scene<dim> heap(bool multirate, int heaps = 1)
 {
 	const double q = R / ratio;
-	auto at = [](double x, double y) {
+	auto at = [](double x, double y, double z = 0) {
 		Vec<dim> place = Vec<dim>::Zero();
 		place[0] = x;
 		place[1] = y;
+		place[dim - 1] += z;
 		return place;
 	};
-	Scene<dim> scene = sceneOf<dim>(
-		{ grainAt<dim>(at(0, 0), R), grainAt<dim>(at(R + q, 0.1 * q), q),
-		  grainAt<dim>(at(2 * (R + q), 0), R), grainAt<dim>(at(R + 0.2 * q, -4 * q), q),
-		  grainAt<dim>(at(0, 2.01 * R), 0.95 * R) },
-		multirate);
+	std::vector<GrainParameters<dim>> grains;
+	for (int h = 0; h < heaps; ++h) {
+		const double aside = 10 * R * h;
+		grains.push_back(grainAt<dim>(at(0, 0, aside), R));
+		grains.push_back(grainAt<dim>(at(R + q, 0.1 * q, aside), q));
+		grains.push_back(grainAt<dim>(at(2 * (R + q), 0, aside), R));
+		grains.push_back(grainAt<dim>(at(R + 0.2 * q, -4 * q, aside), q));
+		grains.push_back(grainAt<dim>(at(0, 2.01 * R, aside), 0.95 * R));
+	}
+	Scene<dim> scene = sceneOf<dim>(grains, multirate);
 	auto& batch = scene.batchOf(0);
 	const double speed[] = { 0.5, 0, -0.5, 0, 0 };
-	for (int g = 0; g < 5; ++g)
-		batch.place(g, Mat<dim>::Identity(), at(speed[g], g == 4 ? -0.5 : 0),
+	for (int g = 0; g < 5 * heaps; ++g)
+		batch.place(g, Mat<dim>::Identity(), at(speed[g % 5], g % 5 == 4 ? -0.5 : 0),
 			    Mat<dim>::Zero());
 	scene.system.updateSurfaces(1);
-	scene.settings.threads = threads;
-	scene.addPairs(0.3);
+	scene.addPairs(0.3, [](int a, int b) { return a / 5 == b / 5; });
 	return scene;
 }
 
@@ -265,13 +271,18 @@ TEMPLATE_TEST_CASE_SIG("Multirate: a heap of slow and fast grains", "[multirate]
 
 TEST_CASE("Multirate: the same bits for any number of threads", "[multirate]")
 {
-	Scene<2> one = heap<2>(true, 1), four = heap<2>(true, 4);
+	constexpr int heaps = 8; // enough for two threads and more
+	Scene<2> one = heap<2>(true, heaps), four = heap<2>(true, heaps);
+	four.settings.threads = 4;
+	REQUIRE(threadsFor(four.system.grains(), 4) == 4);
 	const double dt = 0.5 * one.system.criticalTimeStep();
 	for (int k = 0; k < 500; ++k) {
 		one.advance(dt);
 		four.advance(dt);
 	}
+	CHECK(one.whole(0).velocity[0] < 0.45); // they have met
 	CHECK(one.state() == four.state());
+	CHECK(balance(one.system.energy()) == balance(four.system.energy()));
 }
 
 TEST_CASE("Multirate: grains with equal critical steps move as without, bit for bit", "[multirate]")

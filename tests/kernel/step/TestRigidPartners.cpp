@@ -1,3 +1,5 @@
+#include "Threads.hpp"
+#include "contact/solve/Sharing.hpp"
 #include "step/Scene.hpp"
 
 #include <catch2/catch_template_test_macros.hpp>
@@ -189,28 +191,46 @@ TEST_CASE("a held ball with a prescribed motion pushes", "[rigid]")
 	CHECK(mixed.scene.whole(0).velocity[0] < 2.01);
 }
 
+namespace {
+
+/// Grains in a square lattice, free balls in its holes.
+Mixed<2> latticeWithBalls(int side)
+{
+	constexpr double a = 0.0201;
+	Mixed<2> mixed;
+	std::vector<GrainParameters<2>> grains;
+	for (int k = 0; k < side * side; ++k) {
+		grains.push_back(paperGrain<2>());
+		grains.back().origin = { a * (k % side), a * (k / side) };
+	}
+	mixed.scene.add(Batch<2>(makeGrainTemplate<2>(recipe(0.35)), Law::neoHookean,
+				 Condition::planeStrain, grains));
+	mixed.scene.addPairs(0.3);
+	Random random(1);
+	for (int row = 0; row + 1 < side; ++row)
+		for (int column = 0; column + 1 < side; ++column)
+			mixed.addBall({ a * (column + 0.5), a * (row + 0.5) }, 0.0042, 1000,
+				      random.vector<2>(0.5), 0.3);
+	return mixed;
+}
+
+} // namespace
+
 TEST_CASE("rigid bodies do not make bits depend on threads", "[rigid]")
 {
 	std::vector<std::vector<double>> states;
 	for (const int threads : { 1, 2, 3 }) {
-		Mixed<2> mixed;
-		std::vector<GrainParameters<2>> grains;
-		for (int k = 0; k < 6; ++k) {
-			grains.push_back(paperGrain<2>());
-			grains.back().origin = { 0.0202 * (k % 3), 0.0202 * (k / 3) };
-		}
-		mixed.scene.add(Batch<2>(makeGrainTemplate<2>(recipe(0.35)), Law::neoHookean,
-					 Condition::planeStrain, grains));
-		mixed.scene.addPairs(0.3);
-		for (int k = 0; k < 2; ++k) // in the holes of the square lattice
-			mixed.addBall({ 0.0101 + 0.0202 * k, 0.0101 }, 0.0041, 1000,
-				      Vec<2>(0.5, -0.3), 0.3);
+		Mixed<2> mixed = latticeWithBalls(8);
 		mixed.scene.settings.threads = threads;
+		REQUIRE(threadsFor(mixed.scene.system.grains(), threads) == threads);
 		const double dt = 0.4 * mixed.scene.system.criticalTimeStep();
 		int active = 0;
-		for (int k = 0; k < 100; ++k)
+		for (int k = 0; k < 60; ++k)
 			active += mixed.advance(dt).solver.active;
-		CHECK(active > 30);
+		CHECK(active > 1000);
+		REQUIRE(threadsThatShare<2>(mixed.scene.lists,
+					    mixed.scene.system.surfaces().bodies(), mixed.partner,
+					    {}, threads) == threads);
 		states.push_back(mixed.scene.state());
 		for (const RigidPartner<2>& p : mixed.partner)
 			states.back().insert(states.back().end(),
