@@ -231,3 +231,15 @@ TEST_CASE("Formulations: inadmissible schemes are named", "[step]")
 	CHECK(complaintOf([&] { set->setState(0, wrong); }).find("saved velocities") !=
 	      std::string::npos);
 }
+
+TEST_CASE("Formulations: schemes that differ anywhere are not taken for the same", "[step]")
+{
+	Scheme formulation, update, share;
+	formulation.formulation = Formulation::updated;
+	update.velocityUpdate = VelocityUpdate::flip;
+	share.picShare = 0.1;
+	const Scheme base;
+	CHECK(!(base < base));
+	for (const Scheme& other : { formulation, update, share })
+		CHECK((base < other) != (other < base));
+}
