@@ -140,6 +140,68 @@ TEMPLATE_TEST_CASE_SIG("Formulations: a rigid translation over several cells is 
 	}
 }
 
+namespace {
+
+/// Updated Lagrangian, anywhere in space, with the velocities L (x - x_c).
+template <int dim> Scene<dim> homogeneousMotion(const Mat<dim>& L)
+{
+	auto set = grainsOf<dim>(updated, recipe(dim == 2 ? 0.05 : 0.12));
+	set->moveRigidly(0, Mat<dim>::Identity(), Vec<dim>::LinSpaced(0.002, 0.007),
+			 Vec<dim>::Zero(), Mat<dim>::Zero());
+	const Vec<dim> centre = set->whole(0).centre;
+	setVelocities<dim>(*set, [&](const Vec<dim>& x) { return Vec<dim>(L * (x - centre)); });
+	Scene<dim> scene;
+	scene.settings.rigidMotion = false;
+	scene.settings.trackEnergy = true;
+	scene.add(std::move(set));
+	return scene;
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE_SIG("Formulations: inner points take the gradient of a linear motion", "[step]",
+		       ((int dim), dim), 2, 3)
+{
+	Random random(3);
+	for (int n = 0; n < (dim == 2 ? 3 : 1); ++n) {
+		const Mat<dim> L = random.matrix<dim>(50);
+		Scene<dim> scene = homogeneousMotion<dim>(L);
+		const Vec<dim> centre = scene.whole(0).centre;
+		const double dt = 0.01 * scene.system.criticalTimeStep();
+		scene.advance(dt);
+		int inside = 0;
+		double worst = 0;
+		for (const auto& point : scene.system.setOf(0).points(0)) {
+			if ((point.position - centre).norm() > 0.4 * 0.01) continue;
+			const Mat<dim> F = Mat<dim>::Identity() + dt * L;
+			worst = std::max(worst, (point.F - F).norm());
+			++inside;
+		}
+		CAPTURE(worst / (dt * L.norm()));
+		CHECK(inside > 30);
+		CHECK(worst < 0.05 * dt * L.norm());
+	}
+}
+
+TEMPLATE_TEST_CASE_SIG("Formulations: a vibration by updated Lagrangian gains no energy", "[step]",
+		       ((int dim), dim), 2, 3)
+{
+	Random random(4);
+	Scene<dim> scene = homogeneousMotion<dim>(random.matrix<dim>(50));
+	const double dt = 0.5 * scene.system.criticalTimeStep();
+	double start = 0, largest = 0, elastic = 0;
+	for (int n = 0; n < (dim == 2 ? 300 : 150); ++n) {
+		scene.advance(dt);
+		const EnergyBalance& e = scene.system.energy();
+		if (n == 0) start = e.kinetic + e.elastic;
+		largest = std::max(largest, e.kinetic + e.elastic);
+		elastic = std::max(elastic, e.elastic);
+	}
+	CAPTURE(largest / start, elastic / start);
+	CHECK(elastic > 0.1 * start);
+	CHECK(largest < 1.01 * start);
+}
+
 TEST_CASE("Formulations: what they lose in free vibration", "[step]")
 {
 	const Vibration a = vibrate(nodal), b = vibrate(flip), c = vibrate(updated),
