@@ -11,6 +11,18 @@
 
 namespace softgrain::testing {
 
+/// Of grains that many steps are made with.
+template <int dim> TemplateRecipe coarse() { return recipe(dim == 2 ? 0.25 : 0.4); }
+
+inline double stored(const EnergyBalance& e) { return e.kinetic + e.elastic; }
+
+/// What stays constant, up to the error of the time integration.
+inline double conserved(const EnergyBalance& e)
+{
+	return stored(e) + e.friction + e.impact + e.damping + e.sleep + e.cohesion - e.walls -
+	       e.cell - e.loads;
+}
+
 template <int dim> struct Scene {
 	/// Keeps its place when a scene is moved.
 	std::unique_ptr<System<dim>> owned = std::make_unique<System<dim>>();

@@ -129,9 +129,7 @@ template <int dim> double weightOf(const Scene<dim>& scene, int grains)
 
 template <int dim> double total(const Scene<dim>& scene)
 {
-	const EnergyBalance& e = scene.system.energy();
-	return e.kinetic + e.elastic + e.friction + e.impact + e.damping + e.sleep - e.walls -
-	       e.loads;
+	return conserved(scene.system.energy());
 }
 
 /// Of the grains of the heap. (Background nodes at the rim that carry next to no mass are soft, and

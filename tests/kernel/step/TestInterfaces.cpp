@@ -66,12 +66,6 @@ template <int dim> void pull(Scene<dim>& scene, double traction)
 	}
 }
 
-template <int dim> double totalEnergy(const EnergyBalance& e)
-{
-	return e.kinetic + e.elastic + e.friction + e.impact + e.damping + e.sleep + e.cohesion -
-	       e.walls - e.loads;
-}
-
 /// Mean traction at which the faces come apart when the load grows by `rate` [Pa/s].
 template <int dim> double pullOffTraction(Scene<dim>& scene, double rate, double upTo)
 {
@@ -157,7 +151,7 @@ TEMPLATE_TEST_CASE_SIG("Interface: work of separation", "[interface][dugdale][bo
 				(scene.system.energy().cohesion - before) / faceArea<dim>();
 			CHECK(std::abs(work - energy) < 0.03 * energy); // a step is 3 % of the way
 			CHECK(scene.lists[0].interface->takeLostBonds() == 0);
-			CHECK(std::abs(totalEnergy<dim>(scene.system.energy())) <
+			CHECK(std::abs(conserved(scene.system.energy())) <
 			      0.01 * energy * faceArea<dim>());
 		}
 	}
@@ -187,12 +181,12 @@ TEST_CASE("Interface: stiff bonds shorten the time step, and are stable in it", 
 	scene.courant = 0.95;
 	scene.advance(0.5 * free);
 	CHECK(scene.system.presentCriticalTimeStep() < 0.5 * free);
-	const double start = totalEnergy<2>(scene.system.energy());
+	const double start = conserved(scene.system.energy());
 	pull(scene, 1e3);
 	for (int k = 0; k < 3000; ++k)
 		scene.advance();
 	CHECK(std::abs(scene.whole(0).centre[1]) < 1e-5);
-	CHECK(std::abs(totalEnergy<2>(scene.system.energy()) - start) < 1e-4);
+	CHECK(std::abs(conserved(scene.system.energy()) - start) < 1e-4);
 	for (const auto& h : scene.lists[0].interface->history)
 		CHECK(h.bond == Bond::whole);
 }

@@ -20,8 +20,6 @@ namespace {
 constexpr double R = 0.01, E = 1e6;
 constexpr int ratio = 8; ///< of the radii
 
-template <int dim> TemplateRecipe coarse() { return recipe(dim == 2 ? 0.25 : 0.4); }
-
 template <int dim>
 GrainParameters<dim> grainAt(const Vec<dim>& place, double radius, const Damping& damping = {})
 {
@@ -53,14 +51,6 @@ Scene<dim> slowGrain(const Damping& damping = {}, const TemplateRecipe& r = coar
 	return sceneOf<dim>({ grainAt<dim>(Vec<dim>::Zero(), R, damping),
 			      grainAt<dim>(Vec<dim>::Unit(0), R / ratio) },
 			    true, r);
-}
-
-double stored(const EnergyBalance& e) { return e.kinetic + e.elastic; }
-
-/// What stays constant.
-double balance(const EnergyBalance& e)
-{
-	return stored(e) + e.friction + e.impact + e.damping - e.walls - e.loads;
 }
 
 /// Largest deviation of a small vibration of a slow disk from what the step of n dt makes of it,
@@ -140,7 +130,7 @@ Squeeze squeeze(bool multirate)
 	}
 	result.noise = std::sqrt(changes / (0.5 * scene.steps));
 	const EnergyBalance& e = scene.system.energy();
-	result.imbalance = balance(e) / e.walls;
+	result.imbalance = conserved(e) / e.walls;
 	return result;
 }
 
@@ -247,7 +237,7 @@ TEMPLATE_TEST_CASE_SIG("Multirate: a heap of slow and fast grains", "[multirate]
 	for (int k = 0; k < steps; ++k) {
 		points += scene.advance(dt).work.points;
 		plain.advance(dt);
-		const double now = balance(scene.system.energy());
+		const double now = conserved(scene.system.energy());
 		if (k == 1) start = now;
 		if (k > 0) worst = std::max(worst, std::abs(now - start));
 		largest = std::max(largest, scene.system.energy().elastic);
@@ -282,7 +272,7 @@ TEST_CASE("Multirate: the same bits for any number of threads", "[multirate]")
 	}
 	CHECK(one.whole(0).velocity[0] < 0.45); // they have met
 	CHECK(one.state() == four.state());
-	CHECK(balance(one.system.energy()) == balance(four.system.energy()));
+	CHECK(conserved(one.system.energy()) == conserved(four.system.energy()));
 }
 
 TEST_CASE("Multirate: grains with equal critical steps move as without, bit for bit", "[multirate]")
@@ -366,8 +356,8 @@ TEST_CASE("Multirate: goes on from its state in the middle of a long step", "[mu
 				scene.advance(dt);
 				next.advance(dt);
 				CHECK(scene.state() == next.state());
-				CHECK(balance(scene.system.energy()) ==
-				      balance(next.system.energy()));
+				CHECK(conserved(scene.system.energy()) ==
+				      conserved(next.system.energy()));
 			}
 		}
 }
