@@ -7,7 +7,19 @@
 
 using namespace softgrain;
 
-TEST_CASE("memory that is gone may be asked for", "[fetch]")
+TEST_CASE("lines of memory hold all of what is asked for", "[fetch]")
+{
+	alignas(cacheLine) const char bytes[4 * cacheLine] = {};
+	CHECK(linesOf(bytes, bytes) == 0);
+	CHECK(linesOf(bytes, bytes + 1) == 1);
+	CHECK(linesOf(bytes, bytes + cacheLine) == 1);
+	CHECK(linesOf(bytes, bytes + cacheLine + 1) == 2);
+	CHECK(linesOf(bytes + cacheLine - 1, bytes + cacheLine + 1) == 2);
+	CHECK(lineOf(bytes + cacheLine) == lineOf(bytes) + 1);
+}
+
+/// What was asked for shows nowhere: it ends, or it does not.
+TEST_CASE("smoke test: memory that is gone may be asked for", "[fetch]")
 {
 	LoopMemory memory;
 	memory.beginRun(2);

@@ -116,13 +116,17 @@ Ring regularPolygon(int sides)
 TEMPLATE_TEST_CASE_SIG("Batch: other grains and lanes change no bit of a grain", "[grain]",
 		       ((int dim), dim), 2, 3)
 {
-	const Batch<dim> together = shakenMotley<dim>(19, 1);
-	REQUIRE(together.blocks() == 3); // two full ones, and one that is computed grain by grain
-	for (int g = 0; g < 19; ++g) {
-		CAPTURE(g);
-		const Batch<dim> among = copiesOf(together, g, g < 16 ? 5 : 2);
-		for (int c = 0; c < among.grains(); ++c)
-			checkSameBits(together, g, among, c);
+	const double zeta = dim == 2 ? 0.2 : 0.35;
+	for (const TemplateRecipe& shape : { recipe(zeta), projectedRecipe(zeta) }) {
+		const Batch<dim> together = shakenMotley<dim>(shape, 19, 1);
+		REQUIRE(together.blocks() ==
+			3); // two full ones, and one that is computed grain by grain
+		for (int g = 0; g < 19; ++g) {
+			CAPTURE(g);
+			const Batch<dim> among = copiesOf(together, g, g < 16 ? 5 : 2);
+			for (int c = 0; c < among.grains(); ++c)
+				checkSameBits(together, g, among, c);
+		}
 	}
 }
 
@@ -131,6 +135,13 @@ TEMPLATE_TEST_CASE_SIG("Batch: grains and points side by side agree up to roundi
 		       (3, 3))
 {
 	checkAgreesWithAlone(shakenMotley<dim>(8, 1, order));
+}
+
+TEMPLATE_TEST_CASE_SIG("Batch: so they do where volumes are projected", "[grain]",
+		       ((int dim, int order), dim, order), (2, 2), (2, 3), (3, 2), (3, 3))
+{
+	const TemplateRecipe shape = projectedRecipe(dim == 2 ? 0.2 : 0.35, order);
+	checkAgreesWithAlone(shakenMotley<dim>(shape, 8, 1));
 }
 
 TEST_CASE("Batch: so they do whatever the outline, whose points hardly miss common lines",
@@ -163,11 +174,11 @@ TEMPLATE_TEST_CASE_SIG("Batch: threads and repetition change no bit", "[grain]",
 TEMPLATE_TEST_CASE_SIG("Batch: the first inverted point of each grain is named", "[grain]",
 		       ((int dim), dim), 2, 3)
 {
-	for (int count : { 1, 8 }) { // points and grains side by side
+	for (int count : { 1, 8, 10 }) { // points and grains side by side, a second block
 		const auto reference = makeGrainTemplate<dim>(recipe(dim == 2 ? 0.2 : 0.35));
 		Batch<dim> batch(reference, Law::neoHookean, usualCondition<dim>,
 				 motley<dim>(count));
-		const int bad = count / 2;
+		const int bad = count - 1;
 		// mirrors the part of the grain where x0 > 0.3 R
 		const double radius = batch.grain[bad].radius;
 		for (int I = 0; I < reference->nodes(); ++I) {

@@ -175,62 +175,10 @@ TEMPLATE_TEST_CASE("Point responses: Cauchy stress is that of the 3D law", "[gra
 	}
 }
 
-TEMPLATE_TEST_CASE_SIG("Internal force: the first inverted point is reported", "[grain]",
-		       ((int dim), dim), 2, 3)
-{
-	Random random(6);
-	const auto reference = makeGrainTemplate<dim>(recipe(0.35));
-	Batch<dim> batch(reference, Law::neoHookean, usualCondition<dim>,
-			 std::vector(10, paperGrain<dim>()));
-	const int broken = 8; // in the second block
-	for (int I = 0; I < reference->nodes(); ++I) {
-		Vec<dim> x = batch.x.get(broken, I);
-		if (x[0] > 0.004) x[0] = 0.002 - x[0]; // folds one side over
-		batch.x.set(broken, I, x);
-	}
-	computeInternalForce(batch, 1);
-	int first = -1;
-	const auto responses = pointResponses(batch, broken);
-	for (int p = reference->points() - 1; p >= 0; --p)
-		if (!(responses[p].J > 0)) first = p;
-	REQUIRE(first >= 0);
-	for (int g = 0; g < 10; ++g)
-		CHECK(batch.report[g].invertedPoint == (g == broken ? first : -1));
-}
-
 TEST_CASE("Internal force: projected volumetric strain is for plane strain and 3D", "[grain]")
 {
 	const std::string complaint = complaintOf([] {
 		singleGrain<2>(projectedRecipe(0.2), paperGrain<2>(), Condition::planeStress);
 	});
 	CHECK(complaint.find("volumetric = 'projected'") != std::string::npos);
-}
-
-TEMPLATE_TEST_CASE_SIG(
-	"Internal force: projected, a grain gives the same bits among others and copies", "[grain]",
-	((int dim), dim), 2, 3)
-{
-	const auto reference = makeGrainTemplate<dim>(projectedRecipe(0.4));
-	std::vector<GrainParameters<dim>> grains(11, paperGrain<dim>());
-	for (int g = 0; g < 11; ++g) {
-		grains[g].radius *= 1 + 0.1 * g;
-		grains[g].constants.poisson = 0.45 + 0.0049 * g;
-	}
-	Batch<dim> together(reference, Law::neoHookean, usualCondition<dim>, grains);
-	Random random(7);
-	for (int g = 0; g < 11; ++g)
-		shake(together, g, 0.02, random);
-	computeInternalForce(together, 2);
-	for (int g = 0; g < 11; ++g) {
-		const int copies = g < 8 ? 8 : 1; // computed side by side, or each on its own
-		Batch<dim> own(reference, Law::neoHookean, usualCondition<dim>,
-			       std::vector(copies, grains[g]));
-		for (int c = 0; c < copies; ++c)
-			for (int I = 0; I < reference->nodes(); ++I)
-				own.x.set(c, I, together.x.get(g, I));
-		computeInternalForce(own, 1);
-		CHECK(own.report[0].elasticEnergy == together.report[g].elasticEnergy);
-		for (int I = 0; I < reference->nodes(); ++I)
-			CHECK(own.force.get(0, I) == together.force.get(g, I));
-	}
 }
