@@ -193,7 +193,7 @@ TEST_CASE("a held ball with a prescribed motion pushes", "[rigid]")
 
 namespace {
 
-/// Grains in a square lattice, free balls in its holes.
+/// Grains in a square lattice, free balls in its holes; all contacts have an interface law.
 Mixed<2> latticeWithBalls(int side)
 {
 	constexpr double a = 0.0201;
@@ -211,6 +211,15 @@ Mixed<2> latticeWithBalls(int side)
 		for (int column = 0; column + 1 < side; ++column)
 			mixed.addBall({ a * (column + 0.5), a * (row + 0.5) }, 0.0042, 1000,
 				      random.vector<2>(0.5), 0.3);
+	InterfaceLaw law;
+	law.dynamicFriction = 0.1;
+	law.cohesion = 1e3;
+	law.cohesionRange = 1e-4;
+	for (ContactList<2>& list : mixed.scene.lists) {
+		list.interface.emplace();
+		list.interface->law = law;
+	}
+	mixed.scene.system.surfaces().setInterfaceRange(law.range());
 	return mixed;
 }
 
@@ -235,6 +244,14 @@ TEST_CASE("rigid bodies do not make bits depend on threads", "[rigid]")
 		for (const RigidPartner<2>& p : mixed.partner)
 			states.back().insert(states.back().end(),
 					     { p.velocity[0], p.velocity[1], p.spin[0] });
+		bool pulls = false;
+		for (const ContactList<2>& list : mixed.scene.lists) {
+			const std::vector<double> numbers = list.interface->numbers();
+			states.back().insert(states.back().end(), numbers.begin(), numbers.end());
+			for (const ContactHistory<2>& history : list.interface->history)
+				pulls = pulls || (list.rigid && !history.pull.isZero(0));
+		}
+		CHECK(pulls);
 	}
 	CHECK(states[1] == states[0]);
 	CHECK(states[2] == states[0]);
