@@ -11,9 +11,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace softgrain::testing {
@@ -118,6 +120,18 @@ inline TemplateRecipe projectedRecipe(double zeta, int order = 3)
 {
 	TemplateRecipe r = recipe(zeta, order);
 	r.volumetric = VolumetricStrain::projected;
+	return r;
+}
+
+/// Of a polygon, which is moved about its centroid.
+inline TemplateRecipe polygonRecipe(double zeta, Ring ring, int order = 3, double nodeSpacing = 2)
+{
+	const Vec<2> centroid = ring.centroid();
+	for (Vec<2>& X : ring.vertex)
+		X -= centroid;
+	TemplateRecipe r = recipe(zeta, order, nodeSpacing);
+	r.form.form = Form::polygon;
+	r.form.ring = std::make_shared<const Ring>(std::move(ring));
 	return r;
 }
 

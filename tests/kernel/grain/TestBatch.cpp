@@ -7,7 +7,6 @@
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
 
 using namespace softgrain;
@@ -149,12 +148,11 @@ TEST_CASE("Batch: so they do whatever the outline, whose points hardly miss comm
 {
 	for (double zeta : { 0.1, 0.12, 0.2 }) {
 		CAPTURE(zeta);
-		TemplateRecipe ellipse = recipe(zeta), superdisk = ellipse, hexagon = ellipse;
+		TemplateRecipe ellipse = recipe(zeta), superdisk = ellipse;
 		ellipse.form.form = superdisk.form.form = Form::superdisk;
 		ellipse.form.aspect[0] = 1.5;
 		superdisk.form.exponent = 8;
-		hexagon.form.form = Form::polygon;
-		hexagon.form.ring = std::make_shared<const Ring>(regularPolygon(6));
+		const TemplateRecipe hexagon = polygonRecipe(zeta, regularPolygon(6));
 		for (const TemplateRecipe& shape : { ellipse, superdisk, hexagon })
 			checkAgreesWithAlone(shakenMotley<2>(shape, 8, 1));
 	}

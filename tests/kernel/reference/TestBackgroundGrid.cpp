@@ -33,15 +33,8 @@ TEST_CASE("Background grid: nodes of thin arms are carried", "[reference]")
 						{ 2, 0.9 },         { 6, 0.9 },
 						{ 6, 0.9 + width }, { 2, 0.9 + width },
 						{ 2, 2 },           { 0, 2 } };
-				const Vec<2> centroid = ring.centroid();
-				for (Vec<2>& X : ring.vertex)
-					X -= centroid;
 				ring.corner = { 0, 1, 2, 3, 4, 5, 6, 7 };
-				TemplateRecipe r = recipe(0.3);
-				r.form.form = Form::polygon;
-				r.form.ring = std::make_shared<const Ring>(ring);
-				r.order = order;
-				r.nodeSpacing = nodeSpacing;
+				TemplateRecipe r = polygonRecipe(0.3, ring, order, nodeSpacing);
 				r.volumetric = VolumetricStrain::projected;
 				CAPTURE(width, order, nodeSpacing);
 				const auto t = makeGrainTemplate<2>(r);

@@ -6,7 +6,6 @@
 #include <catch2/catch_template_test_macros.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
-#include <memory>
 
 using namespace softgrain;
 using namespace softgrain::testing;
@@ -86,13 +85,8 @@ TEST_CASE("Node mass: the moments of a block and of an outline without symmetry"
 	CHECK(std::abs(moments(1, 1) / (32. / 3) - 1) < 1e-3);
 	CHECK(std::abs(moments(0, 1)) < 1e-12);
 
-	auto ring = std::make_shared<Ring>(); // a right triangle about its centroid
-	ring->vertex = { { -1, -1 }, { 2, -1 }, { -1, 2 } };
-	ring->corner = { 0, 1, 2 };
-	TemplateRecipe triangle = recipe(0.1, 3, 1.25);
-	triangle.form.form = Form::polygon;
-	triangle.form.ring = ring;
-	const auto grain = makeGrainTemplate<2>(triangle);
+	const Ring triangle { { { 0, 0 }, { 3, 0 }, { 0, 3 } }, { 0, 1, 2 } };
+	const auto grain = makeGrainTemplate<2>(polygonRecipe(0.1, triangle, 3, 1.25));
 	const double V = grain->volume, scale = std::sqrt(V / 4.5); // lengths are in inradii
 	CHECK(firstMoments<2>(*grain).norm() < 1e-10 * V * scale);
 	CHECK(std::abs(secondMoments<2>(*grain)(0, 0) / (V * scale * scale / 2) - 1) < 2e-3);

@@ -28,14 +28,6 @@ Ring angleIron()
 	return ring;
 }
 
-TemplateRecipe polygonRecipe(double zeta, const Ring& ring)
-{
-	TemplateRecipe r = recipe(zeta);
-	r.form.form = Form::polygon;
-	r.form.ring = std::make_shared<const Ring>(ring);
-	return r;
-}
-
 TemplateRecipe ironRecipe(double zeta) { return polygonRecipe(zeta, angleIron()); }
 
 /// Five spikes; corner 2 k is a tip, 2 k + 1 a notch.

@@ -7,19 +7,27 @@
 
 namespace softgrain::testing {
 
-/// Grains at the given places, 10 mm in radius unless told, all of one batch.
+/// Grains at the given places, all of one batch: that of the paper, or what `change(grain, its
+/// number)` makes of it.
+template <int dim, class Change>
+Batch<dim> grainsAt(const TemplateRecipe& r, const std::vector<Vec<dim>>& places, Change&& change)
+{
+	std::vector<GrainParameters<dim>> grains(places.size(), paperGrain<dim>());
+	for (std::size_t g = 0; g < places.size(); ++g) {
+		grains[g].origin = places[g];
+		change(grains[g], g);
+	}
+	return Batch<dim>(makeGrainTemplate<dim>(r), Law::neoHookean, usualCondition<dim>, grains);
+}
+
+/// 10 mm in radius unless told.
 template <int dim>
 Batch<dim> grainsAt(double zeta, const std::vector<Vec<dim>>& places,
 		    const std::vector<double>& radii = {})
 {
-	std::vector<GrainParameters<dim>> grains;
-	for (std::size_t g = 0; g < places.size(); ++g) {
-		grains.push_back(paperGrain<dim>());
-		grains.back().origin = places[g];
-		if (g < radii.size()) grains.back().radius = radii[g];
-	}
-	return Batch<dim>(makeGrainTemplate<dim>(recipe(zeta)), Law::neoHookean,
-			  usualCondition<dim>, grains);
+	return grainsAt<dim>(recipe(zeta), places, [&](GrainParameters<dim>& grain, std::size_t g) {
+		if (g < radii.size()) grain.radius = radii[g];
+	});
 }
 
 template <int dim> void setVelocity(Batch<dim>& batch, int g, const Vec<dim>& v)

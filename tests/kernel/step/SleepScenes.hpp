@@ -1,7 +1,7 @@
 // Grains that come to rest under their weight, and what is measured of them.
 #pragma once
 
-#include "step/Scene.hpp"
+#include "step/Batches.hpp"
 
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
@@ -17,16 +17,11 @@ inline constexpr double criticalDamping =
 	2000; // 1/s, about the speed of shear waves over the radius
 
 template <int dim>
-Batch<dim> grainsAt(const std::vector<Vec<dim>>& places, double damping, double viscosity = 0)
+Batch<dim> dampedGrainsAt(const std::vector<Vec<dim>>& places, double damping, double viscosity = 0)
 {
-	std::vector<GrainParameters<dim>> grains;
-	for (const Vec<dim>& place : places) {
-		grains.push_back(paperGrain<dim>());
-		grains.back().origin = place;
-		grains.back().damping = { damping, viscosity };
-	}
-	return Batch<dim>(makeGrainTemplate<dim>(recipe(0.35)), Law::neoHookean,
-			  usualCondition<dim>, grains);
+	return grainsAt<dim>(recipe(0.35), places, [=](GrainParameters<dim>& grain, std::size_t) {
+		grain.damping = { damping, viscosity };
+	});
 }
 
 template <int dim> void addFloor(Scene<dim>& scene)
@@ -56,7 +51,7 @@ inline Scene<2> heap(double damping = criticalDamping, double viscosity = 0, int
 		for (const Vec<2>& place : { Vec<2>(0, 0), Vec<2>(2.1, 0), Vec<2>(1.05, 1.8) })
 			places.push_back(radius * place + Vec<2>(left(h), 0));
 	places.push_back({ 1.05 * radius, 50 * radius });
-	scene.add(grainsAt<2>(places, damping, viscosity));
+	scene.add(dampedGrainsAt<2>(places, damping, viscosity));
 	scene.addPairs(0.3, [=](int a, int b) { return b == 3 * heaps || a / 3 == b / 3; });
 	addFloor(scene);
 	for (int g = 0; g < 3 * heaps; ++g) {

@@ -1,6 +1,6 @@
 // Grains that are undeformed and untouched move as rigid bodies.
 #include "Threads.hpp"
-#include "step/Scene.hpp"
+#include "step/Batches.hpp"
 
 #include <algorithm>
 #include <catch2/catch_template_test_macros.hpp>
@@ -12,15 +12,11 @@ using namespace softgrain::testing;
 namespace {
 
 /// Congruent templates, radii and materials of their own.
-template <int dim> Batch<dim> grainsAt(const TemplateRecipe& r, const std::vector<Vec<dim>>& places)
+template <int dim> Batch<dim> motleyAt(const TemplateRecipe& r, const std::vector<Vec<dim>>& places)
 {
-	std::vector<GrainParameters<dim>> grains;
-	for (std::size_t g = 0; g < places.size(); ++g) {
-		grains.push_back(paperGrain<dim>());
-		grains.back().origin = places[g];
-		grains.back().radius *= 1 - 0.1 * (g % 3);
-	}
-	return Batch<dim>(makeGrainTemplate<dim>(r), Law::neoHookean, usualCondition<dim>, grains);
+	return grainsAt<dim>(r, places, [](GrainParameters<dim>& grain, std::size_t g) {
+		grain.radius *= 1 - 0.1 * (g % 3);
+	});
 }
 
 template <int dim> Spin<dim> spinOf(double rate)
@@ -71,7 +67,7 @@ template <int dim> Scene<dim> threeThatMeet(bool rigid, const Scheme& scheme = {
 		const Vec<dim> middle = 0.04 * row * Vec<dim>::Unit(dim - 1);
 		places.insert(places.end(), { middle, middle + apart, middle - apart + up });
 	}
-	auto batch = grainsAt<dim>(r, places);
+	auto batch = motleyAt<dim>(r, places);
 	const double spin = scheme.hasPointVelocities() ? 0 : 1;
 	for (int g = 0; g < 3 * rows; g += 3) {
 		launch<dim>(batch, g, Vec<dim>::Zero(), 3 * spin);
@@ -121,7 +117,7 @@ double largestDifference(const std::vector<Vec<dim>>& a, const std::vector<Vec<d
 TEMPLATE_TEST_CASE_SIG("Rigid motion: free flight is exact and costs no grain-step", "[rigid]",
 		       ((int dim), dim), 2, 3)
 {
-	auto batch = grainsAt<dim>(recipe(0.35), { Vec<dim>::Zero() });
+	auto batch = motleyAt<dim>(recipe(0.35), { Vec<dim>::Zero() });
 	const Vec<dim> velocity = Vec<dim>::LinSpaced(1, 2);
 	const double rate = 20;
 	launch<dim>(batch, 0, velocity, rate, 0.3);
@@ -172,7 +168,7 @@ TEMPLATE_TEST_CASE_SIG("Rigid motion: free flight is exact and costs no grain-st
 TEST_CASE("Rigid motion: a tumbling brick keeps angular momentum and energy", "[rigid]")
 {
 	auto run = [](double dt) {
-		auto batch = grainsAt<3>(brick(3, 0.4), { Vec<3>::Zero() });
+		auto batch = motleyAt<3>(brick(3, 0.4), { Vec<3>::Zero() });
 		batch.place(0, Mat<3>::Identity(), Vec<3>::Zero(), spinMatrix<3>({ 5, 12, 8 }));
 		Scene<3> scene;
 		scene.settings.trackEnergy = true;
@@ -210,7 +206,7 @@ TEMPLATE_TEST_CASE_SIG("Rigid motion: body loads, and the energy they bring", "[
 {
 	Scene<dim> scene;
 	scene.settings.trackEnergy = true;
-	scene.add(grainsAt<dim>(brick(dim, 0.35), { Vec<dim>::Zero() }));
+	scene.add(motleyAt<dim>(brick(dim, 0.35), { Vec<dim>::Zero() }));
 	const Vec<dim> g = -9.81 * Vec<dim>::Unit(1);
 	Spin<dim> alpha = Spin<dim>::Zero();
 	alpha[alpha.size() - 1] = 50; // about a principal axis
@@ -337,7 +333,7 @@ TEMPLATE_TEST_CASE_SIG("Rigid motion: goes on from its saved state with the same
 TEST_CASE("Rigid motion: what does not move rigidly", "[rigid]")
 {
 	auto stepOf = [](auto&& change, bool rigid = true) {
-		auto batch = grainsAt<2>(recipe(0.3), { Vec<2>::Zero(), { 0.05, 0 } });
+		auto batch = motleyAt<2>(recipe(0.3), { Vec<2>::Zero(), { 0.05, 0 } });
 		change(batch);
 		Scene<2> scene;
 		scene.settings.rigidMotion = rigid;
@@ -358,7 +354,7 @@ TEST_CASE("Rigid motion: what does not move rigidly", "[rigid]")
 TEST_CASE("Rigid motion: a torque that spins a grain too fast wakes it", "[rigid]")
 {
 	Scene<2> scene;
-	scene.add(grainsAt<2>(recipe(0.3), { Vec<2>::Zero() }));
+	scene.add(motleyAt<2>(recipe(0.3), { Vec<2>::Zero() }));
 	scene.system.loads()[0].angular = spinMatrix<2>(Spin<2>(1e4));
 	int active = 0;
 	while (scene.time < 1e-2) // to 100/s
@@ -371,7 +367,7 @@ TEST_CASE("Rigid motion: a torque that spins a grain too fast wakes it", "[rigid
 TEST_CASE("Rigid motion: motions that are added by hand", "[rigid]")
 {
 	Scene<2> scene;
-	auto batch = grainsAt<2>(brick(2, 0.3), { Vec<2>::Zero() });
+	auto batch = motleyAt<2>(brick(2, 0.3), { Vec<2>::Zero() });
 	launch<2>(batch, 0, { 1, 0 }, 5);
 	scene.add(std::move(batch));
 	scene.advance(1e-5);
@@ -394,7 +390,7 @@ TEST_CASE("Rigid motion: a grain that comes near a plane without touching is rig
 	  "[rigid]")
 {
 	Scene<2> scene;
-	auto batch = grainsAt<2>(recipe(0.3), { Vec<2>::Zero() });
+	auto batch = motleyAt<2>(recipe(0.3), { Vec<2>::Zero() });
 	scene.add(std::move(batch));
 	const double reach = 0.05 * 0.3 * 0.01;
 	auto& list = scene.addPlane(0, { 0, -0.01 - 0.5 * reach }, { 0, 1 });
@@ -410,7 +406,7 @@ TEST_CASE("Rigid motion: grains in any blocks have the forces they have alone", 
 	std::vector<Vec<2>> places(21);
 	for (std::size_t g = 0; g < places.size(); ++g)
 		places[g] = { 0.03 * g, 0 };
-	auto batch = grainsAt<2>(recipe(0.25), places);
+	auto batch = motleyAt<2>(recipe(0.25), places);
 	Random random(3);
 	for (int g = 0; g < batch.grains(); ++g)
 		deform<2>(batch, g, random.deformation<2>(0.2));

@@ -12,7 +12,7 @@ TEMPLATE_TEST_CASE_SIG("Sleep: a grain in a corner: its weight is borne and noth
 		       "[sleep]", ((int dim), dim), 2, 3)
 {
 	Scene<dim> scene;
-	scene.add(grainsAt<dim>({ Vec<dim>::Zero() }, criticalDamping));
+	scene.add(dampedGrainsAt<dim>({ Vec<dim>::Zero() }, criticalDamping));
 	for (int axis = 0; axis < dim; ++axis) {
 		const Vec<dim> out = Vec<dim>::Unit(axis);
 		scene.addPlane(0, -radius * out, out, Vec<dim>::Zero(), 0.3).second = -1 - axis;
@@ -135,7 +135,7 @@ TEST_CASE("Sleep: damping far above critical does not let grains sleep half way"
 {
 	auto height = [](bool sleep) {
 		Scene<2> scene;
-		scene.add(grainsAt<2>({ Vec<2>::Zero() }, 50 * criticalDamping));
+		scene.add(dampedGrainsAt<2>({ Vec<2>::Zero() }, 50 * criticalDamping));
 		addFloor(scene);
 		weigh(scene);
 		scene.settings.sleep = sleep;
@@ -229,7 +229,7 @@ TEST_CASE("Sleep: the same bits with any number of threads", "[sleep]")
 TEST_CASE("Sleep: free grains that do not move, whether damped or not", "[sleep]")
 {
 	Scene<2> scene;
-	scene.add(grainsAt<2>({ { 0, 0 }, { 3 * radius, 0 }, { 6 * radius, 0 } }, 0));
+	scene.add(dampedGrainsAt<2>({ { 0, 0 }, { 3 * radius, 0 }, { 6 * radius, 0 } }, 0));
 	scene.addPairs(0);
 	scene.settings.trackEnergy = true;
 	CHECK(scene.advance(1e-5).sleepingGrains == 3);

@@ -39,7 +39,7 @@ Scene<2> bed(bool sleep)
 	for (int k = 0; k < above; ++k)
 		places.push_back({ (k + 0.5) * step, 1.78 * radius });
 	Scene<2> scene;
-	scene.add(grainsAt<2>(places, criticalDamping));
+	scene.add(dampedGrainsAt<2>(places, criticalDamping));
 	scene.addPairs(0.3);
 	addFloor(scene);
 	const Vec<2> left(-wall, 0), right((below - 1) * step + wall, 0);
@@ -116,8 +116,8 @@ TEMPLATE_TEST_CASE_SIG("Sleep: one that is held beside another gets no velocity,
 		       "[sleep]", ((int dim), dim), 2, 3)
 {
 	Scene<dim> scene; // one upon the other, between walls
-	scene.add(grainsAt<dim>({ Vec<dim>::Zero(), 1.99 * radius * Vec<dim>::Unit(1) },
-				criticalDamping));
+	scene.add(dampedGrainsAt<dim>({ Vec<dim>::Zero(), 1.99 * radius * Vec<dim>::Unit(1) },
+				      criticalDamping));
 	scene.addPairs(0.3);
 	scene.addPlane(0, -radius * Vec<dim>::Unit(1), Vec<dim>::Unit(1)).second = -1;
 	for (int g : { 0, 1 })

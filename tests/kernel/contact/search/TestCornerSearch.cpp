@@ -22,13 +22,7 @@ TemplateRecipe star(bool allSharp)
 		ring.vertex.emplace_back(r * std::cos(t), r * std::sin(t));
 		if (allSharp || k % 2 == 0) ring.corner.push_back(k);
 	}
-	const Vec<2> centroid = ring.centroid();
-	for (Vec<2>& X : ring.vertex)
-		X -= centroid;
-	TemplateRecipe r = recipe(0.25);
-	r.form.form = Form::polygon;
-	r.form.ring = std::make_shared<const Ring>(ring);
-	return r;
+	return polygonRecipe(0.25, ring);
 }
 
 TemplateRecipe block(double zeta)

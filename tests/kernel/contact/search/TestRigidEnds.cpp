@@ -7,7 +7,6 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
-#include <memory>
 #include <vector>
 
 using namespace softgrain;
@@ -33,10 +32,7 @@ RigidSurface<2> plate(double from, double to)
 TemplateRecipe triangleRecipe(double zeta)
 {
 	Ring ring { { { -std::sqrt(3), -1 }, { std::sqrt(3), -1 }, { 0, 2 } }, { 0, 1, 2 } };
-	TemplateRecipe triangle = recipe(zeta);
-	triangle.form.form = Form::polygon;
-	triangle.form.ring = std::make_shared<const Ring>(ring);
-	return triangle;
+	return polygonRecipe(zeta, ring);
 }
 
 template <int dim> std::vector<Contact<dim>> tipsAmong(std::vector<Contact<dim>> contacts)

@@ -18,13 +18,7 @@ TemplateRecipe twoProngs()
 	ring.vertex = { { 0, 0 },      { 5, 0 },      { 5, height },   { 3.5, height },
 			{ 3.5, foot }, { 1.5, foot }, { 1.5, height }, { 0, height } };
 	ring.corner = { 0, 1, 2, 3, 4, 5, 6, 7 };
-	TemplateRecipe r = recipe(0.25);
-	r.form.form = Form::polygon;
-	const Vec<2> centroid = ring.centroid();
-	for (Vec<2>& X : ring.vertex)
-		X -= centroid;
-	r.form.ring = std::make_shared<const Ring>(ring);
-	return r;
+	return polygonRecipe(0.25, ring);
 }
 
 /// The prong on the right, shortened and leant over so that its tip is `depth` in the other one.

@@ -19,17 +19,6 @@ constexpr double degree = std::numbers::pi / 180;
 
 Vec<2> turnedBy(double angle, const Vec<2>& v) { return Eigen::Rotation2Dd(angle) * v; }
 
-TemplateRecipe polygon(double zeta, Ring ring)
-{
-	const Vec<2> centroid = ring.centroid();
-	for (Vec<2>& X : ring.vertex)
-		X -= centroid;
-	TemplateRecipe r = recipe(zeta);
-	r.form.form = Form::polygon;
-	r.form.ring = std::make_shared<const Ring>(ring);
-	return r;
-}
-
 /// A triangle whose tip, of this half angle, points down and turned by another angle.
 struct Tip {
 	std::shared_ptr<const GrainTemplate<2>> reference;
@@ -40,7 +29,7 @@ struct Tip {
 	{
 		const double length = 1.5, wide = length * std::tan(half);
 		Ring ring { { { 0, 0 }, { wide, length }, { -wide, length } }, { 0, 1, 2 } };
-		reference = makeGrainTemplate<2>(polygon(0.5, ring));
+		reference = makeGrainTemplate<2>(polygonRecipe(0.5, ring));
 		body = contactBody<2>(*reference, 1, Vec<2>::Zero(),
 				      Eigen::Rotation2Dd(turn).toRotationMatrix());
 		auto isLower = [](const Vec<2>& a, const Vec<2>& b) { return a[1] < b[1]; };
@@ -144,7 +133,7 @@ TEST_CASE("Tips: a node before the dent of a coarse outline is not within the gr
 		const double r = 1 - 0.35 * std::exp(-fromTop * fromTop);
 		bean.vertex.emplace_back(r * std::cos(t), r * std::sin(t));
 	}
-	const auto reference = makeGrainTemplate<2>(polygon(0.3, bean));
+	const auto reference = makeGrainTemplate<2>(polygonRecipe(0.3, bean));
 	const auto dented = contactBody<2>(*reference, 1, Vec<2>::Zero());
 	int dents = 0;
 	for (std::size_t f = 0; f < dented.mesh->facet.size(); ++f) {
