@@ -9,11 +9,10 @@ import math
 import sys
 
 import numpy as np
-from yade import FrictMat, O
+from yade import FrictMat, O, pack
 
 import softgrain as sg
 from softgrain import command_line, hardening
-from softgrain.clouds import full_cloud
 
 SIDE = 0.1  # m, of the loose box
 RADIUS = 0.01  # m, mean
@@ -56,7 +55,9 @@ def parse_options(arguments=None):
 def make_packing(options):
     """Disks in a box that its walls squeeze to the stress; ids of disks and walls."""
     grains = O.materials.append(FrictMat(frictionAngle=math.atan(FRICTION), label="grains"))
-    cloud = full_cloud(20, (SIDE, SIDE, 0), RADIUS, 0.2, options.seed)
+    cloud = pack.SpherePack()  # of as many of 20 as find room
+    corners = (0, 0, 0), (SIDE, SIDE, 0)
+    cloud.makeCloud(*corners, rMean=RADIUS, rRelFuzz=0.2, num=20, seed=options.seed)
     ids = cloud.toSimulation(material="grains")
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"

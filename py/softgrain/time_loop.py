@@ -338,7 +338,8 @@ def critical_time_step():
 
     Raises:
         ValueError: the scene has no soft grain, or a body is wrong (see the message).
-        RuntimeError: a run is going on in the background: grains that have changed are made anew.
+        RuntimeError: a run is going on in the background: grains that have changed are made anew;
+            or the State of a grain is no number.
     """
     refuse_background_run("critical_time_step")
     step = _softgrain.criticalTimeStep()
