@@ -61,7 +61,7 @@ if(NOT "VECTORIZE" IN_LIST features)
 endif()
 
 find_package(Python3 REQUIRED COMPONENTS Interpreter Development.Module)
-find_package(Boost REQUIRED COMPONENTS
+find_package(Boost CONFIG REQUIRED COMPONENTS
 	python${Python3_VERSION_MAJOR}${Python3_VERSION_MINOR} serialization iostreams log)
 
 add_library(yade_host INTERFACE)
