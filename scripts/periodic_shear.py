@@ -26,6 +26,7 @@ DENSE_PHI = 0.80  # at which the controller of the stresses takes over
 RATE = 2.0  # 1/s, of the compression before, and at most under the controller
 CALM, CALM_STEPS = 0.01, 500  # error of the stresses, and steps for which it is not passed, at rest
 STILL, STILL_STEPS = 1e-6, 5000  # share of RATE below which the cell stands still, and for how long
+MOST_REST_STEPS = 500_000  # for which it may take to come to rest
 
 
 def parse_options(arguments=None):
@@ -43,6 +44,7 @@ def parse_options(arguments=None):
         default=0.03,
         help="of the cell under PeriTriaxController, over density times area of the cell [-]",
     )
+    add("--seed", type=command_line.seed, default=1, help="of the packing generator [-]")
     return parser.parse_args(arguments)
 
 
@@ -52,7 +54,7 @@ def make_scene(options):
     side = RADIUS * math.sqrt(math.pi * options.grains / CLOUD_PHI)
     O.periodic = True
     O.cell.setBox(side, side, 1)
-    cloud = full_cloud(options.grains, (side, side, 0), RADIUS, SPREAD, periodic=True)
+    cloud = full_cloud(options.grains, (side, side, 0), RADIUS, SPREAD, options.seed, periodic=True)
     ids = cloud.toSimulation(material=FrictMat())
     for i in ids:
         O.bodies[i].state.blockedDOFs = "zXY"
@@ -92,9 +94,14 @@ def hold_stress(stress, mass):
 
 def rest(stress):
     """Until the stresses are near the target for a while; ends the script where the cell stands
-    still before."""
-    calm, still, stride = 0, 0, 50
+    still before, or swings on."""
+    calm, still, stride, end = 0, 0, 50, O.iter + MOST_REST_STEPS
     while calm < CALM_STEPS:
+        if O.iter >= end:
+            raise SystemExit(
+                f"periodic_shear: after {MOST_REST_STEPS} steps the stresses still are not within "
+                f"{CALM:g} of the target for {CALM_STEPS} steps. Take another --mass of the cell"
+            )
         sg.advance(stride)
         present = np.diag(sg.cell_stress())[:2]
         calm = calm + stride if np.all(np.abs(present + stress) < CALM * stress) else 0
