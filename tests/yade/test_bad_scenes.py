@@ -1,10 +1,20 @@
 """Bodies, materials and engines that do not go together: each has its own message; none aborts."""
 
 import math
+import re
 
 import pytest
 from scenes import RADIUS, ZETA, add_disk, add_wall, message_of_step, ready, run, soft_material
-from yade import ElastMat, FrictMat, InteractionLoop, NewtonIntegrator, O, Quaternion, utils
+from yade import (
+    ElastMat,
+    FrictMat,
+    InteractionLoop,
+    NewtonIntegrator,
+    O,
+    Quaternion,
+    Vector3,
+    utils,
+)
 
 import softgrain as sg
 
@@ -227,12 +237,24 @@ def test_state_of_a_rigid_body_that_is_no_number(make, attribute):
     assert disk.state.pos == place
 
 
-def test_box_inside_out():
-    """It would bear nothing."""
+def rigid_wall():
+    return utils.wall(-1.5 * RADIUS, axis=0, sense=1, material=FrictMat())
+
+
+@pytest.mark.parametrize(
+    "make, attribute, value, message",
+    [
+        (rigid_box, "extents", (RADIUS, -RADIUS, RADIUS), rf"half a side .* = -{RADIUS} is "),
+        (rigid_sphere, "radius", math.nan, r"shape.radius = nan is .* \(0, inf\) m"),
+        (rigid_sphere, "radius", 0, r"shape.radius = 0 is .* \(0, inf\) m"),
+        (rigid_facet, "vertices", [Vector3(math.nan, 0, 0)] * 3, "shape.vertices are not finite"),
+        (rigid_wall, "sense", 2, "shape.sense = 2 is .* -1, 0, 1"),
+    ],
+)
+def test_shape_that_would_bear_nothing(make, attribute, value, message):
     add_disk((-0.5 * RADIUS, 0, 0))
-    box = rigid_box()
-    O.bodies.append(box)
+    rigid = O.bodies[O.bodies.append(make())]
     ready()
     run(1)
-    box.shape.extents = (RADIUS, -RADIUS, RADIUS)
-    assert f"body #1: half a side in shape.extents = {-RADIUS} is " in message_of_step()
+    setattr(rigid.shape, attribute, value)
+    assert re.search(f"body #1: {message}", message_of_step())

@@ -6,8 +6,18 @@ import math
 import numpy as np
 import pytest
 from partner_scenes import add_rigid_disk
-from scenes import RADIUS, add_disk, add_wall, complaint, message_of_step, ready, run
-from yade import O, PyRunner, Quaternion, Vector3
+from scenes import (
+    RADIUS,
+    add_disk,
+    add_wall,
+    assert_same_bits,
+    complaint,
+    message_of_step,
+    present_state,
+    ready,
+    run,
+)
+from yade import ForceEngine, Matrix3, O, PyRunner, Quaternion, Vector3
 
 import softgrain as sg
 
@@ -100,6 +110,63 @@ def test_no_problem_is_left_of_the_step_before():
     sg.integrator().maxOverlap = 1e-12
     assert "maxOverlap" in complaint()
     assert len(sg.integrator().contactProblem()["bias"]) == 0
+
+
+@pytest.mark.parametrize("refusals", (1, 3))
+def test_forces_of_engines_count_once(refusals):
+    """On a grain, a rigid body, a wall: what a refused step had put on them is not there twice."""
+    grain, other = add_disk(), add_disk((4 * RADIUS, 0, 0))
+    sphere = add_rigid_disk((8 * RADIUS, 0, 0), RADIUS)
+    wall = add_wall(-4 * RADIUS, 0)
+    wall.state.blockedDOFs, wall.state.mass = "yzXYZ", 0.5
+    pushed = (grain, sphere, wall)
+    ready()
+    sg.insert_before_solve(ForceEngine(ids=[b.id for b in pushed], force=(1, 0, 0)))
+    run(2)
+
+    def gained():
+        before = [b.state.vel[0] for b in pushed]
+        run(1)
+        return [b.state.vel[0] - v for b, v in zip(pushed, before)]
+
+    expected = gained()
+    for _ in range(refusals):
+        other.state.vel = (math.nan, 0, 0)
+        assert "not finite" in complaint()
+    other.state.vel = (0, 0, 0)
+    assert min(expected) > 0
+    np.testing.assert_allclose(gained(), expected, rtol=1e-9)
+
+
+def flowing_cell():
+    """Grains that the cell brings nearer to each other and shears."""
+    O.reset()
+    O.periodic = True
+    O.cell.setBox(6 * RADIUS, 6 * RADIUS, 1)
+    for place in ((1, 1), (3.2, 1), (1, 3.1), (3.2, 3.3)):
+        add_disk((place[0] * RADIUS, place[1] * RADIUS, 0))
+    ready()
+    O.cell.velGrad = Matrix3(-5, 2, 0, 0, -5, 0, 0, 0, 0)
+    run(50)
+    return O.dt
+
+
+@pytest.mark.parametrize("wrong", (0, 1e-3, 0.1, 10, math.nan))
+def test_cell_is_as_it_was(wrong):
+    """YADE deforms it before any engine can tell that O.dt is wrong."""
+    dt = flowing_cell()
+    run(50)
+    expected = {**present_state(), "cell": np.array(O.cell.hSize)}
+    dt = flowing_cell()
+    size, gradient = np.array(O.cell.hSize), np.array(O.cell.trsf)
+    for _ in range(2):
+        O.dt = wrong
+        assert "O.dt = " in complaint()
+        np.testing.assert_array_equal(O.cell.hSize, size)
+        np.testing.assert_allclose(O.cell.trsf, gradient, rtol=0, atol=1e-12)
+    O.dt = dt
+    run(50)
+    assert_same_bits({**present_state(), "cell": np.array(O.cell.hSize)}, expected)
 
 
 def test_forces_of_a_step_that_was_refused():

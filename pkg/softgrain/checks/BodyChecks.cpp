@@ -6,9 +6,37 @@
 #include "scene/Bodies.hpp"
 #include "scene/PeriodicCell.hpp"
 
+#include <cstdlib>
+
 namespace yade {
 
 namespace {
+
+/// Of those that soft grains may touch, which would pass through what is no number.
+void checkRigidShape(const Body& body)
+{
+	if (isA<Box>(body.shape)) {
+		const Vector3r& extents = static_cast<const Box&>(*body.shape).extents;
+		if (!(extents.minCoeff() >= 0))
+			softgrain::refuse(nameOf(body) + ": half a side in shape.extents",
+					  extents.minCoeff(), "[0, inf) m");
+	} else if (isA<Sphere>(body.shape)) {
+		const Real radius = static_cast<const Sphere&>(*body.shape).radius;
+		if (!(radius > 0 && math::isfinite(radius)))
+			softgrain::refuse(nameOf(body) + ": shape.radius", radius, "(0, inf) m");
+	} else if (isA<Facet>(body.shape)) {
+		const auto& vertices = static_cast<const Facet&>(*body.shape).vertices;
+		for (const Vector3r& vertex : vertices)
+			if (!math::isfinite(vertex.sum()))
+				throw std::invalid_argument(nameOf(body) +
+							    ": shape.vertices are not finite; "
+							    "admissible: finite numbers");
+	} else if (isA<Wall>(body.shape)) {
+		const int sense = static_cast<const Wall&>(*body.shape).sense;
+		if (std::abs(sense) > 1)
+			softgrain::refuse(nameOf(body) + ": shape.sense", sense, "-1, 0, 1");
+	}
+}
 
 /// (Of soft grains the state is checked where it was changed.)
 void checkRigidBody(const Body& body)
@@ -22,11 +50,7 @@ void checkRigidBody(const Body& body)
 		if (!math::isfinite(sum))
 			throw std::invalid_argument(nameOf(body) + ": state." + which +
 						    " is not finite; admissible: finite numbers");
-	if (!isA<Box>(body.shape)) return;
-	const Vector3r& extents = static_cast<const Box&>(*body.shape).extents;
-	if (!(extents.minCoeff() >= 0))
-		softgrain::refuse(nameOf(body) + ": half a side in shape.extents",
-				  extents.minCoeff(), "[0, inf) m");
+	checkRigidShape(body);
 }
 
 void checkClasses(const Body& body)

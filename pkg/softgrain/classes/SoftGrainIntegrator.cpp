@@ -75,6 +75,7 @@ void SoftGrainIntegrator::action()
 void SoftGrainIntegrator::fail(const std::string& message)
 {
 	lastError = message;
+	takeBackPrologue(*scene);
 	if (const auto assembly = assembly_ ? assembly_ : lastAssembly_.lock())
 		assembly->forgetContactProblem();
 	throw std::runtime_error(message);
@@ -119,7 +120,8 @@ bool SoftGrainIntegrator::assemble()
 void SoftGrainIntegrator::advance()
 {
 	clock_.start(TimingInfo::enabled);
-	postLoad(*this); // YADE keeps a value that was refused
+	scene->forces.sync(); // if the step is refused, what was not summed would count again
+	postLoad(*this);      // YADE keeps a value that was refused
 	holdWalls();
 	if (!assemble()) return;
 	clock_.end("assembleScene");

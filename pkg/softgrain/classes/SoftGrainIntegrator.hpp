@@ -91,7 +91,8 @@ private:
 	void advance();
 	bool assemble();
 	void letAssemblyGo();
-	/// Ends the step with an error; nothing is left of the problem of the step before.
+	/// Ends the step with an error, to be taken anew from its prologue; nothing is left of the
+	/// problem of the step before.
 	[[noreturn]] void fail(const std::string& message);
 	void forgetOtherScene();
 	void continueSums();

@@ -1,4 +1,5 @@
 #include "scene/PeriodicCell.hpp"
+#include "Require.hpp"
 #include "classes/SoftGrain.hpp"
 
 #include <sstream>
@@ -197,7 +198,44 @@ void checkSortAxis(const Scene& scene, const Body& floor, int axis)
 	}
 }
 
+/// Of a step. (YADE has deformed the cell by it already: what follows would be found wrong.)
+void checkStrain(const Scene& scene)
+{
+	constexpr Real largest = 0.1;
+	const Matrix3r& velGrad = scene.cell->velGrad;
+	const Real rate = velGrad.cwiseAbs().maxCoeff();
+	if (!math::isfinite(velGrad.sum()) || scene.dt * rate <= largest) return;
+	std::ostringstream range;
+	range << "[0, " << largest / rate << "] s, in which the cell of O.cell.velGrad deforms by "
+	      << 100 * largest << " %";
+	softgrain::refuse("O.dt", scene.dt, range.str());
+}
+
 } // namespace
+
+void takeBackPrologue(Scene& scene)
+{
+	constexpr Real largestStep = 0.5; // of the gradient; where the cell has flipped it is 1
+	if (scene.subStepping) return;
+	Cell& cell = *scene.cell;
+	if (scene.isPeriodic && cell.hSize != cell.prevHSize) {
+		const Matrix3r step = cell.hSize * cell.prevHSize.inverse();
+		const bool mayHaveFlipped =
+			cell.flipFlippable &&
+			!((step - Matrix3r::Identity()).cwiseAbs().maxCoeff() < largestStep);
+		if (mayHaveFlipped) return;
+		const Matrix3r before = step.inverse() * cell.trsf;
+		cell.hSize = cell.prevHSize;
+		cell.trsf = math::isfinite(before.sum())
+				    ? before
+				    : Matrix3r(cell.hSize * cell.refHSize.inverse());
+		const Matrix3r velGrad = cell.velGrad;
+		cell.velGrad = Matrix3r::Zero();
+		cell.integrateAndUpdate(0); // what is derived from hSize
+		cell.velGrad = velGrad;
+	}
+	scene.subStep = -1;
+}
 
 /// A rigid body touches a grain with one image only, unless it is a floor, of which it does not
 /// matter which one: then its ends are beyond the reach of a grain on the nearest.
@@ -227,6 +265,7 @@ void checkRigidSpan(const Scene& scene, const Body& body, const Vector3r& grains
 void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly)
 {
 	if (!scene.isPeriodic) return;
+	checkStrain(scene);
 	Vector3r longest = Vector3r::Zero(); // of the grains along each base vector, in its length
 	int dim = 0;
 	for (int g = 0; g < assembly.grains(); ++g) {

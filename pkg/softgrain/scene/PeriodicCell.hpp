@@ -70,6 +70,10 @@ bool isSheared(const Scene& scene);
 /// beside them, cannot be in.
 void checkCell(const Scene& scene, const softgrain::GrainAssembly& assembly);
 
+/// In a step that is refused: the next one begins anew, with the cell as it was before YADE
+/// deformed it for this one, whose O.dt may have been wrong. (Not one engine at a time.)
+void takeBackPrologue(Scene& scene);
+
 /// The box that the collider has of a body, in lengths of the base vectors.
 Vector3r spanInCell(const Scene& scene, const Bound& bound);
 

@@ -122,7 +122,6 @@ bool SoftBodies::applyUserMotion(int g, const CellFlow& flow) const
 
 void SoftBodies::applyLoads(const NewtonIntegrator& newton, const CellFlow& flow, int threads) const
 {
-	scene_.forces.sync();
 	const SoftGrain* first =
 		assembly_.grains() > 0 ? &grainOf(scene_, assembly_.idOf(0)) : nullptr;
 	if (first) requireGravityInPlane(newton.gravity, *first);
