@@ -9,15 +9,17 @@ from yade import O
 from softgrain.bodies import has_own_motion, is_soft, soft_bodies, whole_of
 
 
-def cell_volume(asker="cell_volume"):
+def cell_volume():
     """Volume of the periodic cell [m³]; beside 2D grains the area of its face in their plane [m²].
-
-    Args:
-        asker (str): the function of the package that needs it, for the message.
 
     Raises:
         ValueError: the scene is not periodic, or has no soft grain.
     """
+    return volume_for("cell_volume")
+
+
+def volume_for(asker):
+    """The same for a function of that name, which the message has."""
     grains = soft_bodies()
     if not O.periodic or not grains:
         missing = "the scene has no soft grain" if O.periodic else "O.periodic is False"
@@ -50,7 +52,7 @@ def cell_stress(source="contacts"):
     """
     if source not in ("contacts", "grains"):
         raise ValueError(f"source = {source!r} is unknown; known: 'contacts', 'grains'")
-    volume = cell_volume("cell_stress")
+    volume = volume_for("cell_stress")
     rigid = [b for b in O.bodies if b and b.shape and not is_soft(b)]
     if source == "grains" and rigid:
         raise ValueError(f"source = 'grains': body #{rigid[0].id} is rigid, its stress unknown")

@@ -5,7 +5,7 @@ from yade import O, wrapper
 
 from softgrain import _softgrain
 from softgrain.bodies import is_soft, some_soft_bodies, whole_of
-from softgrain.cell import cell_volume
+from softgrain.cell import volume_for
 from softgrain.checks import array, index, number
 from softgrain.time_loop import integrators
 
@@ -48,7 +48,7 @@ def packing_fraction(box_area=None, nominal=False):
             there is no soft grain.
     """
     if box_area is None:
-        box_area = cell_volume("packing_fraction without box_area")
+        box_area = volume_for("packing_fraction without box_area")
     box_area = number("box_area", box_area, "(0, inf)", "m² or m³")
     grains = some_soft_bodies("packing_fraction")
     if nominal:

@@ -250,8 +250,8 @@ def _refuse_waiting(ids):
 
 
 def _require_alike(bodies, grain):
-    """ValueError where spheres, once soft, would not fit with each other or with the soft grains
-    that there are or will be, which is seen when the first of them turns."""
+    """ValueError where spheres and clumps, once soft, would not fit with each other or with the
+    soft grains that there are or will be: a step would see it too late."""
     others = [(b, b.shape) for b in soft_bodies()[:1]]
     kept = range(len(O.bodies))  # the engine passes over ids of none
     others += [

@@ -31,8 +31,6 @@ from yade import (
 from softgrain import _softgrain, interface_laws
 from softgrain.checks import finite_vector, index, made, number
 
-#: Fraction of the critical step that ``O.dt`` is set to, if nothing else is said [-].
-_USUAL_FRACTION = 0.85
 #: Tag of the scene: ``O.dt`` as last set by set_time_step [s] and the fraction of the critical step
 #: that it was.
 _OWN_STEP = "softgrain.timeStep"
@@ -95,8 +93,8 @@ def engines(
             ``Ip2_SoftPhys`` (frictAngle, dynamicFrictAngle, cohesion, cohesionRange, bondStrength,
             bondEnergy, bondStiffness, bondAtTouch, restitution), each a ``MatchMaker`` or a number
             for all pairs; ``interfaceRange`` of the integrator follows from it unless it is given.
-            Of rigid bodies with each other it has the frictAngle and, with rigid = 'nonsmooth', the
-            restitution; the rest is that of soft grains alone.
+            To pairs of rigid bodies frictAngle applies, too, and with rigid = 'nonsmooth'
+            restitution; the rest to pairs with a soft grain alone.
         rigid (str): how rigid bodies touch each other. 'linear': by YADE's linear law with friction
             (``Law2_ScGeom_FrictPhys_CundallStrack``), whose stiffness may ask for a smaller
             ``O.dt`` than soft grains do: assign it by hand then. 'nonsmooth': by the contact
@@ -327,8 +325,8 @@ def _laws(nonsmooth, interface):
 
 
 def chosen_fraction(name, fraction):
-    """Of the critical step, as a float, the one in use for None; ValueError unless it is in (0, 1]
-    [-]."""
+    """The fraction of the critical step that is meant, for None the one in use; ValueError unless
+    it is in (0, 1] [-]."""
     return number(name, _fraction_in_use() if fraction is None else fraction, "(0, 1]")
 
 
@@ -362,10 +360,10 @@ def automatic_fraction():
 
 
 def _fraction_in_use():
-    """That of the integrator, of the scene while there is none [-]."""
+    """That of the integrator; while there is none what was last set, or what a new one has [-]."""
     for engine in integrators():
         return engine.timeStepFraction
-    return _fraction_set() or _USUAL_FRACTION
+    return _fraction_set() or wrapper.SoftGrainIntegrator().timeStepFraction
 
 
 def _fraction_set():

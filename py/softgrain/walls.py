@@ -1,5 +1,6 @@
 """Walls about a box, and the box between walls."""
 
+import numpy as np
 from yade import O, utils, wrapper
 
 from softgrain.checks import finite_vector
@@ -22,7 +23,7 @@ def walls_around(low, high, material=-1):
     Raises:
         ValueError: corners that are not such, or an unknown material.
     """
-    low = finite_vector("low", low, 3 if _has_three(low) else 2, "m")
+    low = finite_vector("low", low, 3 if np.size(low) == 3 else 2, "m")
     high = finite_vector("high", high, len(low), "m")
     for axis, (least, most) in enumerate(zip(low, high)):
         if not least < most:
@@ -36,10 +37,6 @@ def walls_around(low, high, material=-1):
         for axis in range(len(low))
         for corner, sense in ((low, 1), (high, -1))
     ]
-
-
-def _has_three(numbers):
-    return hasattr(numbers, "__len__") and len(numbers) == 3
 
 
 def wall_box():

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 from scenes import RADIUS, add_disk, ready, run
-from yade import FrictMat, O
+from yade import FrictMat, O, Vector3
 
 import softgrain as sg
 
 
 def test_walls_around_a_box():
     O.materials.append(FrictMat(label="walls"))
-    walls = sg.walls_around((-1, 0, 2), np.array([1, 0.5, 3]), "walls")
+    walls = sg.walls_around(Vector3(-1, 0, 2), np.array([1, 0.5, 3]), "walls")
     O.bodies.append(walls)
     assert [w.shape.axis for w in walls] == [0, 0, 1, 1, 2, 2]
     assert [w.shape.sense for w in walls] == [1, -1] * 3
